@@ -11,6 +11,7 @@ mod table;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use polynomial::substitute;
 pub use polynomial::{MAX_ORDER, Polynomial};
 pub use table::{MAX_KNOTS, Table};
 
@@ -147,6 +148,7 @@ pub enum Coverage {
 }
 
 /// The shape of a drift curve.
+#[allow(clippy::large_enum_variant)] // no heap here to box the table in, and a device holds two of these
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Shape {
     /// A polynomial of order 1 to 5 (the paper's is of order 2, eq. 1).

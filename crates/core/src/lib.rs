@@ -4,5 +4,9 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod compensate;
 pub mod drift;
+pub mod group;
+pub mod record;
+pub mod trim;
 pub mod units;

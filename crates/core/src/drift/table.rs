@@ -62,14 +62,14 @@ impl Table {
             .temperature(2.0 * as_f64(index) / as_f64(self.knots.len() - 1) - 1.0)
     }
 
-    /// The reading at a temperature; the first and last pieces go on beyond the knots. NaN gives NaN.
+    /// The reading at a temperature, held at the end knots beyond them. NaN gives NaN.
     #[must_use]
     pub fn evaluate(&self, temperature: f64) -> f64 {
         let pieces = self.knots.len() - 1;
-        let position = 0.5 * (self.scale.x(temperature) + 1.0) * as_f64(pieces);
-        // `max` turns NaN into 0; the position itself carries it through.
+        let position = 0.5 * (self.scale.x(temperature).clamp(-1.0, 1.0) + 1.0) * as_f64(pieces);
+        // As an index NaN becomes 0; the position itself carries it through.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let piece = (position.max(0.0) as usize).min(pieces - 1);
+        let piece = (position as usize).min(pieces - 1);
         self.knots[piece] + (self.knots[piece + 1] - self.knots[piece]) * (position - as_f64(piece))
     }
 

@@ -1,0 +1,64 @@
+//! Compensation: temperature in; a wiper request and a digital correction out.
+//!
+//! The same law exists twice. [`StaticLaw`] is the f64 law, written as the paper writes it (eq. 6). The device runs
+//! [`EdgeTable`] and [`FixedDrift`]: integers only, made from the f64 law by the host, and compared with it at all
+//! 65 536 temperature codes in the tests. Coefficients ([`AxisLaw`]) are kept apart from state ([`AxisCompensation`]).
+//!
+//! Signs: a reading `R` at tap `N` is `V(T) + effect(N)`. The correction is what is subtracted from it,
+//! `V(T) + effect(N) - V0`, so that the corrected reading is the centre `V0` at rest.
+
+mod axis;
+mod edges;
+mod fixed;
+mod law;
+mod settling;
+
+use serde::{Deserialize, Serialize};
+
+pub use axis::{AxisCompensation, AxisLaw, GroupOutcome, LawRefused};
+pub use edges::{EdgeError, EdgeTable, Interval, MAX_INTERVALS};
+pub use fixed::{FixedDrift, Q16, Unrepresentable};
+pub use law::StaticLaw;
+pub use settling::{LowPass, Settling};
+
+/// What an axis does with its calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+pub enum Mode {
+    /// Nothing: the control of the compensation test.
+    #[default]
+    Off,
+    /// The paper: the tap from the temperature, nothing else.
+    Trim,
+    /// The wiper stays; the drift is subtracted in numbers.
+    Digital,
+    /// The tap from the temperature, and what is left below a tap subtracted in numbers.
+    Hybrid,
+}
+
+impl Mode {
+    /// Whether the wiper follows the temperature.
+    #[must_use]
+    pub const fn moves_wiper(self) -> bool {
+        matches!(self, Self::Trim | Self::Hybrid)
+    }
+
+    /// Whether the reading is corrected in numbers.
+    #[must_use]
+    pub const fn corrects(self) -> bool {
+        matches!(self, Self::Digital | Self::Hybrid)
+    }
+
+    /// `"off"`, `"trim"`, `"digital"` or `"hybrid"`, as in recordings and summaries.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Trim => "trim",
+            Self::Digital => "digital",
+            Self::Hybrid => "hybrid",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

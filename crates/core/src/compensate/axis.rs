@@ -1,0 +1,269 @@
+//! One axis at work: the law's coefficients as the device runs them, and the state that they move.
+
+use heapless::Vec;
+
+use super::Mode;
+use super::edges::{EdgeError, EdgeTable};
+use super::fixed::{FixedDrift, Q16, Unrepresentable};
+use super::law::StaticLaw;
+use super::settling::{LowPass, Settling};
+use crate::drift::Coverage;
+use crate::group::GroupSums;
+use crate::trim::{MAX_TAP_OFFSETS, Trim};
+use crate::units::{Taps, TemperatureCode};
+
+/// An axis's law in the form that the device runs: integers and a table. It does not change while it is in use.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisLaw {
+    drift: FixedDrift,
+    edges: Option<EdgeTable>,
+    effects: FixedEffects,
+    centre: Q16,
+    low_pass: LowPass,
+}
+
+/// Why a law cannot be run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LawRefused {
+    /// Its numbers do not fit the fixed-point form.
+    Unrepresentable(Unrepresentable),
+    /// Its table of edges is not to be believed.
+    Edges(EdgeError),
+}
+
+impl core::fmt::Display for LawRefused {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Unrepresentable(reason) => reason.fmt(f),
+            Self::Edges(reason) => reason.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for LawRefused {}
+
+impl AxisLaw {
+    /// The device's form of a law. `edges` is the table that travelled with it, `None` where the law has none and
+    /// the wiper is to stay (mode digital); it is checked against the law before it is believed.
+    ///
+    /// # Errors
+    /// [`LawRefused`], when the numbers do not fit or the table is wrong.
+    pub fn new(
+        law: &StaticLaw,
+        edges: Option<&EdgeTable>,
+        low_pass: LowPass,
+    ) -> Result<Self, LawRefused> {
+        let drift = FixedDrift::new(&law.drift, law.temperature_scale)
+            .map_err(LawRefused::Unrepresentable)?;
+        if let Some(edges) = edges {
+            edges.check(law).map_err(LawRefused::Edges)?;
+        }
+        let too_large = LawRefused::Unrepresentable(Unrepresentable::TooLarge);
+        Ok(Self {
+            drift,
+            edges: edges.cloned(),
+            effects: FixedEffects::new(&law.trim).ok_or(too_large)?,
+            centre: Q16::from_counts(law.trim.line.centre().0).ok_or(too_large)?,
+            low_pass,
+        })
+    }
+
+    /// Whether the law can move the wiper.
+    #[must_use]
+    pub const fn moves_wiper(&self) -> bool {
+        self.edges.is_some()
+    }
+
+    /// What is to be subtracted from a settled reading: `V(T) + effect(N) - V0`, in integers.
+    #[must_use]
+    pub fn correction(&self, code: TemperatureCode, tap: Taps) -> Q16 {
+        Q16(self.drift_from_centre(code) + self.effects.get(tap).0)
+    }
+
+    fn drift_from_centre(&self, code: TemperatureCode) -> i32 {
+        self.drift.evaluate(code).0 - self.centre.0
+    }
+
+    fn coverage(&self, code: TemperatureCode) -> Coverage {
+        let (first, last) = self.drift.range();
+        if code < first {
+            Coverage::Below
+        } else if code > last {
+            Coverage::Above
+        } else {
+            Coverage::Inside
+        }
+    }
+}
+
+/// What each tap adds to the reading, in Q16: as measured, else by the line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct FixedEffects {
+    first: u16,
+    measured: Vec<i32, MAX_TAP_OFFSETS>,
+    middle: u16,
+    per_tap: i32,
+}
+
+impl FixedEffects {
+    /// `None` when an effect does not fit: some tap would move the reading by more than 32 767 counts.
+    fn new(trim: &Trim) -> Option<Self> {
+        for end in [Taps::FIRST, Taps::LAST] {
+            Q16::from_counts(trim.effect(end).0)?;
+        }
+        let (first, measured) = match &trim.measured {
+            None => (0, Vec::new()),
+            Some(swept) => {
+                let fixed: Option<_> = swept
+                    .effects
+                    .iter()
+                    .map(|e| Q16::from_counts(e.0).map(|q| q.0))
+                    .collect();
+                (swept.first.get(), fixed?)
+            }
+        };
+        let per_tap = Q16::from_counts(trim.line.counts_per_tap().0)?.0;
+        Some(Self {
+            first,
+            measured,
+            middle: trim.line.middle().get(),
+            per_tap,
+        })
+    }
+
+    fn get(&self, tap: Taps) -> Q16 {
+        let index = usize::from(tap.get().wrapping_sub(self.first));
+        let by_line =
+            || (i32::from(tap.get()) - i32::from(self.middle)).saturating_mul(self.per_tap);
+        Q16(self.measured.get(index).copied().unwrap_or_else(by_line))
+    }
+}
+
+/// What closing a group came to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct GroupOutcome {
+    /// The group's mean zero-rate output with the correction of its own temperature taken off; the plain mean in the
+    /// modes that do not correct.
+    pub corrected: Q16,
+    /// Where the temperature lies against the calibrated range; `Invalid` for an empty group.
+    pub coverage: Coverage,
+    /// The tap that the law asks for, when it is not the one last commanded.
+    pub move_to: Option<Taps>,
+}
+
+/// The state of one axis: mode, interval of the table, the last commanded tap, and the correction in force.
+#[derive(Debug, Clone)]
+pub struct AxisCompensation {
+    mode: Mode,
+    tap: Taps,
+    interval: Option<usize>,
+    /// `V(T) - V0` of the last closed group, Q16; `None` until there was one.
+    drift_from_centre: Option<i32>,
+    settling: Settling,
+    /// The wiper's effect over the samples of the group that is being filled, Q16.
+    effect_sum: i64,
+}
+
+impl AxisCompensation {
+    /// An axis at start-up: mode off, the wiper settled at a tap.
+    #[must_use]
+    pub fn new(law: Option<&AxisLaw>, tap: Taps) -> Self {
+        let low_pass = law.map_or(LowPass::NONE, |law| law.low_pass);
+        let effect = law.map_or(Q16::default(), |law| law.effects.get(tap));
+        Self {
+            mode: Mode::Off,
+            tap,
+            interval: None,
+            drift_from_centre: None,
+            settling: Settling::new(low_pass, effect),
+            effect_sum: 0,
+        }
+    }
+
+    /// The mode.
+    #[must_use]
+    pub const fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// The last commanded tap: the potentiometer cannot be read back.
+    #[must_use]
+    pub const fn tap(&self) -> Taps {
+        self.tap
+    }
+
+    /// Changes the mode; the wiper stays until the next group.
+    pub fn set_mode(&mut self, mode: Mode) {
+        self.mode = mode;
+        self.interval = None;
+    }
+
+    /// The wiper was written. Its effect reaches the samples through the low-pass.
+    pub fn wiper_written(&mut self, law: Option<&AxisLaw>, tap: Taps) {
+        self.tap = tap;
+        if let Some(law) = law {
+            self.settling.wiper_written(law.effects.get(tap));
+        }
+    }
+
+    /// One sample of the group that is being filled, corrected by what is known when it is taken: the temperature of
+    /// the last closed group, and the wiper as far as it has settled. The plain sample in the modes that do not
+    /// correct, and before the first group has closed.
+    pub fn sample(&mut self, zro: u16) -> Q16 {
+        let effect = self.settling.next_sample().0;
+        self.effect_sum += i64::from(effect);
+        let reading = i32::from(zro) << 16;
+        match self.drift_from_centre {
+            Some(drift) if self.mode.corrects() => Q16(reading - drift - effect),
+            _ => Q16(reading),
+        }
+    }
+
+    /// Passes over samples of the group that is being filled whose readings are not looked at one by one.
+    pub fn skip_samples(&mut self, n: u32) {
+        self.effect_sum += self.settling.next_samples(n);
+    }
+
+    /// Closes a group: the correction for its mean, and the tap for its temperature.
+    pub fn close_group(&mut self, law: Option<&AxisLaw>, sums: &GroupSums) -> GroupOutcome {
+        let effect_sum = core::mem::take(&mut self.effect_sum);
+        let (Some(law), Some(code)) = (law, sums.temperature_code()) else {
+            let coverage = Coverage::Invalid;
+            return GroupOutcome {
+                corrected: mean_q16(sums, 0),
+                coverage,
+                move_to: None,
+            };
+        };
+        let drift = law.drift_from_centre(code);
+        self.drift_from_centre = Some(drift);
+        let correction = i64::from(drift) * i64::from(sums.n) + effect_sum;
+        let corrected = mean_q16(sums, if self.mode.corrects() { correction } else { 0 });
+        GroupOutcome {
+            corrected,
+            coverage: law.coverage(code),
+            move_to: self.tap_wanted(law, code),
+        }
+    }
+
+    fn tap_wanted(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
+        let edges = law.edges.as_ref().filter(|_| self.mode.moves_wiper())?;
+        let interval = self
+            .interval
+            .map_or_else(|| edges.find(code), |now| edges.next(now, code));
+        self.interval = Some(interval);
+        let tap = edges.intervals().get(interval)?.tap;
+        (tap != self.tap).then_some(tap)
+    }
+}
+
+/// `(sum of zro - correction) / n` to the nearest Q16 step; 0 for an empty group.
+fn mean_q16(sums: &GroupSums, correction_sum: i64) -> Q16 {
+    if sums.n == 0 {
+        return Q16::default();
+    }
+    let n = i64::from(sums.n);
+    // A sum of 16-bit samples shifted by 16 stays below 2^63 for up to 2^31 samples.
+    let sum = (i64::try_from(sums.zro).unwrap_or(i64::MAX >> 16) << 16) - correction_sum;
+    Q16(i32::try_from((2 * sum + n).div_euclid(2 * n)).unwrap_or(i32::MAX))
+}

@@ -1,0 +1,229 @@
+//! The drift in integers alone.
+//!
+//! The host's polynomial in `x = (T - centre) / half_span` is written once more in
+//! `u = (code - middle) / 2^shift`, where `2^shift` is at least the calibrated range of codes, so that `|u| <= 1/2`
+//! and `u` in Q32 is a subtraction and a shift. Horner's step is then one high-word multiply and one add.
+
+use heapless::Vec;
+
+use crate::drift::{Drift, MAX_KNOTS, MAX_ORDER, Polynomial, Shape, Table, ValidRange};
+use crate::units::{TemperatureCode, TemperatureScale};
+
+/// A number of counts in steps of 1/65536.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct Q16(pub i32);
+
+impl Q16 {
+    /// The nearest step to a number of counts; `None` at or beyond +-32768 counts, and for NaN.
+    #[must_use]
+    pub fn from_counts(counts: f64) -> Option<Self> {
+        to_fixed(counts, 16).map(Self)
+    }
+
+    /// As counts.
+    #[must_use]
+    pub fn to_counts(self) -> f64 {
+        f64::from(self.0) / 65_536.0
+    }
+}
+
+/// A drift whose numbers do not fit the fixed-point form.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unrepresentable {
+    /// The readings, or the coefficients between them, are beyond the fixed-point range.
+    TooLarge,
+    /// The calibrated range is narrower than the table's pieces can be told apart in.
+    TooNarrow,
+}
+
+impl core::fmt::Display for Unrepresentable {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::TooLarge => {
+                "the drift model's numbers are beyond the device's fixed-point range: refit with a lower order"
+            }
+            Self::TooNarrow => {
+                "the calibrated range is too narrow for the table: refit over a wider span or with fewer pieces"
+            }
+        })
+    }
+}
+
+impl core::error::Error for Unrepresentable {}
+
+/// Zero-rate output over temperature code in integers: within half a count of the f64 model at every code.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FixedDrift {
+    first: u16,
+    last: u16,
+    form: Form,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Form {
+    Polynomial {
+        /// The code at `u = 0`.
+        middle: u16,
+        /// Left shift from codes to Q32.
+        shift: u32,
+        /// Right shift from the coefficients' fractional bits to Q16.
+        to_q16: u32,
+        /// Highest order first, as Horner takes them.
+        coefficients: Vec<i32, { MAX_ORDER + 1 }>,
+    },
+    Table {
+        /// The code of the first knot.
+        first: u16,
+        /// Pieces a code, in Q32.
+        pieces_per_code: u32,
+        /// Readings in Q16.
+        knots: Vec<i32, MAX_KNOTS>,
+    },
+}
+
+impl FixedDrift {
+    /// The fixed-point form of a drift model.
+    ///
+    /// # Errors
+    /// [`Unrepresentable`] when its numbers do not fit.
+    pub fn new(drift: &Drift, scale: TemperatureScale) -> Result<Self, Unrepresentable> {
+        let (first, last) =
+            calibrated_codes(drift.valid, scale).ok_or(Unrepresentable::TooNarrow)?;
+        let form = match &drift.shape {
+            Shape::Polynomial(polynomial) => polynomial_form(polynomial, scale, first, last)?,
+            Shape::Table(table) => table_form(table, scale)?,
+        };
+        Ok(Self { first, last, form })
+    }
+
+    /// The first and last code of the calibrated range.
+    #[must_use]
+    pub const fn range(&self) -> (TemperatureCode, TemperatureCode) {
+        (TemperatureCode(self.first), TemperatureCode(self.last))
+    }
+
+    /// The zero-rate output at the middle tap, held at the nearer end outside the calibrated range.
+    #[must_use]
+    pub fn evaluate(&self, code: TemperatureCode) -> Q16 {
+        let code = code.0.clamp(self.first, self.last);
+        match &self.form {
+            Form::Polynomial {
+                middle,
+                shift,
+                to_q16,
+                coefficients,
+            } => {
+                let u = (i32::from(code) - i32::from(*middle)) << shift;
+                let sum = coefficients
+                    .iter()
+                    .fold(0, |sum, &c| multiply_high(sum, u) + c);
+                Q16(sum << (16 - to_q16))
+            }
+            Form::Table {
+                first,
+                pieces_per_code,
+                knots,
+            } => {
+                let position = u64::from(code.saturating_sub(*first)) * u64::from(*pieces_per_code);
+                #[allow(clippy::cast_possible_truncation)] // below the number of knots
+                let piece = ((position >> 32) as usize).min(knots.len() - 2);
+                #[allow(clippy::cast_possible_wrap)] // the piece count is far below 2^31
+                let within = (position - ((piece as u64) << 32)).min(1 << 32) as i64;
+                let rise = i64::from(knots[piece + 1]) - i64::from(knots[piece]);
+                // `rise` is below 2^32 and `within` at most 2^32: keep 15 bits of headroom.
+                #[allow(clippy::cast_possible_truncation)]
+                Q16(knots[piece] + ((rise * (within >> 2)) >> 30) as i32)
+            }
+        }
+    }
+}
+
+/// The codes whose temperatures lie in a valid range, ends rounded to the nearest; `None` if there are fewer than two.
+fn calibrated_codes(valid: ValidRange, scale: TemperatureScale) -> Option<(u16, u16)> {
+    let (first, last) = (scale.code(valid.min())?.0, scale.code(valid.max())?.0);
+    (first < last).then_some((first, last))
+}
+
+fn polynomial_form(
+    polynomial: &Polynomial,
+    scale: TemperatureScale,
+    first: u16,
+    last: u16,
+) -> Result<Form, Unrepresentable> {
+    // The smallest power of two that holds the range, and its middle rounded up: -1/2 <= u < 1/2.
+    let codes = u32::from(last - first) + 1;
+    let bits = codes.next_power_of_two().trailing_zeros();
+    #[allow(clippy::cast_possible_truncation)] // at most 2^15
+    let middle = first + (codes / 2) as u16;
+    let span = f64::from(1_u32 << bits);
+    // x = offset + factor u
+    let x = polynomial.scale();
+    let offset = x.x(scale.temperature(TemperatureCode(middle)));
+    let factor = scale.step * span / x.half_span();
+    let in_u = crate::drift::substitute(polynomial.coefficients(), offset, factor);
+    // Every partial sum of Horner's rule stays below the sum of the magnitudes.
+    let magnitude: f64 = in_u.iter().map(|c| libm::fabs(*c)).sum();
+    let fraction_bits = (0..=16)
+        .rev()
+        .find(|&bits| magnitude * f64::from(1_u32 << bits) < f64::from(1_u32 << 30));
+    let fraction_bits = fraction_bits
+        .filter(|&bits| bits >= 6)
+        .ok_or(Unrepresentable::TooLarge)?;
+    // The sum shifted back to Q16 must fit as well.
+    let fits = |reading: f64| libm::fabs(reading) < 32_767.0;
+    let at = |code: u16| polynomial.evaluate(scale.temperature(TemperatureCode(code)));
+    if !(fits(at(first)) && fits(at(last)) && fits(at(middle))) {
+        return Err(Unrepresentable::TooLarge);
+    }
+    let coefficients = in_u
+        .iter()
+        .rev()
+        .filter_map(|&c| to_fixed(c, fraction_bits))
+        .collect();
+    Ok(Form::Polynomial {
+        middle,
+        shift: 32 - bits,
+        to_q16: fraction_bits,
+        coefficients,
+    })
+}
+
+fn table_form(table: &Table, scale: TemperatureScale) -> Result<Form, Unrepresentable> {
+    // The knots are laid anew between whole codes, which their own temperatures are within half a code of.
+    let ends = [-1.0, 1.0].map(|x| scale.zero.max(table.scale().temperature(x)));
+    let [Some(first), Some(last)] = ends.map(|temperature| scale.code(temperature)) else {
+        return Err(Unrepresentable::TooNarrow);
+    };
+    let pieces = u32::try_from(table.knots().len() - 1).map_err(|_| Unrepresentable::TooLarge)?;
+    let codes = u32::from(last.0.saturating_sub(first.0));
+    if codes <= pieces {
+        return Err(Unrepresentable::TooNarrow);
+    }
+    let pieces_per_code = u32::try_from((u64::from(pieces) << 32) / u64::from(codes));
+    let knot_at = |piece: u32| {
+        let code = f64::from(first.0) + f64::from(codes) * f64::from(piece) / f64::from(pieces);
+        to_fixed(table.evaluate(scale.zero + scale.step * code), 16)
+    };
+    let knots: Option<Vec<i32, MAX_KNOTS>> = (0..=pieces).map(knot_at).collect();
+    Ok(Form::Table {
+        first: first.0,
+        pieces_per_code: pieces_per_code.map_err(|_| Unrepresentable::TooNarrow)?,
+        knots: knots.ok_or(Unrepresentable::TooLarge)?,
+    })
+}
+
+/// The high word of a product: `a * b / 2^32`, rounded down. One instruction on a Cortex-M4.
+#[allow(clippy::cast_possible_truncation)] // the product of two i32 shifted by 32 is an i32
+fn multiply_high(a: i32, b: i32) -> i32 {
+    ((i64::from(a) * i64::from(b)) >> 32) as i32
+}
+
+/// The nearest fixed-point number with so many fractional bits; `None` when it does not fit.
+fn to_fixed(value: f64, fraction_bits: u32) -> Option<i32> {
+    let scaled = libm::round(value * f64::from(1_u32 << fraction_bits));
+    if !(f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&scaled) {
+        return None;
+    }
+    #[allow(clippy::cast_possible_truncation)]
+    Some(scaled as i32)
+}

@@ -1,0 +1,138 @@
+//! Exact sums of a group of samples.
+
+use serde::{Deserialize, Serialize};
+
+use crate::units::{Counts, TemperatureCode};
+
+/// Temperature codes to one count: a code is a quarter count on a 14-bit board (DESIGN.md, "The quantities").
+pub const CODES_PER_COUNT: u32 = 4;
+
+/// The sums of one axis's samples in a group: exact integers, so that groups add up in any order to the same bits.
+///
+/// Any length up to `u32::MAX` samples of 16 bits fits: the squares' sum stays below 2^64.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct GroupSums {
+    /// Number of samples.
+    pub n: u32,
+    /// Sum of the temperature samples, counts.
+    pub temperature: u64,
+    /// Sum of their squares, counts squared.
+    pub temperature_sq: u64,
+    /// Sum of the zero-rate samples, counts.
+    pub zro: u64,
+    /// Sum of their squares, counts squared.
+    pub zro_sq: u64,
+}
+
+impl GroupSums {
+    /// Takes in one sample of temperature and zero-rate output, counts.
+    pub fn push(&mut self, temperature: u16, zro: u16) {
+        let (temperature, zro) = (u64::from(temperature), u64::from(zro));
+        self.n += 1;
+        self.temperature += temperature;
+        self.temperature_sq += temperature * temperature;
+        self.zro += zro;
+        self.zro_sq += zro * zro;
+    }
+
+    /// Takes in another group's samples.
+    pub fn merge(&mut self, other: &Self) {
+        self.n += other.n;
+        self.temperature += other.temperature;
+        self.temperature_sq += other.temperature_sq;
+        self.zro += other.zro;
+        self.zro_sq += other.zro_sq;
+    }
+
+    /// Mean temperature, counts; NaN for an empty group.
+    #[must_use]
+    pub fn mean_temperature(&self) -> Counts {
+        mean(self.temperature, self.n)
+    }
+
+    /// Mean zero-rate output, counts; NaN for an empty group.
+    #[must_use]
+    pub fn mean_zro(&self) -> Counts {
+        mean(self.zro, self.n)
+    }
+
+    /// Variance of the temperature samples about their mean, counts squared; NaN for an empty group.
+    #[must_use]
+    pub fn variance_of_temperature(&self) -> f64 {
+        variance(self.temperature, self.temperature_sq, self.n)
+    }
+
+    /// Variance of the zero-rate samples about their mean, counts squared; NaN for an empty group.
+    #[must_use]
+    pub fn variance_of_zro(&self) -> f64 {
+        variance(self.zro, self.zro_sq, self.n)
+    }
+
+    /// The mean temperature as the law takes it, rounded to the nearest code in integers alone; `None` for an empty
+    /// group.
+    #[must_use]
+    pub fn temperature_code(&self) -> Option<TemperatureCode> {
+        let n = u64::from(self.n);
+        let code = (2 * u64::from(CODES_PER_COUNT) * self.temperature + n).checked_div(2 * n)?;
+        Some(TemperatureCode(u16::try_from(code).unwrap_or(u16::MAX)))
+    }
+}
+
+#[allow(clippy::cast_precision_loss)] // sums of a group are far below 2^53
+fn mean(sum: u64, n: u32) -> Counts {
+    Counts(sum as f64 / f64::from(n))
+}
+
+/// `(n S2 - S1^2) / n^2`, the difference taken in integers: nothing cancels.
+#[allow(clippy::cast_precision_loss)]
+fn variance(sum: u64, squares: u64, n: u32) -> f64 {
+    let spread = u128::from(n) * u128::from(squares) - u128::from(sum) * u128::from(sum);
+    spread as f64 / (f64::from(n) * f64::from(n))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn an_empty_group_has_no_temperature() {
+        let empty = GroupSums::default();
+        assert!(empty.mean_temperature().0.is_nan() && empty.variance_of_zro().is_nan());
+        assert_eq!(empty.temperature_code(), None);
+    }
+
+    #[test]
+    fn a_group_of_full_scale_samples_is_exact_at_any_length() {
+        let one = GroupSums {
+            n: u32::MAX,
+            temperature: u64::from(u32::MAX) * 65_535,
+            temperature_sq: u64::from(u32::MAX) * 65_535 * 65_535,
+            ..GroupSums::default()
+        };
+        assert!((one.mean_temperature().0 - 65_535.0).abs() < 1e-9);
+        assert!(one.variance_of_temperature().abs() < 1e-9);
+    }
+
+    proptest! {
+        #[test]
+        fn groups_merge_in_any_order_to_the_same_sums(
+            samples in prop::collection::vec((0..=16_383_u16, 0..=16_383_u16), 1..200), cut in 0..200_usize,
+        ) {
+            let cut = cut.min(samples.len());
+            let sums = |part: &[(u16, u16)]| {
+                let mut sums = GroupSums::default();
+                part.iter().for_each(|&(t, z)| sums.push(t, z));
+                sums
+            };
+            let whole = sums(&samples);
+            let mut merged = sums(&samples[cut..]);
+            merged.merge(&sums(&samples[..cut]));
+            prop_assert_eq!(whole, merged);
+            // The integer rounding against floating point.
+            let mean = whole.mean_temperature().0 * 4.0;
+            let code = f64::from(whole.temperature_code().unwrap().0);
+            prop_assert!((code - mean).abs() <= 0.5 + 1e-9);
+        }
+    }
+}

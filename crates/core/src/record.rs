@@ -1,0 +1,170 @@
+//! The stored calibration as the device takes it: the models with identity, version and CRC.
+//!
+//! On the wire and in flash a record is `"ZRCR"`, the version (u16, little-endian), the body in postcard, and a
+//! CRC-32 (IEEE) of all before it. The version changes when the body's meaning does; a device refuses one it does
+//! not know, and runs uncompensated.
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+use heapless::String;
+use serde::{Deserialize, Serialize};
+
+use crate::compensate::{AxisLaw, EdgeTable, LawRefused, LowPass, StaticLaw};
+use crate::drift::Drift;
+use crate::trim::Trim;
+use crate::units::{Axis, TemperatureScale};
+
+/// The version of the body that this code reads and writes.
+pub const RECORD_VERSION: u16 = 1;
+/// More bytes than any record takes.
+pub const MAX_RECORD_BYTES: usize = 6144;
+
+const MAGIC: [u8; 4] = *b"ZRCR";
+const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// A unit's serial, up to 32 bytes of UTF-8.
+pub type UnitSerial = String<32>;
+
+/// One axis's part of a record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisRecord {
+    /// Zero-rate output at the middle tap over temperature, counts.
+    pub drift: Drift,
+    /// The trim part's model.
+    pub trim: Trim,
+    /// Dead band, taps.
+    pub dead_band: f64,
+    /// The circuit's low-pass at the board's sampling.
+    pub low_pass: LowPass,
+    /// The law solved for its edges; `None` where it has none and only the digital mode can run.
+    pub edges: Option<EdgeTable>,
+}
+
+impl AxisRecord {
+    /// The law in f64.
+    #[must_use]
+    pub fn static_law(&self, temperature_scale: TemperatureScale) -> StaticLaw {
+        StaticLaw {
+            drift: self.drift.clone(),
+            trim: self.trim.clone(),
+            dead_band: self.dead_band,
+            temperature_scale,
+        }
+    }
+
+    /// The law as the device runs it, checked.
+    ///
+    /// # Errors
+    /// [`LawRefused`], when its numbers do not fit or its table of edges disagrees with it.
+    pub fn law(&self, temperature_scale: TemperatureScale) -> Result<AxisLaw, LawRefused> {
+        AxisLaw::new(
+            &self.static_law(temperature_scale),
+            self.edges.as_ref(),
+            self.low_pass,
+        )
+    }
+}
+
+/// The calibration of one unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DeviceRecord {
+    /// The unit it was measured on; a device of another serial refuses it.
+    pub unit: UnitSerial,
+    /// What a temperature code stands for on this board.
+    pub temperature_scale: TemperatureScale,
+    /// The axes, X then Y.
+    pub axes: [AxisRecord; 2],
+}
+
+/// Why bytes are not a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RecordError {
+    /// They do not begin as a record does, or are too few.
+    NotARecord,
+    /// A version that this code does not know.
+    UnknownVersion {
+        /// The version found.
+        found: u16,
+    },
+    /// The CRC-32 does not match: cut or changed.
+    Damaged,
+    /// The CRC-32 matches and the body still makes no sense.
+    Malformed,
+    /// The buffer is too small for the record.
+    TooLong,
+}
+
+impl core::fmt::Display for RecordError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NotARecord => {
+                f.write_str("this is not a device record (it does not begin with ZRCR)")
+            }
+            Self::UnknownVersion { found } => write!(
+                f,
+                "a device record of version {found}; this program knows version {RECORD_VERSION}: make the record anew from calibration.json"
+            ),
+            Self::Damaged => f.write_str(
+                "the device record is damaged (its CRC-32 does not match): write it again",
+            ),
+            Self::Malformed => {
+                f.write_str("the device record's body makes no sense although its CRC-32 matches")
+            }
+            Self::TooLong => f.write_str("the device record is longer than the buffer for it"),
+        }
+    }
+}
+
+impl core::error::Error for RecordError {}
+
+impl DeviceRecord {
+    /// One axis's part.
+    #[must_use]
+    pub const fn axis(&self, axis: Axis) -> &AxisRecord {
+        &self.axes[axis.index()]
+    }
+
+    /// Writes the record and returns its bytes.
+    ///
+    /// # Errors
+    /// [`RecordError::TooLong`].
+    pub fn encode<'b>(&self, buffer: &'b mut [u8]) -> Result<&'b [u8], RecordError> {
+        let head = MAGIC.len() + 2;
+        if buffer.len() < head + 4 {
+            return Err(RecordError::TooLong);
+        }
+        buffer[..MAGIC.len()].copy_from_slice(&MAGIC);
+        buffer[MAGIC.len()..head].copy_from_slice(&RECORD_VERSION.to_le_bytes());
+        let room = buffer.len() - 4;
+        let body = postcard::to_slice(self, &mut buffer[head..room])
+            .map_err(|_| RecordError::TooLong)?
+            .len();
+        let end = head + body;
+        let crc = CRC.checksum(&buffer[..end]).to_le_bytes();
+        buffer[end..end + 4].copy_from_slice(&crc);
+        Ok(&buffer[..end + 4])
+    }
+
+    /// Reads a record.
+    ///
+    /// # Errors
+    /// [`RecordError`], by what is wrong first: form, version, CRC, body.
+    pub fn decode(bytes: &[u8]) -> Result<Self, RecordError> {
+        let head = MAGIC.len() + 2;
+        if bytes.len() < head + 4 || !bytes.starts_with(&MAGIC) {
+            return Err(RecordError::NotARecord);
+        }
+        let (content, crc) = bytes.split_at(bytes.len() - 4);
+        let found = u16::from_le_bytes([content[4], content[5]]);
+        // The version comes first: an unknown one may keep its CRC elsewhere.
+        if found != RECORD_VERSION {
+            return Err(RecordError::UnknownVersion { found });
+        }
+        if CRC.checksum(content).to_le_bytes() != crc {
+            return Err(RecordError::Damaged);
+        }
+        postcard::from_bytes(&content[head..]).map_err(|_| RecordError::Malformed)
+    }
+}
+
+#[cfg(test)]
+mod tests;
