@@ -1,0 +1,107 @@
+//! Comparisons with Python's numerical tools, run in a venv of our own under target/.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Result, ensure};
+
+use crate::provide;
+use crate::steps::Outcome;
+use crate::workspace::Workspace;
+
+/// Where the scripts and the versions they need are kept.
+const SCRIPTS: &str = "crates/xtask/python";
+
+/// Holds `zerorate fit --plain` against numpy.polyfit, on made data and on a real recording where there is one.
+pub fn compare_fit(workspace: &Workspace) -> Result<Outcome> {
+    let mut script = script(workspace, "compare_fit.py")?;
+    match workspace
+        .data()
+        .map(|data| data.join("imu-chamber-cycle/imu_raw_data.tsv"))
+    {
+        Some(recording) if recording.is_file() => {
+            script.arg(recording);
+        }
+        _ => println!(
+            "    without the real recording: no ../shared/data, and ZERORATE_DATA names no other folder"
+        ),
+    }
+    provide::succeed(&mut script)?;
+    Ok(Outcome::Passed)
+}
+
+/// Damages a real recording in six ways and checks what `zerorate fit` says of each.
+pub fn damaged_recordings(workspace: &Workspace) -> Result<Outcome> {
+    let Some(data) = workspace.data() else {
+        return Ok(Outcome::Skipped(
+            "no ../shared/data, and ZERORATE_DATA names no other folder".into(),
+        ));
+    };
+    let recording = data.join("imu-chamber-cycle/imu_raw_data.tsv");
+    let encoder = data.join("../tools/encode_flight_logs.py");
+    if let Some(missing) = [&recording, &encoder]
+        .into_iter()
+        .find(|path| !path.is_file())
+    {
+        return Ok(Outcome::Skipped(format!(
+            "{} is missing",
+            missing.display()
+        )));
+    }
+    provide::succeed(script(workspace, "damaged_recordings.py")?.args([encoder, recording]))?;
+    Ok(Outcome::Passed)
+}
+
+/// The call of a script with the built command as its first argument.
+fn script(workspace: &Workspace, name: &str) -> Result<Command> {
+    let zerorate = workspace.zerorate()?;
+    let mut command = Command::new(venv(workspace)?);
+    command
+        .current_dir(&workspace.root)
+        .arg(Path::new(SCRIPTS).join(name))
+        .arg(zerorate);
+    Ok(command)
+}
+
+/// The Python of the venv with the pinned packages, made on the first call.
+fn venv(workspace: &Workspace) -> Result<PathBuf> {
+    let folder = workspace.target.join("venv");
+    let python = folder.join("bin/python");
+    let wanted = workspace.read(Path::new(SCRIPTS).join("requirements.txt"))?;
+    // Written last, so that a venv that was interrupted is made again.
+    let stamp = folder.join("requirements.txt");
+    if fs::read_to_string(&stamp).is_ok_and(|made| made == wanted) {
+        return Ok(python);
+    }
+    // Debian ships venv without the pip it installs: the module is there, ensurepip is not.
+    let has_venv =
+        || provide::works(Command::new("python3").args(["-c", "import venv, ensurepip"]));
+    if !has_venv() {
+        provide::install("Python 3 with venv", &["python3", "python3-venv"])?;
+        ensure!(
+            has_venv(),
+            "python3 on the PATH has no venv, though python3-venv is installed"
+        );
+    }
+    println!("    making target/venv");
+    provide::succeed(
+        Command::new("python3")
+            .args(["-m", "venv", "--clear"])
+            .arg(&folder),
+    )?;
+    provide::succeed(
+        Command::new(&python)
+            .args([
+                "-m",
+                "pip",
+                "install",
+                "--quiet",
+                "--disable-pip-version-check",
+                "--requirement",
+            ])
+            .arg(workspace.root.join(SCRIPTS).join("requirements.txt")),
+    )?;
+    fs::write(stamp, wanted)?;
+    Ok(python)
+}
