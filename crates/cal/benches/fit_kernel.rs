@@ -1,0 +1,41 @@
+//! Rows a second of the fit kernel: an order-3 fit of three rates, pushed column by column.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use zerorate_cal::fit::{Basis, Fit};
+use zerorate_core::drift::Scale;
+
+/// Enough rows to be past every cache, as in a long log.
+const ROWS: u32 = 1_000_000;
+
+fn fit_kernel(criterion: &mut Criterion) {
+    let temperatures: Vec<f64> = (0..ROWS)
+        .map(|i| 10.0 + 50.0 * (1e-5 * f64::from(i)).sin())
+        .collect();
+    let rates: Vec<Vec<f64>> = (1..=3)
+        .map(|axis| {
+            temperatures
+                .iter()
+                .map(|t| f64::from(axis) + (t / 30.0).cos())
+                .collect()
+        })
+        .collect();
+    let columns: Vec<&[f64]> = rates.iter().map(Vec::as_slice).collect();
+    let scale = Scale::spanning(-40.0, 60.0).expect("a span");
+
+    let mut group = criterion.benchmark_group("fit kernel");
+    group.throughput(Throughput::Elements(u64::from(ROWS)));
+    group.sample_size(20);
+    group.bench_function("order 3, three rates", |bencher| {
+        bencher.iter(|| {
+            let mut fit = Fit::new(scale, Basis::Powers(3), 3);
+            fit.push_rows(black_box(&temperatures), &columns);
+            fit.finish().expect("a solution")
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, fit_kernel);
+criterion_main!(benches);
