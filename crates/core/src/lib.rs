@@ -10,3 +10,4 @@ pub mod group;
 pub mod record;
 pub mod trim;
 pub mod units;
+pub mod wire;

@@ -1,0 +1,280 @@
+//! Every message between device and host, in one table, and the frames that carry them.
+//!
+//! Host to device: [`Command`]. Device to host: [`Upload`]. Each travels as postcard, a CRC-32, COBS and a zero byte
+//! ([`frame`]).
+//!
+//! A command says at which group it takes effect and is answered with the group at which it did. What changes how
+//! groups are taken happens between two groups, never within one; what only asks is answered at once.
+
+pub mod frame;
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+use crate::compensate::Mode;
+use crate::drift::Coverage;
+use crate::group::GroupSums;
+use crate::record::{RecordError, UnitSerial};
+use crate::units::{Axis, GroupNumber, Taps};
+
+/// The version of this table. Host and device compare it in the answer to [`Request::Identity`].
+pub const WIRE_VERSION: u16 = 1;
+/// Bytes of a calibration in one message.
+pub const CHUNK: usize = 128;
+/// Samples in one message.
+pub const SAMPLES_PER_BLOCK: usize = 25;
+
+/// What the host sends.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Command {
+    /// The host's number for the command; the answer carries it.
+    pub sequence: u16,
+    /// The first group for which the command is to hold; `None`: the next one. A group that has begun cannot be
+    /// changed: then it holds from the next, and the answer says which.
+    pub at: Option<GroupNumber>,
+    /// What is asked.
+    pub request: Request,
+}
+
+/// What the host asks for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Request {
+    /// Who are you? Answered at once.
+    Identity,
+    /// Changes an axis's mode, between groups.
+    SetMode {
+        /// Which axis.
+        axis: Axis,
+        /// The mode.
+        mode: Mode,
+    },
+    /// Writes a wiper, between groups. A mode that moves the wiper moves it on from there.
+    SetTap {
+        /// Which axis.
+        axis: Axis,
+        /// The tap.
+        tap: Taps,
+    },
+    /// Starts the acquisition anew at group 0, or stops it. Answered at once.
+    SetAcquisition {
+        /// Whether to acquire.
+        run: bool,
+    },
+    /// Chooses what is uploaded. Answered at once.
+    SetStream {
+        /// A [`GroupReport`] for every group.
+        groups: bool,
+        /// Every sample, too.
+        samples: bool,
+    },
+    /// Puts a part of a record in the device's buffer; it changes nothing yet. Answered at once.
+    WriteCalibration {
+        /// Where in the record, bytes.
+        offset: u16,
+        /// The part.
+        bytes: Vec<u8, CHUNK>,
+    },
+    /// Checks the buffered record, stores it, and takes it into use between groups. A declared pause: groups that
+    /// fall into it are lost and counted.
+    CommitCalibration {
+        /// Length of the whole record, bytes.
+        length: u16,
+    },
+    /// Asks for a part of the stored record. Answered at once.
+    ReadCalibration {
+        /// Where in the record, bytes.
+        offset: u16,
+    },
+    /// Asks for the fault counters. Answered at once.
+    Faults,
+    /// Makes the present taps those of power-up: a store in the potentiometer's non-volatile register, which wears
+    /// (50 000 stores). Between groups.
+    StorePowerUpTap,
+}
+
+/// What the device sends.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Upload {
+    /// Counts every upload, so that a lost one is noticed.
+    pub sequence: u32,
+    /// What it carries.
+    pub message: Message,
+}
+
+/// What an upload carries.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Message {
+    /// The answer to a command.
+    Answer {
+        /// The command's number.
+        to: u16,
+        /// The first group for which it holds.
+        group: GroupNumber,
+        /// What came of it.
+        answer: Answer,
+    },
+    /// A closed group.
+    Group(GroupReport),
+    /// Some of a group's samples.
+    Samples(SampleBlock),
+}
+
+/// What came of a command.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Answer {
+    /// It was done.
+    Done,
+    /// Who the device is.
+    Identity(Identity),
+    /// A part of the stored record.
+    Calibration {
+        /// Length of the whole record, bytes; 0 where there is none.
+        length: u16,
+        /// Where the part belongs.
+        offset: u16,
+        /// The part.
+        bytes: Vec<u8, CHUNK>,
+    },
+    /// The fault counters.
+    Faults(FaultCounts),
+    /// It was not done.
+    Refused(Refusal),
+}
+
+/// Who the device is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Identity {
+    /// [`WIRE_VERSION`] of the device.
+    pub wire_version: u16,
+    /// The unit's serial.
+    pub unit: UnitSerial,
+    /// The firmware's version, major, minor, patch.
+    pub firmware: [u16; 3],
+    /// Samples a group.
+    pub samples_per_group: u16,
+    /// Microseconds from sample to sample.
+    pub sample_period_us: u32,
+    /// Whether a calibration is in use.
+    pub calibrated: bool,
+    /// The group that is being filled.
+    pub group: GroupNumber,
+}
+
+/// Why a command was not done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// The mode needs a calibration and there is none.
+    NoCalibration,
+    /// The mode moves the wiper and the calibration has no table of edges.
+    NoEdges,
+    /// The potentiometer could not be written.
+    TrimPartFailed,
+    /// The acquisition could not be reached.
+    AcquisitionFailed,
+    /// More commands wait than the device can hold: send it again.
+    Busy,
+    /// The part lies outside the calibration buffer.
+    OutOfBuffer,
+    /// The record cannot be read.
+    Record(RecordError),
+    /// The record is another unit's.
+    OtherUnit,
+    /// The record's laws cannot be run: their numbers do not fit, or a table of edges disagrees with its law.
+    LawRefused,
+    /// The record could not be stored.
+    StoreFailed,
+}
+
+impl core::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NoCalibration => f.write_str("the device has no calibration: deploy one first"),
+            Self::NoEdges => {
+                f.write_str("this calibration cannot move the wiper (its drift needs too many taps): use mode digital")
+            }
+            Self::TrimPartFailed => f.write_str("the potentiometer could not be written: check its SPI wiring"),
+            Self::AcquisitionFailed => f.write_str("the acquisition port does not answer: check its SPI wiring"),
+            Self::Busy => f.write_str("too many commands are waiting: send it again later"),
+            Self::OutOfBuffer => f.write_str("the record is longer than the device can hold"),
+            Self::Record(error) => error.fmt(f),
+            Self::OtherUnit => f.write_str("the record belongs to a unit of another serial"),
+            Self::LawRefused => f.write_str("the device cannot run the record's law: compose it again"),
+            Self::StoreFailed => f.write_str("the device could not store the record: its flash has failed"),
+        }
+    }
+}
+
+impl core::error::Error for Refusal {}
+
+/// How often each fault has happened since the device started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct FaultCounts {
+    /// Sets lost before they were read.
+    pub lost_sets: u32,
+    /// Sets whose CRC did not match, or whose transfer failed.
+    pub acquisition_errors: u32,
+    /// Wiper writes that failed.
+    pub trim_errors: u32,
+    /// Groups outside the calibrated temperature range.
+    pub out_of_range: u32,
+    /// Groups with a reading at either end of the converter.
+    pub saturated: u32,
+    /// Frames that could not be read.
+    pub damaged_frames: u32,
+    /// Uploads dropped because the line was too slow.
+    pub dropped_uploads: u32,
+}
+
+/// One axis's part of a group.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisReport {
+    /// The exact sums.
+    pub sums: GroupSums,
+    /// The tap while the group was taken.
+    pub tap: Taps,
+    /// The mode while the group was taken.
+    pub mode: Mode,
+    /// The corrected mean, in steps of 1/65536 count.
+    pub corrected_q16: i32,
+    /// Where the temperature lay against the calibrated range.
+    pub coverage: Coverage,
+    /// Whether a sample was at either end of the converter.
+    pub saturated: bool,
+    /// The tap that was written when the group closed, if it changed.
+    pub moved_to: Option<Taps>,
+}
+
+/// A closed group.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GroupReport {
+    /// Its number.
+    pub group: GroupNumber,
+    /// Groups lost since acquisition started.
+    pub lost: u32,
+    /// The axes, X then Y.
+    pub axes: [AxisReport; 2],
+}
+
+/// One sample of one axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Sample {
+    /// The temperature reading, counts.
+    pub temperature: u16,
+    /// The zero-rate reading, counts.
+    pub zro: u16,
+    /// The corrected reading, in steps of 1/65536 count.
+    pub corrected_q16: i32,
+}
+
+/// Some of a group's samples of one axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SampleBlock {
+    /// The group.
+    pub group: GroupNumber,
+    /// The axis.
+    pub axis: Axis,
+    /// The first sample's place in the group.
+    pub index: u16,
+    /// The samples.
+    pub samples: Vec<Sample, SAMPLES_PER_BLOCK>,
+}

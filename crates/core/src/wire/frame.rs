@@ -1,0 +1,252 @@
+//! Frames: postcard, then a CRC-32, then COBS, then a zero byte.
+//!
+//! A zero byte ends a frame and nothing else is zero, so a receiver that missed something is in step again at the next
+//! frame. A frame that cannot be read is an error with a name; it is never acted on.
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+use heapless::Vec;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// More bytes than any frame takes on the wire, its zero included.
+pub const MAX_FRAME: usize = 512;
+
+const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+/// What fits before COBS adds its byte in 254 and the zero ends the frame.
+const MAX_PAYLOAD: usize = MAX_FRAME - MAX_FRAME / 254 - 2;
+
+/// Why a frame was not made, or not read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrameError {
+    /// Longer than [`MAX_FRAME`].
+    TooLong,
+    /// Not COBS.
+    Stuffing,
+    /// Shorter than its CRC.
+    TooShort,
+    /// The CRC-32 does not match.
+    Crc,
+    /// The CRC-32 matches and the content is no message of this version.
+    Content,
+}
+
+impl core::fmt::Display for FrameError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::TooLong => "a frame is longer than any message",
+            Self::Stuffing => "a frame is not COBS",
+            Self::TooShort => "a frame is shorter than its CRC",
+            Self::Crc => "a frame's CRC-32 does not match",
+            Self::Content => "a frame holds no message of this version",
+        })
+    }
+}
+
+impl core::error::Error for FrameError {}
+
+/// A message as the bytes of a frame, its zero included.
+///
+/// # Errors
+/// [`FrameError::TooLong`].
+pub fn encode(message: &impl Serialize) -> Result<Vec<u8, MAX_FRAME>, FrameError> {
+    let mut payload = [0; MAX_PAYLOAD];
+    let length = postcard::to_slice(message, &mut payload[..MAX_PAYLOAD - 4])
+        .map_err(|_| FrameError::TooLong)?
+        .len();
+    let crc = CRC.checksum(&payload[..length]).to_le_bytes();
+    payload[length..length + 4].copy_from_slice(&crc);
+    let mut frame = Vec::new();
+    frame
+        .resize_default(MAX_FRAME)
+        .map_err(|_| FrameError::TooLong)?;
+    let stuffed =
+        cobs::try_encode(&payload[..length + 4], &mut frame).map_err(|_| FrameError::TooLong)?;
+    frame.truncate(stuffed);
+    frame.push(0).map_err(|_| FrameError::TooLong)?;
+    Ok(frame)
+}
+
+/// Reads the content of a frame, its zero left off.
+///
+/// # Errors
+/// [`FrameError`], by what is wrong first.
+pub fn decode<T: DeserializeOwned>(stuffed: &mut [u8]) -> Result<T, FrameError> {
+    let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Stuffing)?;
+    let payload = stuffed.get(..length).ok_or(FrameError::Stuffing)?;
+    let (content, crc) = payload
+        .split_last_chunk::<4>()
+        .ok_or(FrameError::TooShort)?;
+    if CRC.checksum(content).to_le_bytes() != *crc {
+        return Err(FrameError::Crc);
+    }
+    let (message, rest) = postcard::take_from_bytes(content).map_err(|_| FrameError::Content)?;
+    if rest.is_empty() {
+        Ok(message)
+    } else {
+        Err(FrameError::Content)
+    }
+}
+
+/// Collects bytes into frames.
+#[derive(Debug, Clone, Default)]
+pub struct Receiver {
+    bytes: Vec<u8, MAX_FRAME>,
+    overflowed: bool,
+}
+
+impl Receiver {
+    /// An empty receiver.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            bytes: Vec::new(),
+            overflowed: false,
+        }
+    }
+
+    /// Takes one byte; when it ends a frame, what the frame says, or why it cannot be read. An empty frame is no
+    /// frame: a zero byte may be sent at any time to get in step.
+    pub fn push<T: DeserializeOwned>(&mut self, byte: u8) -> Option<Result<T, FrameError>> {
+        if byte != 0 {
+            self.overflowed |= self.bytes.push(byte).is_err();
+            return None;
+        }
+        let overflowed = core::mem::take(&mut self.overflowed);
+        let frame = if overflowed {
+            Some(Err(FrameError::TooLong))
+        } else if self.bytes.is_empty() {
+            None
+        } else {
+            Some(decode(&mut self.bytes))
+        };
+        self.bytes.clear();
+        frame
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drift::Coverage;
+    use crate::group::GroupSums;
+    use crate::units::{Axis, GroupNumber, Taps};
+    use crate::wire::{
+        AxisReport, CHUNK, Command, GroupReport, Message, Request, SAMPLES_PER_BLOCK, Sample,
+        SampleBlock, Upload,
+    };
+    use proptest::prelude::*;
+
+    fn receive<T: DeserializeOwned>(
+        receiver: &mut Receiver,
+        bytes: &[u8],
+    ) -> std::vec::Vec<Result<T, FrameError>> {
+        bytes
+            .iter()
+            .filter_map(|&byte| receiver.push(byte))
+            .collect()
+    }
+
+    fn set_tap() -> Command {
+        let request = Request::SetTap {
+            axis: Axis::Y,
+            tap: Taps::MIDDLE,
+        };
+        Command {
+            sequence: 7,
+            at: Some(GroupNumber(2400)),
+            request,
+        }
+    }
+
+    /// The longest message of each kind, with every number at its longest.
+    #[test]
+    fn the_longest_messages_fit_a_frame() {
+        let sums = GroupSums {
+            n: u32::MAX,
+            temperature: u64::MAX,
+            temperature_sq: u64::MAX,
+            zro: u64::MAX,
+            zro_sq: u64::MAX,
+        };
+        let axis = AxisReport {
+            sums,
+            tap: Taps::LAST,
+            mode: crate::compensate::Mode::Hybrid,
+            corrected_q16: i32::MIN,
+            coverage: Coverage::Invalid,
+            saturated: true,
+            moved_to: Some(Taps::LAST),
+        };
+        let group = GroupReport {
+            group: GroupNumber(u32::MAX),
+            lost: u32::MAX,
+            axes: [axis.clone(), axis],
+        };
+        let sample = Sample {
+            temperature: u16::MAX,
+            zro: u16::MAX,
+            corrected_q16: i32::MIN,
+        };
+        let mut samples = Vec::new();
+        samples.resize(SAMPLES_PER_BLOCK, sample).unwrap();
+        let block = SampleBlock {
+            group: GroupNumber(u32::MAX),
+            axis: Axis::Y,
+            index: u16::MAX,
+            samples,
+        };
+        for message in [Message::Group(group), Message::Samples(block)] {
+            let upload = Upload {
+                sequence: u32::MAX,
+                message,
+            };
+            let frame = encode(&upload).unwrap();
+            assert_eq!(receive(&mut Receiver::new(), &frame), [Ok(upload)]);
+        }
+        let mut bytes = Vec::new();
+        bytes.resize(CHUNK, 0xFF).unwrap();
+        let request = Request::WriteCalibration {
+            offset: u16::MAX,
+            bytes,
+        };
+        assert!(
+            encode(&Command {
+                sequence: u16::MAX,
+                at: None,
+                request
+            })
+            .is_ok()
+        );
+    }
+
+    #[test]
+    fn a_receiver_is_in_step_again_after_a_frame_too_long() {
+        let mut receiver = Receiver::new();
+        let mut bytes = std::vec![1_u8; 3 * MAX_FRAME];
+        bytes.push(0);
+        bytes.extend(encode(&set_tap()).unwrap());
+        let got = receive(&mut receiver, &bytes);
+        assert_eq!(got, [Err(FrameError::TooLong), Ok(set_tap())]);
+    }
+
+    proptest! {
+        #[test]
+        fn a_changed_byte_never_becomes_another_command(at in 0..40_usize, to in any::<u8>()) {
+            let mut frame = encode(&set_tap()).unwrap();
+            let at = at % frame.len();
+            prop_assume!(frame[at] != to);
+            frame[at] = to;
+            let _ = frame.push(0);
+            for got in receive::<Command>(&mut Receiver::new(), &frame) {
+                prop_assert!(got.is_err());
+            }
+        }
+
+        #[test]
+        fn noise_is_neither_a_panic_nor_a_command(noise in prop::collection::vec(any::<u8>(), 0..2000)) {
+            for got in receive::<Command>(&mut Receiver::new(), &noise) {
+                prop_assert!(got.is_err());
+            }
+        }
+    }
+}
