@@ -3,8 +3,8 @@
 
 usage: compare_fit.py ZERORATE [RECORDING.tsv]
 
-Fits a cubic to a made recording, and to a real one where it is given, with both. The two curves may differ by 1e-9 of the
-curve's own range (its highest value less its lowest over the temperatures of the recording) and no more.
+Fits a cubic to a made recording, and to a real one where it is given, with both. The two curves may differ by 1e-9 of
+the curve's own range (its highest value less its lowest over the temperatures of the recording) and no more.
 """
 
 import json
@@ -23,7 +23,7 @@ TEMPERATURE = "imu.temperature"
 
 
 def made_recording(path):
-    """A day's warm-up and cool-down: three known cubics, noise, an offset 1000 times the noise, some lost temperatures."""
+    """A chamber's cycle: three known cubics, an offset up to 1000 times the noise, some temperatures lost."""
     rng = np.random.default_rng(2)
     rows = 20_000
     time_us = np.arange(rows) * 500_000

@@ -3,6 +3,8 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 
@@ -20,7 +22,10 @@ const NAMES: [&str; 4] = [
 /// Debian's packages; without a font, figures have no text.
 const PACKAGES: [&str; 2] = ["chromium", "fonts-dejavu-core"];
 
-/// A running browser. Dropped, it is killed, by its own process id, and its profile removed.
+/// How long a browser may take to end when asked to, before it is killed.
+const FAREWELL: Duration = Duration::from_secs(5);
+
+/// A running browser. Dropped, it is asked to end, then killed by its own process id, and its profile removed.
 pub struct Browser {
     /// The conversation with it.
     pub devtools: DevTools<ChildStdin>,
@@ -88,7 +93,13 @@ impl Browser {
 
 impl Drop for Browser {
     fn drop(&mut self) {
-        // Already gone is as good as killed, and a profile left behind is removed by the next start.
+        // Asked, it ends its helper processes too; killed, it leaves them to notice. Nothing here is worth an error:
+        // a browser already gone is what we want, and a profile left behind is removed by the next start.
+        let asked = Instant::now();
+        let _ = self.devtools.close_browser();
+        while matches!(self.process.try_wait(), Ok(None)) && asked.elapsed() < FAREWELL {
+            thread::sleep(Duration::from_millis(20));
+        }
         let _ = self.process.kill();
         let _ = self.process.wait();
         let _ = fs::remove_dir_all(&self.profile);

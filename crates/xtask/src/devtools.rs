@@ -27,7 +27,7 @@ impl<W: Write> DevTools<W> {
     /// A conversation on the two ends of the browser's pipes.
     pub fn new(to: W, from: impl Read + Send + 'static) -> Self {
         let (sender, receiver) = mpsc::channel();
-        // Reading blocks for ever when a browser is stuck, so it has a thread, and we wait on the channel with patience.
+        // Reading blocks for ever when a browser is stuck: it has a thread, and we wait on the channel with patience.
         thread::spawn(move || {
             for message in BufReader::new(from)
                 .split(0)
@@ -66,6 +66,12 @@ impl<W: Write> DevTools<W> {
         );
         self.events.clear();
         Ok(())
+    }
+
+    /// Asks the whole browser to end.
+    pub fn close_browser(&mut self) -> Result<()> {
+        self.session = None;
+        self.call("Browser.close", json!({})).map(|_| ())
     }
 
     /// Calls a method and waits for its result.

@@ -109,7 +109,8 @@ mod tests {
 
     #[test]
     fn std_in_comments_in_longer_names_and_for_tests_is_not_a_fault() {
-        let text = "// std::fmt is not used\nuse no_std::x;\n#[cfg(test)]\nextern crate std;\n#[cfg(test)]\nmod tests {\n    use std::vec;\n}\n";
+        let text = "// std::fmt is not used\nuse no_std::x;\n#[cfg(test)]\nextern crate std;\n\
+            #[cfg(test)]\nmod tests {\n    use std::vec;\n}\n";
         assert_eq!(mentions_of_std(text), [0; 0]);
     }
 }

@@ -105,11 +105,7 @@ fn look<W: std::io::Write>(
         BASE64_STANDARD.decode(shot["data"].as_str().unwrap_or_default())?,
     )?;
 
-    let mut faults: Vec<String> = page
-        .events
-        .iter()
-        .filter_map(|event| fault_of(event, url))
-        .collect();
+    let mut faults = Vec::new();
     let wide = page
         .evaluate("document.documentElement.scrollWidth")?
         .as_f64()
@@ -124,13 +120,16 @@ fn look<W: std::io::Write>(
             "a figure has text {height:.1} px high, legible is {LEGIBLE_PX} px"
         ));
     }
+    // Last, so that what the page did meanwhile counts as well.
+    faults.extend(page.events.iter().filter_map(|event| fault_of(event, url)));
     Ok(faults)
 }
 
-/// The height in CSS pixels of the lowest text in any figure, as scaled on this screen; null without figures.
+/// The height in CSS pixels of the lowest text in any figure, as scaled on this screen and whichever way it is turned;
+/// null without figures.
 const SMALLEST_TEXT: &str = "(() => {
     const heights = [...document.querySelectorAll('svg text')]
-        .map(text => Math.min(text.getBoundingClientRect().height, text.getBBox().height * text.getScreenCTM().d || Infinity))
+        .map(text => text.getBBox().height * Math.abs(text.getScreenCTM().a || text.getScreenCTM().b))
         .filter(height => height > 0);
     return heights.length ? Math.min(...heights) : null;
 })()";
