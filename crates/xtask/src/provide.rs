@@ -1,6 +1,7 @@
 //! Programs from outside: found, installed where that is allowed, or named so that a person can.
 
 use std::env;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -48,14 +49,30 @@ pub fn is_root() -> bool {
         .is_ok_and(|output| output.stdout.trim_ascii() == b"0")
 }
 
+/// A program that is not there and that we may not install. Its message says what to do.
+#[derive(Debug)]
+pub struct Missing(String);
+
+impl fmt::Display for Missing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Missing {}
+
 /// Installs Debian packages as root, or says which are missing.
 pub fn install(what_for: &str, packages: &[&str]) -> Result<()> {
     let listed = packages.join(" ");
     if on_path(&["apt-get"]).is_none() {
-        bail!("{what_for} is missing; on Debian it is in: {listed}");
+        bail!(Missing(format!(
+            "{what_for} is missing; on Debian it is in: {listed}"
+        )));
     }
     if !is_root() {
-        bail!("{what_for} is missing; install it with: sudo apt-get install {listed}");
+        bail!(Missing(format!(
+            "{what_for} is missing; install it with: sudo apt-get install {listed}"
+        )));
     }
     println!("    installing {what_for}: {listed}");
     let apt = || {

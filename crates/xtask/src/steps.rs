@@ -5,6 +5,8 @@ use std::time::Instant;
 
 use anyhow::{Result, bail};
 
+use crate::provide::Missing;
+
 /// How a step ended when it did not fail.
 pub enum Outcome {
     /// It ran, and found nothing wrong.
@@ -77,7 +79,10 @@ pub fn run(steps: &[Step]) -> ExitCode {
             Err(error) => {
                 failed += 1;
                 println!("    {}: FAILED after {took_s:.1} s: {error:#}", step.name);
-                println!("    what to do: {}", step.remedy);
+                // What is missing is no fault of the project's, and its message has its own remedy.
+                if !error.is::<Missing>() {
+                    println!("    what to do: {}", step.remedy);
+                }
                 break;
             }
         }
