@@ -29,80 +29,27 @@ const NEVER: [(&str, &[&str]); 3] = [
     ("cal", &["clap", "indicatif", "tokio", "axum", "datafusion"]),
 ];
 
-/// What one crate may use of another: all of it, or one module.
+/// What one crate may use of others, by folder: all of it, or one module.
 type Uses = BTreeMap<String, Option<String>>;
+
+/// A crate of the workspace.
+struct Member {
+    folder: String,
+    package: String,
+    manifest: Table,
+    is_binary: bool,
+}
 
 /// Checks every manifest, and the sources where an arrow points at one module only.
 pub fn check(workspace: &Workspace) -> Result<Outcome> {
     let arrows = arrows(&workspace.read("ARCHITECTURE.md")?)?;
-    let folders = workspace.crates()?;
-    let mut manifests = BTreeMap::new();
-    for folder in &folders {
-        let manifest: Table = workspace
-            .read(Path::new("crates").join(folder).join("Cargo.toml"))?
-            .parse()
-            .with_context(|| format!("crates/{folder}/Cargo.toml"))?;
-        manifests.insert(folder.as_str(), manifest);
-    }
-    let folder_of: BTreeMap<&str, &str> = manifests
-        .iter()
-        .filter_map(|(f, m)| Some((package(m)?, *f)))
-        .collect();
-
-    let mut faults = Vec::new();
+    let members = members(workspace)?;
     let nothing = Uses::new();
-    for (folder, manifest) in &manifests {
-        let allowed = arrows.get(*folder).unwrap_or(&nothing);
-        for (dependency, only_tests) in dependencies(manifest) {
-            match folder_of.get(dependency.as_str()) {
-                Some(ours) => {
-                    let drawn = allowed.contains_key(*ours)
-                        || (only_tests && IN_TESTS.contains(&(*folder, *ours)));
-                    if !drawn && ours != folder {
-                        faults.push(format!(
-                            "crates/{folder}/Cargo.toml: no arrow {folder} -> {ours}"
-                        ));
-                    }
-                }
-                None if NEVER
-                    .iter()
-                    .any(|(who, what)| who == folder && what.contains(&dependency.as_str())) =>
-                {
-                    faults.push(format!(
-                        "crates/{folder}/Cargo.toml: {folder} must not know {dependency}"
-                    ));
-                }
-                None => {}
-            }
-            let is_binary = workspace
-                .root
-                .join("crates")
-                .join(folder)
-                .join("src/main.rs")
-                .is_file();
-            if dependency == "anyhow" && !is_binary {
-                faults.push(format!(
-                    "crates/{folder}/Cargo.toml: anyhow is for binaries; give the error a type"
-                ));
-            }
-        }
-        for (used, module) in allowed
-            .iter()
-            .filter_map(|(used, module)| Some((used, module.as_ref()?)))
-        {
-            let Some(name) = manifests.get(used.as_str()).and_then(package) else {
-                continue;
-            };
-            for (path, text) in workspace.sources(Path::new("crates").join(folder))? {
-                let lines = uses_beyond(&text, &name.replace('-', "_"), module).into_iter();
-                faults.extend(lines.map(|line| {
-                    format!(
-                        "{}:{line}: {folder} may use {used}::{module} and nothing else of {used}",
-                        path.display()
-                    )
-                }));
-            }
-        }
+    let mut faults = Vec::new();
+    for member in &members {
+        let allowed = arrows.get(&member.folder).unwrap_or(&nothing);
+        faults.extend(manifest_faults(member, &members, allowed));
+        faults.extend(source_faults(workspace, member, &members, allowed)?);
     }
     ensure!(
         faults.is_empty(),
@@ -112,10 +59,84 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
     );
     println!(
         "    {} crates keep to {} arrows",
-        folders.len(),
+        members.len(),
         arrows.values().map(Uses::len).sum::<usize>()
     );
     Ok(Outcome::Passed)
+}
+
+fn members(workspace: &Workspace) -> Result<Vec<Member>> {
+    let member = |folder: String| {
+        let path = Path::new("crates").join(&folder);
+        let named = || format!("crates/{folder}/Cargo.toml");
+        let manifest: Table = workspace
+            .read(path.join("Cargo.toml"))?
+            .parse()
+            .with_context(named)?;
+        let package = manifest
+            .get("package")
+            .and_then(|package| package.get("name")?.as_str());
+        let package = package.with_context(named)?.to_owned();
+        let is_binary = workspace.root.join(path).join("src/main.rs").is_file();
+        Ok(Member {
+            folder,
+            package,
+            manifest,
+            is_binary,
+        })
+    };
+    workspace.crates()?.into_iter().map(member).collect()
+}
+
+/// What a manifest names and must not.
+fn manifest_faults(member: &Member, members: &[Member], allowed: &Uses) -> Vec<String> {
+    let folder = member.folder.as_str();
+    let never = NEVER
+        .iter()
+        .find(|(who, _)| *who == folder)
+        .map_or(&[][..], |(_, what)| *what);
+    let mut faults = Vec::new();
+    for (dependency, only_tests) in dependencies(&member.manifest) {
+        let ours = members
+            .iter()
+            .find(|ours| ours.package == dependency)
+            .map(|ours| ours.folder.as_str());
+        let in_tests = |ours| only_tests && IN_TESTS.contains(&(folder, ours));
+        if let Some(ours) = ours.filter(|ours| !allowed.contains_key(*ours) && !in_tests(ours)) {
+            faults.push(format!("no arrow {folder} -> {ours}"));
+        }
+        if never.contains(&dependency.as_str()) {
+            faults.push(format!("{folder} must not know {dependency}"));
+        }
+        if dependency == "anyhow" && !member.is_binary {
+            faults.push("anyhow is for binaries; give the error a type".to_owned());
+        }
+    }
+    faults
+        .into_iter()
+        .map(|fault| format!("crates/{folder}/Cargo.toml: {fault}"))
+        .collect()
+}
+
+/// Where the sources reach beyond the one module that an arrow points at.
+fn source_faults(
+    workspace: &Workspace,
+    member: &Member,
+    members: &[Member],
+    allowed: &Uses,
+) -> Result<Vec<String>> {
+    let mut faults = Vec::new();
+    for used in members {
+        let Some(Some(module)) = allowed.get(&used.folder) else {
+            continue;
+        };
+        for (path, text) in workspace.sources(Path::new("crates").join(&member.folder))? {
+            let lines = uses_beyond(&text, &used.package.replace('-', "_"), module).into_iter();
+            let allowed = format!("of {} only {module} may be used", used.package);
+            faults.extend(lines.map(|line| format!("{}:{line}: {allowed}", path.display())));
+        }
+    }
+    Ok(faults)
 }
 
 /// The arrows drawn in the code block below the heading "Arrows".
@@ -151,10 +172,6 @@ fn arrows(page: &str) -> Result<BTreeMap<String, Uses>> {
         }
     }
     Ok(arrows)
-}
-
-fn package(manifest: &Table) -> Option<&str> {
-    manifest.get("package")?.get("name")?.as_str()
 }
 
 /// The packages a manifest names, and whether tests alone use them; target-specific ones included.
@@ -241,6 +258,47 @@ mod tests {
                 .map(|(name, tests)| (name.to_owned(), tests))
                 .into()
         );
+    }
+
+    fn member(folder: &str, manifest: &str) -> Member {
+        let package = format!("zerorate-{folder}");
+        Member {
+            folder: folder.into(),
+            package,
+            manifest: manifest.parse().unwrap(),
+            is_binary: false,
+        }
+    }
+
+    #[test]
+    fn a_manifest_may_name_what_an_arrow_points_at_and_nothing_else_of_ours() {
+        let members = [
+            member(
+                "cal",
+                "[dependencies]\nzerorate-core = '1'\nclap = '4'\ncsv = '1'",
+            ),
+            member("core", ""),
+        ];
+        let drawn = Uses::from([("core".to_owned(), None)]);
+        assert_eq!(
+            manifest_faults(&members[0], &members, &drawn),
+            ["crates/cal/Cargo.toml: cal must not know clap"]
+        );
+        assert_eq!(
+            manifest_faults(&members[0], &members, &Uses::new()).len(),
+            2
+        );
+    }
+
+    #[test]
+    fn anyhow_is_for_binaries() {
+        let library = member("sim", "[dependencies]\nanyhow = '1'");
+        assert_eq!(manifest_faults(&library, &[], &Uses::new()).len(), 1);
+        let binary = Member {
+            is_binary: true,
+            ..library
+        };
+        assert_eq!(manifest_faults(&binary, &[], &Uses::new()).len(), 0);
     }
 
     #[test]

@@ -25,8 +25,8 @@ use workspace::Workspace;
 #[derive(Parser)]
 #[command(
     name = "cargo xtask",
-    about = "The project's chores",
-    disable_help_subcommand = false
+    bin_name = "cargo xtask",
+    about = "The project's chores"
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -58,79 +58,48 @@ fn main() -> Result<ExitCode> {
     Ok(steps::run(&steps::chosen(checks(&workspace, fast), &only)?))
 }
 
-/// Every check, cheapest news first within each kind.
+/// Every check: cargo's, which say the most, then those that read, then those that need the built command.
 fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
-    let mut steps = vec![
-        Step::new("format", "run `cargo fmt`", || {
-            cargo::run(workspace, &["fmt", "--all", "--check"])
-        }),
-        Step::new(
-            "clippy",
-            "mend what it points at; `cargo clippy --fix` does the simple ones",
-            || {
-                cargo::run(
-                    workspace,
-                    &[
-                        "clippy",
-                        "--workspace",
-                        "--all-targets",
-                        "--",
-                        "-D",
-                        "warnings",
-                    ],
-                )
-            },
-        ),
-        Step::new(
-            "rustdoc",
-            "mend the links and docstrings it points at",
-            || cargo::document(workspace),
-        ),
+    let within = |check: fn(&Workspace) -> Result<Outcome>| move || check(workspace);
+    vec![
+        Step::new("format", "run `cargo fmt`", within(cargo::format)),
+        Step::new("clippy", "mend what it points at", within(cargo::lint)),
+        Step::new("rustdoc", "mend what it points at", within(cargo::document)),
         Step::new(
             "tests",
-            "run the failed test alone: `cargo test -p CRATE NAME`",
-            || cargo::run(workspace, &["test", "--workspace"]),
+            "`cargo test -p CRATE NAME` runs one",
+            within(cargo::test),
         ),
         Step::new(
             "no_std",
-            "keep std, files and clocks on the host side: see ARCHITECTURE.md",
-            || no_std::check(workspace),
+            "see ARCHITECTURE.md, Arrows",
+            within(no_std::check),
         ),
         Step::new(
             "arrows",
-            "move the code to where the arrow allows it, or argue for an arrow",
-            || arrows::check(workspace),
+            "see ARCHITECTURE.md, Arrows",
+            within(arrows::check),
         ),
-        Step::new(
-            "house",
-            "see CONTRIBUTING.md for the habit behind the rule",
-            || house::check(workspace),
-        ),
-    ];
-    let built = [
-        Step::new("build", "mend the build", || {
-            cargo::run(workspace, &["build", "--release", "--package", "zerorate"])
-        }),
+        Step::new("house", "see CONTRIBUTING.md, Habits", within(house::check)),
+        Step::new("build", "mend the build", within(cargo::build_command))
+            .skipped_if(fast, "--fast"),
         Step::new(
             "numpy",
-            "the plain fit must be ordinary least squares; see crates/xtask/python",
-            || python::compare_fit(workspace),
-        ),
-        Step::new("damage", "see the checks of quality in crates/cal", || {
-            python::damaged_recordings(workspace)
-        }),
-        Step::new("report", "look at target/report-screenshots", || {
-            report::check(workspace)
-        }),
-    ];
-    if fast {
-        steps.extend(
-            built
-                .into_iter()
-                .map(|step| step.replaced_by(|| Ok(Outcome::Skipped("--fast".into())))),
-        );
-    } else {
-        steps.extend(built);
-    }
-    steps
+            "see crates/xtask/python/compare_fit.py",
+            within(python::compare_fit),
+        )
+        .skipped_if(fast, "--fast"),
+        Step::new(
+            "damage",
+            "see crates/xtask/python/damaged_recordings.py",
+            within(python::damaged_recordings),
+        )
+        .skipped_if(fast, "--fast"),
+        Step::new(
+            "report",
+            "look at target/report-screenshots",
+            within(report::check),
+        )
+        .skipped_if(fast, "--fast"),
+    ]
 }

@@ -28,10 +28,11 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
         let root = Path::new("crates").join(folder).join("src");
         if !workspace
             .read(root.join("lib.rs"))?
-            .starts_with("#![no_std]")
+            .lines()
+            .any(|line| line == "#![no_std]")
         {
             faults.push(format!(
-                "{}: does not start with #![no_std]",
+                "{}: is not #![no_std]",
                 root.join("lib.rs").display()
             ));
         }
