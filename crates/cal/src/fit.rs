@@ -59,7 +59,7 @@ impl Fit {
     /// An empty fit of `responses` rates, each with its own coefficients, over `scale`.
     #[must_use]
     pub fn new(scale: Scale, basis: Basis, responses: usize) -> Self {
-        let columns = basis.len() + responses;
+        let columns = basis.size() + responses;
         Self {
             scale,
             basis,
@@ -94,7 +94,7 @@ impl Fit {
         let row = self.filled;
         self.basis.write(&x, &mut self.block[row..], BLOCK_ROWS);
         for (response, rate) in rates.iter().enumerate() {
-            self.block[(self.basis.len() + response) * BLOCK_ROWS + row] = *rate;
+            self.block[(self.basis.size() + response) * BLOCK_ROWS + row] = *rate;
         }
         self.advance(1);
     }
@@ -126,7 +126,7 @@ impl Fit {
             self.basis
                 .write(&x[..rows], &mut self.block[row..], BLOCK_ROWS);
             for (response, column) in rates.iter().enumerate() {
-                let start = (self.basis.len() + response) * BLOCK_ROWS + row;
+                let start = (self.basis.size() + response) * BLOCK_ROWS + row;
                 self.block[start..start + rows].copy_from_slice(&column[done..done + rows]);
             }
             self.advance(rows);
@@ -186,12 +186,12 @@ impl Fit {
     pub fn sum_of_squares_of(&self, response: usize, coefficients: &[f64]) -> f64 {
         assert_eq!(
             coefficients.len(),
-            self.basis.len(),
+            self.basis.size(),
             "one coefficient a function of the basis"
         );
         assert!(response < self.responses, "no such response");
         let factor = self.settled();
-        let target = self.basis.len() + response;
+        let target = self.basis.size() + response;
         (0..=target)
             .map(|row| {
                 let fitted: f64 = coefficients

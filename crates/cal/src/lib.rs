@@ -1,3 +1,7 @@
 #![doc = include_str!("../README.md")]
 
+pub mod choose;
+pub mod condition;
 pub mod fit;
+pub mod quality;
+pub mod table;

@@ -13,16 +13,10 @@ pub enum Basis {
 impl Basis {
     /// The number of functions, and so of coefficients.
     #[must_use]
-    pub fn len(self) -> usize {
+    pub fn size(self) -> usize {
         match self {
             Self::Powers(size) | Self::Hats(size) => size + 1,
         }
-    }
-
-    /// Never: every basis has a function.
-    #[must_use]
-    pub fn is_empty(self) -> bool {
-        false
     }
 
     /// Writes the basis at each x into `columns`, column-major, a column every `stride` numbers.

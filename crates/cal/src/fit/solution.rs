@@ -52,7 +52,7 @@ impl Solution {
 
 /// Solves for every response.
 pub(super) fn solve(fit: &Fit) -> Result<Vec<Solution>, FitError> {
-    let coefficients = fit.basis.len();
+    let coefficients = fit.basis.size();
     if fit.rows < coefficients as u64 {
         return Err(FitError::TooFewRows {
             rows: fit.rows,

@@ -1,0 +1,106 @@
+//! Conditioning: from the rows of a log to groups of which only drift is left.
+//!
+//! Rows without numbers, start-up rows and spikes are dropped within a group ([`group`]); groups in which the unit was
+//! moved are left out, and steps of the rate are found and taken out, on the groups ([`level`]). Everything found is
+//! counted and can be shown. What is kept in memory is groups.
+
+mod group;
+mod level;
+mod robust;
+
+use serde::Serialize;
+
+pub use group::{AxisGroup, Group, Grouping, group_rows};
+pub use level::{Levels, level};
+
+/// Why rows were left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DropReason {
+    /// The temperature is no number.
+    MissingTemperature,
+    /// The rate is no number.
+    MissingRate,
+    /// Far from their neighbours at the very start of the log.
+    StartUp,
+    /// A temperature far from its neighbours.
+    TemperatureSpike,
+    /// A rate far from its neighbours.
+    Spike,
+    /// In a stretch in which the unit was moved.
+    Rotation,
+}
+
+/// A count of rows left out for one reason.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Rejected {
+    /// The reason.
+    pub reason: DropReason,
+    /// Rows.
+    pub count: u64,
+}
+
+/// Counts of rows left out of one axis.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Tally(Vec<Rejected>);
+
+impl Tally {
+    /// Counts rows; none are not listed.
+    pub fn add(&mut self, reason: DropReason, count: u64) {
+        if count == 0 {
+            return;
+        }
+        match self.0.iter_mut().find(|rejected| rejected.reason == reason) {
+            Some(rejected) => rejected.count += count,
+            None => self.0.push(Rejected { reason, count }),
+        }
+    }
+
+    /// The rows left out for one reason.
+    #[must_use]
+    pub fn count(&self, reason: DropReason) -> u64 {
+        self.0
+            .iter()
+            .find(|rejected| rejected.reason == reason)
+            .map_or(0, |rejected| rejected.count)
+    }
+
+    /// All counts, in the order of the reasons.
+    #[must_use]
+    pub fn rejected(&self) -> Vec<Rejected> {
+        let mut rejected = self.0.clone();
+        rejected.sort_by_key(|rejected| rejected.reason);
+        rejected
+    }
+}
+
+/// A contiguous stretch of rows that was left out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stretch {
+    /// Why.
+    pub reason: DropReason,
+    /// The first row and the row after the last, from 0.
+    pub rows: (u64, u64),
+    /// The time of the first and last group, seconds from the log's first row; NaN without a time column.
+    pub time_s: (f64, f64),
+    /// The least and greatest group temperature, in the column's unit.
+    pub temperature: (f64, f64),
+}
+
+/// A jump of one axis's rate that stayed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    /// The axis, by its place among the rate columns.
+    pub axis: usize,
+    /// The first row of the first group after it.
+    pub row: u64,
+    /// Its time, seconds from the log's first row; NaN without a time column.
+    pub time_s: f64,
+    /// The temperature there, in the column's unit.
+    pub temperature: f64,
+    /// After less before, rate units.
+    pub size: f64,
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,34 @@
+//! Statistics that a few wild values cannot move.
+
+/// The median absolute deviation times this is the standard deviation of a normal distribution: 1 / 0.6745.
+const MAD_TO_SIGMA: f64 = 1.4826;
+
+/// The mean absolute deviation times this is the standard deviation of a normal distribution: sqrt(pi / 2).
+const MEAN_DEVIATION_TO_SIGMA: f64 = 1.2533;
+
+/// The median; the upper one of an even number; NaN of none. The values are reordered.
+pub(super) fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The median and the standard deviation about it by the median absolute deviation.
+///
+/// Where more than half the values are equal, as with a coarse A/D, that deviation is 0 and the mean one is taken.
+pub(super) fn centre_and_sigma(values: &[f64]) -> (f64, f64) {
+    let centre = median(&mut values.to_vec());
+    let mut deviations: Vec<f64> = values.iter().map(|value| (value - centre).abs()).collect();
+    let mean = deviations.iter().sum::<f64>() / deviations.len() as f64;
+    let sigma = MAD_TO_SIGMA * median(&mut deviations);
+    (
+        centre,
+        if sigma > 0.0 {
+            sigma
+        } else {
+            MEAN_DEVIATION_TO_SIGMA * mean
+        },
+    )
+}

@@ -1,0 +1,278 @@
+//! The verdict on a log, with its reasons.
+
+use serde::{Deserialize, Serialize};
+
+/// The least temperature span of a calibration, degrees C: below it a curve is mostly noise.
+pub const MIN_SPAN_C: f64 = 10.0;
+
+/// The least span where temperature is in counts: 10 C at the paper's 34 counts a degree (READING.md, "What the paper
+/// leaves open").
+pub const MIN_SPAN_COUNTS: f64 = 340.0;
+
+/// Groups a coefficient, at least: fewer, and a stretch held out takes a coefficient's data with it.
+pub const MIN_ROWS_A_COEFFICIENT: u64 = 2;
+
+/// The share of dropped rows above which a log is warned of.
+const WARNED_SHARE: f64 = 1e-3;
+
+/// The unit of a temperature column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TemperatureUnit {
+    /// Degrees Celsius.
+    C,
+    /// Counts of an A/D.
+    #[serde(rename = "counts")]
+    Counts,
+}
+
+impl TemperatureUnit {
+    /// The least span of a calibration in this unit.
+    #[must_use]
+    pub fn min_span(self) -> f64 {
+        match self {
+            Self::C => MIN_SPAN_C,
+            Self::Counts => MIN_SPAN_COUNTS,
+        }
+    }
+
+    /// The unit as it is written after a number.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::C => "C",
+            Self::Counts => "counts",
+        }
+    }
+}
+
+/// What a log is good for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Nothing speaks against it.
+    Good,
+    /// Fitted, with something to look at.
+    Warning,
+    /// Not fitted, or fitted only to be looked at: no calibration comes of it.
+    Rejected,
+}
+
+/// What a verdict rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ReasonKind {
+    /// Rejected: the temperature span is too small. A warning where it was allowed.
+    NarrowSpan,
+    /// Rejected: the temperature never changes.
+    StuckTemperature,
+    /// Rejected: fewer rows or groups than the model needs.
+    TooFewGroups,
+    /// Rejected: no row with both a temperature and a rate.
+    NoFiniteRows,
+    /// Warning: rows without a number.
+    MissingValues,
+    /// Warning: single rows far from their neighbours.
+    Spikes,
+    /// Warning: a stretch in which the unit was moved.
+    Rotation,
+    /// Warning: the rate jumped and stayed, with no change of temperature to match.
+    Step,
+}
+
+impl ReasonKind {
+    /// What the kind makes of a log by itself.
+    #[must_use]
+    pub fn verdict(self) -> Verdict {
+        match self {
+            Self::NarrowSpan | Self::StuckTemperature | Self::TooFewGroups | Self::NoFiniteRows => {
+                Verdict::Rejected
+            }
+            Self::MissingValues | Self::Spikes | Self::Rotation | Self::Step => Verdict::Warning,
+        }
+    }
+}
+
+/// One reason: its kind for programs, its text for people.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Reason {
+    /// The kind.
+    pub kind: ReasonKind,
+    /// A sentence that says what was found, where, and what to do.
+    pub text: String,
+}
+
+impl Reason {
+    /// A reason.
+    #[must_use]
+    pub fn new(kind: ReasonKind, text: impl Into<String>) -> Self {
+        Self {
+            kind,
+            text: text.into(),
+        }
+    }
+}
+
+/// A verdict and all its reasons.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judgement {
+    /// The verdict: the worst of the reasons'.
+    pub verdict: Verdict,
+    /// The reasons, in the order found.
+    pub reasons: Vec<Reason>,
+}
+
+impl Default for Judgement {
+    fn default() -> Self {
+        Self {
+            verdict: Verdict::Good,
+            reasons: Vec::new(),
+        }
+    }
+}
+
+impl Judgement {
+    /// Adds a reason with the verdict of its kind.
+    pub fn add(&mut self, reason: Reason) {
+        let verdict = reason.kind.verdict();
+        self.add_as(verdict, reason);
+    }
+
+    /// Adds a reason that counts as another verdict than its kind's.
+    pub fn add_as(&mut self, verdict: Verdict, reason: Reason) {
+        self.verdict = self.verdict.max(verdict);
+        if !self.reasons.contains(&reason) {
+            self.reasons.push(reason);
+        }
+    }
+
+    /// Whether the log was rejected.
+    #[must_use]
+    pub fn rejected(&self) -> bool {
+        self.verdict == Verdict::Rejected
+    }
+
+    /// Judges the temperature span of what would be fitted, in the temperature's unit; `allow_narrow` makes a narrow
+    /// span a warning, for then the range is written and enforced. A constant temperature is never allowed.
+    pub fn span(&mut self, min: f64, max: f64, unit: TemperatureUnit, allow_narrow: bool) {
+        let (span, least, name) = (max - min, unit.min_span(), unit.name());
+        // A sensor's rounding is no span: a thousandth of what is needed.
+        if span < 1e-3 * least {
+            let text = format!(
+                "the temperature stays at {min:.2} {name}: its sensor is stuck, or the wrong column was read"
+            );
+            self.add(Reason::new(ReasonKind::StuckTemperature, text));
+        } else if span < least {
+            let verdict = if allow_narrow {
+                Verdict::Warning
+            } else {
+                Verdict::Rejected
+            };
+            let advice = if allow_narrow {
+                "the calibration holds for this range alone"
+            } else {
+                "record a wider range, or allow a narrow one"
+            };
+            let text = format!(
+                "the temperature spans {span:.1} {name} ({min:.1} to {max:.1}), less than {least:.0} {name}: {advice}"
+            );
+            self.add_as(verdict, Reason::new(ReasonKind::NarrowSpan, text));
+        }
+    }
+
+    /// Judges whether there are enough rows (`what` says of what: rows or groups) for so many coefficients.
+    pub fn rows(&mut self, axis: &str, rows: u64, what: &str, coefficients: usize) {
+        let least = MIN_ROWS_A_COEFFICIENT * coefficients as u64;
+        if rows == 0 {
+            let text = format!("{axis}: no row has both a temperature and a rate");
+            self.add(Reason::new(ReasonKind::NoFiniteRows, text));
+        } else if rows < least {
+            let text = format!(
+                "{axis}: {rows} {what} cannot settle {coefficients} coefficients ({least} are needed): record for longer, or choose a smaller model"
+            );
+            self.add(Reason::new(ReasonKind::TooFewGroups, text));
+        }
+    }
+
+    /// Warns of rows dropped for one reason when they are more than a thousandth of all.
+    pub fn dropped(&mut self, kind: ReasonKind, axis: &str, what: &str, dropped: u64, of: u64) {
+        if dropped as f64 > WARNED_SHARE * of as f64 {
+            let text = format!("{axis}: {dropped} of {of} rows were left out: {what}");
+            self.add(Reason::new(kind, text));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn span(
+        min: f64,
+        max: f64,
+        unit: TemperatureUnit,
+        allow_narrow: bool,
+    ) -> (Verdict, Vec<ReasonKind>) {
+        let mut judgement = Judgement::default();
+        judgement.span(min, max, unit, allow_narrow);
+        (
+            judgement.verdict,
+            judgement.reasons.iter().map(|reason| reason.kind).collect(),
+        )
+    }
+
+    #[test]
+    fn a_span_under_ten_degrees_is_rejected_unless_allowed() {
+        use ReasonKind::NarrowSpan;
+        assert_eq!(
+            span(-17.0, -12.0, TemperatureUnit::C, false),
+            (Verdict::Rejected, vec![NarrowSpan])
+        );
+        assert_eq!(
+            span(-17.0, -12.0, TemperatureUnit::C, true),
+            (Verdict::Warning, vec![NarrowSpan])
+        );
+        assert_eq!(
+            span(-17.0, -7.0, TemperatureUnit::C, false),
+            (Verdict::Good, vec![])
+        );
+        assert_eq!(
+            span(9000.0, 9339.0, TemperatureUnit::Counts, false).0,
+            Verdict::Rejected
+        );
+        assert_eq!(
+            span(9000.0, 9340.0, TemperatureUnit::Counts, false).0,
+            Verdict::Good
+        );
+    }
+
+    #[test]
+    fn a_stuck_temperature_is_rejected_even_where_a_narrow_span_is_allowed() {
+        let stuck = (Verdict::Rejected, vec![ReasonKind::StuckTemperature]);
+        assert_eq!(span(25.0, 25.0, TemperatureUnit::C, true), stuck);
+    }
+
+    #[test]
+    fn reasons_are_written_in_kebab_case() {
+        let reason = Reason::new(ReasonKind::NarrowSpan, "too narrow");
+        assert_eq!(
+            serde_json::to_string(&reason).unwrap(),
+            r#"{"kind":"narrow-span","text":"too narrow"}"#
+        );
+        assert_eq!(serde_json::to_string(&Verdict::Good).unwrap(), r#""good""#);
+    }
+
+    #[test]
+    fn the_verdict_is_the_worst_of_the_reasons() {
+        let mut judgement = Judgement::default();
+        judgement.dropped(ReasonKind::Spikes, "x", "spikes", 1, 10_000);
+        assert_eq!(judgement.verdict, Verdict::Good);
+        judgement.dropped(ReasonKind::Spikes, "x", "spikes", 80, 8400);
+        assert_eq!(judgement.verdict, Verdict::Warning);
+        judgement.rows("x", 7, "groups", 4);
+        judgement.dropped(ReasonKind::Spikes, "y", "spikes", 80, 8400);
+        assert_eq!(
+            (judgement.verdict, judgement.reasons.len()),
+            (Verdict::Rejected, 3)
+        );
+    }
+}

@@ -1,0 +1,341 @@
+//! Which column is which, and in what unit: as asked for, or by the names where they make it plain.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::{TableError, TableFile};
+use crate::quality::TemperatureUnit;
+
+/// The unit of a time column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TimeUnit {
+    /// Seconds.
+    S,
+    /// Milliseconds.
+    Ms,
+    /// Microseconds.
+    Us,
+    /// Nanoseconds.
+    Ns,
+}
+
+impl TimeUnit {
+    const ALL: [Self; 4] = [Self::S, Self::Ms, Self::Us, Self::Ns];
+
+    /// One unit in seconds.
+    #[must_use]
+    pub fn seconds(self) -> f64 {
+        match self {
+            Self::S => 1.0,
+            Self::Ms => 1e-3,
+            Self::Us => 1e-6,
+            Self::Ns => 1e-9,
+        }
+    }
+
+    /// The one unit by which a log lasts from 100 s to 100 000 s (28 h), as a thermal log does: the units lie a factor of
+    /// 1000 apart, so at most one fits. `None` where none does.
+    #[must_use]
+    pub fn by_duration(duration: f64) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|unit| (100.0..100_000.0).contains(&(duration * unit.seconds())))
+    }
+}
+
+/// The unit of the rate columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RateUnit {
+    /// Degrees per second.
+    #[serde(rename = "dps")]
+    Dps,
+    /// Radians per second.
+    #[serde(rename = "rad/s")]
+    RadPerS,
+    /// Counts of an A/D.
+    #[serde(rename = "counts")]
+    Counts,
+}
+
+/// A unit that was asked for and is none.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("'{text}' is no unit here: give {known}")]
+pub struct UnitError {
+    text: String,
+    known: &'static str,
+}
+
+impl FromStr for TimeUnit {
+    type Err = UnitError;
+    fn from_str(text: &str) -> Result<Self, UnitError> {
+        let known = Self::ALL.into_iter().find(|unit| unit.to_string() == text);
+        known.ok_or_else(|| UnitError {
+            text: text.to_owned(),
+            known: "s, ms, us or ns",
+        })
+    }
+}
+
+impl fmt::Display for TimeUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::S => "s",
+            Self::Ms => "ms",
+            Self::Us => "us",
+            Self::Ns => "ns",
+        })
+    }
+}
+
+impl FromStr for RateUnit {
+    type Err = UnitError;
+    fn from_str(text: &str) -> Result<Self, UnitError> {
+        let known = [Self::Dps, Self::RadPerS, Self::Counts]
+            .into_iter()
+            .find(|unit| unit.to_string() == text);
+        known.ok_or_else(|| UnitError {
+            text: text.to_owned(),
+            known: "dps, rad/s or counts",
+        })
+    }
+}
+
+impl fmt::Display for RateUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Dps => "dps",
+            Self::RadPerS => "rad/s",
+            Self::Counts => "counts",
+        })
+    }
+}
+
+/// What was asked for; whatever is left open is guessed.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Columns {
+    /// The time column's name.
+    pub time: Option<String>,
+    /// The temperature column's name.
+    pub temperature: Option<String>,
+    /// The rate columns' names; empty to guess.
+    pub rates: Vec<String>,
+    /// The time column's unit.
+    pub time_unit: Option<TimeUnit>,
+    /// The rate columns' unit.
+    pub rate_unit: Option<RateUnit>,
+}
+
+/// Which column is which.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resolved {
+    /// The place of the time column; a log may have none.
+    pub time: Option<usize>,
+    /// The place of the temperature column.
+    pub temperature: usize,
+    /// The places of the rate columns, at least one.
+    pub rates: Vec<usize>,
+    /// The rate columns' names.
+    pub rate_names: Vec<String>,
+    /// The time's unit where it was given or the name says it; otherwise [`TimeUnit::by_duration`] decides.
+    pub time_unit: Option<TimeUnit>,
+    /// The rates' unit.
+    pub rate_unit: RateUnit,
+    /// The temperature's unit: counts where the name says so, else degrees C.
+    pub temperature_unit: TemperatureUnit,
+    /// A sentence for everything that was guessed and not plain from a name.
+    pub notes: Vec<String>,
+}
+
+impl Columns {
+    /// Finds the columns of a table.
+    ///
+    /// # Errors
+    /// When a column asked for is not there, or the names do not make it plain: the error lists the columns and the
+    /// option that says which.
+    pub fn resolve(&self, table: &TableFile) -> Result<Resolved, TableError> {
+        let words: Vec<Vec<String>> = table.names().iter().map(|name| words(name)).collect();
+        let places = |is: fn(&[String]) -> bool| -> Vec<usize> {
+            (0..words.len())
+                .filter(|&column| is(&words[column]))
+                .collect()
+        };
+        let temperature = match &self.temperature {
+            Some(name) => table.column(name)?,
+            None => match places(is_temperature)[..] {
+                [only] => only,
+                ref several => return Err(unclear(table, "temperature", several, "--temperature")),
+            },
+        };
+        let rates = if self.rates.is_empty() {
+            match guess_rates(&words) {
+                Ok(rates) => rates,
+                Err(several) => return Err(unclear(table, "rate", &several, "--rate")),
+            }
+        } else {
+            self.rates
+                .iter()
+                .map(|name| table.column(name))
+                .collect::<Result<_, _>>()?
+        };
+        let time = match &self.time {
+            Some(name) => Some(table.column(name)?),
+            // Of `timestamp` and `timestamp_sample` the one with fewer words; a log may also have none.
+            None => places(is_time)
+                .into_iter()
+                .min_by_key(|&column| words[column].len()),
+        };
+        let mut notes = Vec::new();
+        let rate_unit = self
+            .rate_unit
+            .or_else(|| rate_unit(&words[rates[0]]))
+            .unwrap_or_else(|| {
+                let name = &table.names()[rates[0]];
+                notes.push(format!(
+                    "'{name}' names no unit: taken as rad/s (--rate-unit says otherwise)"
+                ));
+                RateUnit::RadPerS
+            });
+        Ok(Resolved {
+            time,
+            temperature,
+            rate_names: rates
+                .iter()
+                .map(|&rate| table.names()[rate].clone())
+                .collect(),
+            rates,
+            time_unit: self
+                .time_unit
+                .or_else(|| time.and_then(|time| time_unit(&words[time]))),
+            rate_unit,
+            temperature_unit: if has(&words[temperature], &COUNTS_WORDS) {
+                TemperatureUnit::Counts
+            } else {
+                TemperatureUnit::C
+            },
+            notes,
+        })
+    }
+}
+
+fn unclear(
+    table: &TableFile,
+    what: &'static str,
+    found: &[usize],
+    option: &'static str,
+) -> TableError {
+    TableError::Unclear {
+        path: table.path().to_owned(),
+        what,
+        found: if found.is_empty() {
+            "no column"
+        } else {
+            "more than one column"
+        },
+        option,
+        columns: table.names().join(", "),
+    }
+}
+
+const COUNTS_WORDS: [&str; 5] = ["count", "counts", "lsb", "adc", "raw"];
+
+/// A name's words in lower case: `imu.gyro.x`, `x_rad_s`, `GyrX`, `gyro_rad[0]`.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut was_lower = false;
+    for letter in name.chars() {
+        if !letter.is_alphanumeric() || (was_lower && letter.is_uppercase()) {
+            words.push(String::new());
+        }
+        if letter.is_alphanumeric() {
+            words
+                .last_mut()
+                .expect("never empty")
+                .extend(letter.to_lowercase());
+        }
+        was_lower = letter.is_lowercase();
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+fn has(words: &[String], any: &[&str]) -> bool {
+    words.iter().any(|word| any.contains(&word.as_str()))
+}
+
+fn is_time(words: &[String]) -> bool {
+    words
+        .first()
+        .is_some_and(|word| ["t", "time", "timestamp", "seconds"].contains(&word.as_str()))
+        && !is_temperature(words)
+}
+
+fn is_temperature(words: &[String]) -> bool {
+    words.iter().any(|word| word.starts_with("temp")) || words == ["t", "c"]
+}
+
+/// Names a rate by the sensor's name or by its unit, and no other sensor.
+fn is_rate(words: &[String]) -> bool {
+    let sensor = words.iter().any(|word| word.starts_with("gyr"))
+        || has(words, &["rate", "omega", "zro", "angular"]);
+    let other = words
+        .iter()
+        .any(|word| word.starts_with("acc") || word.starts_with("mag"));
+    (sensor || has(words, &["dps", "rad"])) && !other && !is_temperature(words) && !is_time(words)
+}
+
+fn names_axis(words: &[String]) -> bool {
+    has(words, &["x", "y", "z", "0", "1", "2"])
+}
+
+/// One to three rate columns, or what was found instead.
+fn guess_rates(words: &[Vec<String>]) -> Result<Vec<usize>, Vec<usize>> {
+    let all: Vec<usize> = (0..words.len())
+        .filter(|&column| is_rate(&words[column]))
+        .collect();
+    // `gyro_status` is beside `gyro_x`, not of its kind.
+    let with_axis: Vec<usize> = all
+        .iter()
+        .copied()
+        .filter(|&column| names_axis(&words[column]))
+        .collect();
+    // PX4's own topics name them x, y, z and nothing else.
+    let bare: Vec<usize> = (0..words.len())
+        .filter(|&column| {
+            words[column].len() == 1 && ["x", "y", "z"].contains(&words[column][0].as_str())
+        })
+        .collect();
+    let found = [with_axis, all, bare]
+        .into_iter()
+        .find(|columns| !columns.is_empty())
+        .unwrap_or_default();
+    if (1..=3).contains(&found.len()) {
+        Ok(found)
+    } else {
+        Err(found)
+    }
+}
+
+fn rate_unit(words: &[String]) -> Option<RateUnit> {
+    if has(words, &["rad"]) {
+        Some(RateUnit::RadPerS)
+    } else if has(words, &["dps", "deg"]) {
+        Some(RateUnit::Dps)
+    } else if has(words, &COUNTS_WORDS) {
+        Some(RateUnit::Counts)
+    } else {
+        None
+    }
+}
+
+fn time_unit(words: &[String]) -> Option<TimeUnit> {
+    words.iter().rev().find_map(|word| match word.as_str() {
+        "s" | "sec" | "seconds" => Some(TimeUnit::S),
+        "ms" | "msec" => Some(TimeUnit::Ms),
+        "us" | "usec" => Some(TimeUnit::Us),
+        "ns" | "nsec" => Some(TimeUnit::Ns),
+        _ => None,
+    })
+}

@@ -1,0 +1,172 @@
+//! Parquet as batches: only the columns asked for are decoded, a batch at a time.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use arrow_array::cast::AsArray;
+use arrow_array::types::Float64Type;
+use arrow_array::{Array, ArrayRef, RecordBatch};
+use arrow_cast::display::{ArrayFormatter, FormatOptions};
+use arrow_schema::{ArrowError, DataType};
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+
+use super::{BATCH_ROWS, Batch, TableError};
+
+/// The names of all columns.
+pub(super) fn names(path: &Path, file: File) -> Result<Vec<String>, TableError> {
+    let builder = builder(path, file)?;
+    if builder.metadata().file_metadata().num_rows() == 0 {
+        return Err(TableError::Empty {
+            path: path.to_owned(),
+        });
+    }
+    Ok(builder
+        .schema()
+        .fields()
+        .iter()
+        .map(|field| field.name().clone())
+        .collect())
+}
+
+fn builder(path: &Path, file: File) -> Result<ParquetRecordBatchReaderBuilder<File>, TableError> {
+    ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| damaged(path, &error))
+}
+
+fn damaged(path: &Path, error: &dyn std::error::Error) -> TableError {
+    TableError::Parquet {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    }
+}
+
+/// A stream of batches from a Parquet file.
+pub(super) struct ParquetBatches {
+    path: PathBuf,
+    reader: ParquetRecordBatchReader,
+    /// Where each column asked for lies in the batches read.
+    places: Vec<usize>,
+    cells: bool,
+    row: u64,
+}
+
+impl ParquetBatches {
+    pub(super) fn open(
+        path: &Path,
+        file: File,
+        columns: &[usize],
+        cells: bool,
+    ) -> Result<Self, TableError> {
+        let builder = builder(path, file)?;
+        for &column in columns {
+            let field = builder.schema().field(column);
+            if !is_numeric(field.data_type()) {
+                return Err(TableError::NotNumeric {
+                    path: path.to_owned(),
+                    column: field.name().clone(),
+                    kind: field.data_type().to_string(),
+                });
+            }
+        }
+        // Columns come in the file's order, whatever the order asked for.
+        let mut read: Vec<usize> = if cells {
+            (0..builder.schema().fields().len()).collect()
+        } else {
+            columns.to_vec()
+        };
+        read.sort_unstable();
+        read.dedup();
+        let places = columns
+            .iter()
+            .map(|column| {
+                read.binary_search(column)
+                    .expect("every column asked for is read")
+            })
+            .collect();
+        let mask = ProjectionMask::roots(builder.parquet_schema(), read);
+        let reader = builder
+            .with_projection(mask)
+            .with_batch_size(BATCH_ROWS)
+            .build()
+            .map_err(|error| damaged(path, &error))?;
+        Ok(Self {
+            path: path.to_owned(),
+            reader,
+            places,
+            cells,
+            row: 0,
+        })
+    }
+
+    fn convert(&mut self, record: &RecordBatch) -> Result<Batch, ArrowError> {
+        let columns = self
+            .places
+            .iter()
+            .map(|&place| numbers(record.column(place)))
+            .collect::<Result<_, _>>()?;
+        let cells = if self.cells {
+            cells(record)?
+        } else {
+            Vec::new()
+        };
+        let first_row = self.row;
+        self.row += record.num_rows() as u64;
+        Ok(Batch {
+            first_row,
+            columns,
+            cells,
+        })
+    }
+}
+
+impl Iterator for ParquetBatches {
+    type Item = Result<Batch, TableError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let record = self.reader.next()?;
+        let batch = record.and_then(|record| self.convert(&record));
+        Some(batch.map_err(|error| damaged(&self.path, &error)))
+    }
+}
+
+/// Whether a column's values are numbers; a time stamp is one in its own unit.
+fn is_numeric(kind: &DataType) -> bool {
+    kind.is_numeric() || matches!(kind, DataType::Timestamp(..) | DataType::Duration(_))
+}
+
+/// A column as f64, a null as NaN.
+fn numbers(column: &ArrayRef) -> Result<Vec<f64>, ArrowError> {
+    let plain = match column.data_type() {
+        DataType::Timestamp(..) | DataType::Duration(_) => {
+            arrow_cast::cast(column, &DataType::Int64)?
+        }
+        _ => column.clone(),
+    };
+    let floats = arrow_cast::cast(&plain, &DataType::Float64)?;
+    let floats = floats.as_primitive::<Float64Type>();
+    if floats.null_count() == 0 {
+        return Ok(floats.values().to_vec());
+    }
+    Ok(floats
+        .iter()
+        .map(|value| value.unwrap_or(f64::NAN))
+        .collect())
+}
+
+/// The text of every cell, a vector a row.
+fn cells(record: &RecordBatch) -> Result<Vec<Vec<String>>, ArrowError> {
+    let options = FormatOptions::default();
+    let columns: Vec<ArrayFormatter<'_>> = record
+        .columns()
+        .iter()
+        .map(|column| ArrayFormatter::try_new(column, &options))
+        .collect::<Result<_, _>>()?;
+    (0..record.num_rows())
+        .map(|row| {
+            columns
+                .iter()
+                .map(|column| column.value(row).try_to_string())
+                .collect()
+        })
+        .collect()
+}
