@@ -68,6 +68,19 @@ impl GroupSums {
         variance(self.zro, self.zro_sq, self.n)
     }
 
+    /// Whether the zero-rate output lies within four standard deviations of an end of the converter, so that samples
+    /// may have been cut off there. `full_scale` is its highest reading, counts.
+    #[must_use]
+    pub fn is_saturated(&self, full_scale: u16) -> bool {
+        let n = u128::from(self.n);
+        let to_bottom = u128::from(self.zro);
+        let to_top = (n * u128::from(full_scale)).saturating_sub(to_bottom);
+        // All times n: the nearer end's distance against four sigma, both squared.
+        let nearer = to_bottom.min(to_top);
+        let spread = (n * u128::from(self.zro_sq)).saturating_sub(to_bottom * to_bottom);
+        nearer * nearer <= 16 * spread || nearer == 0
+    }
+
     /// The mean temperature as the law takes it, rounded to the nearest code in integers alone; `None` for an empty
     /// group.
     #[must_use]
@@ -112,6 +125,17 @@ mod tests {
         };
         assert!((one.mean_temperature().0 - 65_535.0).abs() < 1e-9);
         assert!(one.variance_of_temperature().abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_reading_near_an_end_of_the_converter_is_saturated() {
+        let around = |centre: u16| {
+            let mut sums = GroupSums::default();
+            (0..500).for_each(|k: u16| sums.push(9000, (centre + k % 5).clamp(2, 16_385) - 2));
+            sums.is_saturated(16_383)
+        };
+        assert!(!around(8200) && !around(100) && !around(16_000));
+        assert!(around(0) && around(4) && around(16_381) && around(16_500));
     }
 
     proptest! {

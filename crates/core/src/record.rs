@@ -8,7 +8,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
-use crate::compensate::{AxisLaw, EdgeTable, LawRefused, LowPass, StaticLaw};
+use crate::compensate::{AxisLaw, EdgeTable, LawRefused, LowPass, Mode, StaticLaw};
 use crate::drift::Drift;
 use crate::trim::Trim;
 use crate::units::{Axis, TemperatureScale};
@@ -35,6 +35,8 @@ pub struct AxisRecord {
     pub dead_band: f64,
     /// The circuit's low-pass at the board's sampling.
     pub low_pass: LowPass,
+    /// What the axis does when the board starts.
+    pub start_up_mode: Mode,
     /// The law solved for its edges; `None` where it has none and only the digital mode can run.
     pub edges: Option<EdgeTable>,
 }

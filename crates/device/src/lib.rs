@@ -1,1 +1,15 @@
 #![no_std]
+#![doc = include_str!("../README.md")]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod acquisition;
+pub mod ad7949;
+pub mod application;
+pub mod compensator;
+pub mod console;
+pub mod direct;
+pub mod port;
+pub mod store;
+pub mod trim_part;

@@ -224,6 +224,11 @@ impl AxisCompensation {
         self.effect_sum += self.settling.next_samples(n);
     }
 
+    /// Passes over samples that were lost before the group that is being filled: the wiper settles meanwhile.
+    pub fn skip_lost(&mut self, n: u32) {
+        let _ = self.settling.next_samples(n);
+    }
+
     /// Closes a group: the correction for its mean, and the tap for its temperature.
     pub fn close_group(&mut self, law: Option<&AxisLaw>, sums: &GroupSums) -> GroupOutcome {
         let effect_sum = core::mem::take(&mut self.effect_sum);

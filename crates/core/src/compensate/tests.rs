@@ -1,5 +1,7 @@
 //! The integer law against the f64 law, at every one of the 65 536 temperature codes.
 
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // readings made into samples
+
 use std::vec::Vec;
 
 use proptest::prelude::*;

@@ -20,6 +20,7 @@ fn record() -> DeviceRecord {
         },
         dead_band: 0.05,
         low_pass: LowPass::first_order(40.0, 0.003, 0.0001),
+        start_up_mode: Mode::Hybrid,
         edges: None,
     };
     let law = axis.static_law(TemperatureScale::QUARTER_COUNTS);

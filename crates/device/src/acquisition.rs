@@ -1,0 +1,71 @@
+//! Where sets of samples come from.
+
+use heapless::Vec;
+use zerorate_core::group::GroupSums;
+use zerorate_core::units::Axis;
+
+/// The longest set, scans: what the acquisition port's banks hold (docs/acquisition-port.md).
+pub const MAX_SET_LENGTH: usize = 512;
+
+/// One sample of each channel, counts: temperature X, zero-rate X, temperature Y, zero-rate Y (paper, S3).
+pub type Scan = [u16; 4];
+
+/// The temperature and zero-rate samples of one axis in a scan.
+#[must_use]
+pub const fn axis_samples(scan: &Scan, axis: Axis) -> (u16, u16) {
+    (scan[2 * axis.index()], scan[2 * axis.index() + 1])
+}
+
+/// How sets are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Timing {
+    /// Microseconds from scan to scan.
+    pub scan_period_us: u32,
+    /// Scans a set, 1 to [`MAX_SET_LENGTH`].
+    pub set_length: u16,
+}
+
+impl Timing {
+    /// The paper's: 40 groups a minute of 500 samples (S5).
+    pub const PAPER: Self = Self {
+        scan_period_us: 3000,
+        set_length: 500,
+    };
+}
+
+/// A set as it was read: the raw material of one group.
+#[derive(Debug, Clone, Default)]
+pub struct Set {
+    /// Its number since the acquisition started; lost sets count.
+    pub number: u32,
+    /// Sets lost since the acquisition started.
+    pub lost: u32,
+    /// The exact sums of each axis, X then Y.
+    pub sums: [GroupSums; 2],
+    /// The scans; empty when only sums were asked for.
+    pub scans: Vec<Scan, MAX_SET_LENGTH>,
+}
+
+/// What the processor asks of an acquisition, whoever drives the A/D.
+pub trait Acquisition {
+    /// What can go wrong.
+    type Error: core::fmt::Debug;
+
+    /// Starts anew at set 0.
+    ///
+    /// # Errors
+    /// When the acquisition cannot be reached.
+    fn start(&mut self, timing: Timing) -> Result<(), Self::Error>;
+
+    /// Stops; the set that is being filled is dropped.
+    ///
+    /// # Errors
+    /// When the acquisition cannot be reached.
+    fn stop(&mut self) -> Result<(), Self::Error>;
+
+    /// Reads the set that waits into `set`, with its scans if asked; `false` when none waits.
+    ///
+    /// # Errors
+    /// When the acquisition cannot be reached, or what came is not whole.
+    fn read_set(&mut self, set: &mut Set, with_scans: bool) -> Result<bool, Self::Error>;
+}

@@ -1,0 +1,101 @@
+//! The acquisition when the processor drives the A/D itself: a scan on every tick of a timer, sets kept in memory.
+
+use embedded_hal::spi::SpiDevice;
+
+use crate::acquisition::{Acquisition, Set, Timing, axis_samples};
+use crate::ad7949::Ad7949;
+use zerorate_core::units::Axis;
+
+/// Sets taken scan by scan by the processor.
+///
+/// The timer's interrupt calls [`tick`](Self::tick) every scan period; when it says that a set is full, the
+/// compensator is called. A set that has not been read when the next is full is lost, and counted.
+pub struct DirectAcquisition<SPI> {
+    converter: Ad7949<SPI>,
+    set_length: usize,
+    running: bool,
+    next_number: u32,
+    lost: u32,
+    filling: Set,
+    waiting: Option<Set>,
+}
+
+impl<SPI: SpiDevice> DirectAcquisition<SPI> {
+    /// An acquisition on an A/D, stopped.
+    #[must_use]
+    pub fn new(converter: Ad7949<SPI>) -> Self {
+        let set_length = usize::from(Timing::PAPER.set_length);
+        let filling = Set::default();
+        Self {
+            converter,
+            set_length,
+            running: false,
+            next_number: 0,
+            lost: 0,
+            filling,
+            waiting: None,
+        }
+    }
+
+    /// Takes one scan; `true` when it filled a set.
+    ///
+    /// # Errors
+    /// The SPI's; the scan is then missing from its set, which is longer in time by it.
+    pub fn tick(&mut self) -> Result<bool, SPI::Error> {
+        if !self.running {
+            return Ok(false);
+        }
+        let scan = self.converter.scan()?;
+        for axis in Axis::BOTH {
+            let (temperature, zro) = axis_samples(&scan, axis);
+            self.filling.sums[axis.index()].push(temperature, zro);
+        }
+        // A set is handed over before it could outgrow its memory.
+        let _ = self.filling.scans.push(scan);
+        if self.filling.scans.len() < self.set_length {
+            return Ok(false);
+        }
+        let mut full = core::mem::take(&mut self.filling);
+        full.number = self.next_number;
+        self.next_number += 1;
+        self.lost += u32::from(self.waiting.is_some());
+        full.lost = self.lost;
+        self.waiting = Some(full);
+        Ok(true)
+    }
+}
+
+impl<SPI: SpiDevice> Acquisition for DirectAcquisition<SPI>
+where
+    SPI::Error: core::fmt::Debug,
+{
+    type Error = SPI::Error;
+
+    fn start(&mut self, timing: Timing) -> Result<(), Self::Error> {
+        self.set_length =
+            usize::from(timing.set_length).clamp(1, crate::acquisition::MAX_SET_LENGTH);
+        self.next_number = 0;
+        self.lost = 0;
+        self.filling = Set::default();
+        self.waiting = None;
+        self.running = true;
+        Ok(())
+    }
+
+    fn stop(&mut self) -> Result<(), Self::Error> {
+        self.running = false;
+        self.filling = Set::default();
+        Ok(())
+    }
+
+    fn read_set(&mut self, set: &mut Set, with_scans: bool) -> Result<bool, Self::Error> {
+        let Some(waiting) = self.waiting.take() else {
+            return Ok(false);
+        };
+        *set = waiting;
+        if !with_scans {
+            set.scans.clear();
+        }
+        Ok(true)
+    }
+}

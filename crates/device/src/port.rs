@@ -1,0 +1,220 @@
+//! The acquisition port's master: reads whole sets, one burst each (docs/acquisition-port.md, version 1.0).
+
+use crc::{CRC_32_MPEG_2, Crc};
+use embedded_hal::spi::{Operation, SpiDevice};
+use zerorate_core::group::GroupSums;
+
+use crate::acquisition::{Acquisition, MAX_SET_LENGTH, Set, Timing};
+
+const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_MPEG_2);
+
+const READ: u8 = 0x00;
+const WRITE: u8 = 0x80;
+
+const IDENTITY: u8 = 0x00;
+const VERSION: u8 = 0x01;
+const CONTROL: u8 = 0x02;
+const SCAN_PERIOD: u8 = 0x03;
+const SET_LENGTH: u8 = 0x04;
+const STATUS: u8 = 0x05;
+const SET: u8 = 0x10;
+
+/// "ZRAQ".
+const EXPECTED_IDENTITY: u32 = 0x5A52_4151;
+/// The major version this master speaks; minor ones add registers.
+const EXPECTED_MAJOR: u32 = 1;
+
+const CONTROL_RUN: u32 = 1;
+const CONTROL_RESTART: u32 = 2;
+const STATUS_READY: u32 = 1;
+
+/// Words 0 to 15: set number, length, lost, sums, sums of squares, CRC.
+const HEAD_BYTES: usize = 64;
+/// Four samples of 16 bits.
+const SCAN_BYTES: usize = 8;
+const CRC_BYTES: usize = 4;
+
+/// What can go wrong at the port.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PortError<E> {
+    /// The SPI transfer failed.
+    Spi(E),
+    /// Whatever answers is not an acquisition port.
+    NotAPort {
+        /// What it gave as its identity.
+        identity: u32,
+    },
+    /// A port of a version that this master does not speak.
+    UnknownVersion {
+        /// The version register.
+        version: u32,
+    },
+    /// A set came whose CRC does not match.
+    Damaged,
+    /// A set came of another length than was asked for.
+    Length {
+        /// Its length, scans.
+        found: u16,
+    },
+}
+
+/// An acquisition behind the port: an FPGA on the board, or the simulated bench.
+pub struct PortAcquisition<SPI> {
+    spi: SPI,
+    set_length: u16,
+    scans: [u8; MAX_SET_LENGTH * SCAN_BYTES + CRC_BYTES],
+}
+
+impl<SPI: SpiDevice> PortAcquisition<SPI> {
+    /// A master on an SPI device in mode 0, up to 10 MHz.
+    #[must_use]
+    pub const fn new(spi: SPI) -> Self {
+        Self {
+            spi,
+            set_length: Timing::PAPER.set_length,
+            scans: [0; MAX_SET_LENGTH * SCAN_BYTES + CRC_BYTES],
+        }
+    }
+
+    /// Gives the SPI device back.
+    #[must_use]
+    pub fn release(self) -> SPI {
+        self.spi
+    }
+
+    fn read_word(&mut self, address: u8) -> Result<u32, PortError<SPI::Error>> {
+        let mut word = [0; 4];
+        let header = [READ | address, 0];
+        let mut burst = [Operation::Write(&header), Operation::Read(&mut word)];
+        self.spi.transaction(&mut burst).map_err(PortError::Spi)?;
+        Ok(u32::from_be_bytes(word))
+    }
+
+    fn write_word(&mut self, address: u8, word: u32) -> Result<(), PortError<SPI::Error>> {
+        let [a, b, c, d] = word.to_be_bytes();
+        self.spi
+            .write(&[WRITE | address, 0, a, b, c, d])
+            .map_err(PortError::Spi)
+    }
+
+    fn check_identity(&mut self) -> Result<(), PortError<SPI::Error>> {
+        let identity = self.read_word(IDENTITY)?;
+        if identity != EXPECTED_IDENTITY {
+            return Err(PortError::NotAPort { identity });
+        }
+        let version = self.read_word(VERSION)?;
+        if version >> 16 == EXPECTED_MAJOR {
+            Ok(())
+        } else {
+            Err(PortError::UnknownVersion { version })
+        }
+    }
+}
+
+impl<SPI: SpiDevice> Acquisition for PortAcquisition<SPI>
+where
+    SPI::Error: core::fmt::Debug,
+{
+    type Error = PortError<SPI::Error>;
+
+    fn start(&mut self, timing: Timing) -> Result<(), Self::Error> {
+        self.check_identity()?;
+        self.set_length = timing.set_length;
+        self.write_word(CONTROL, 0)?;
+        self.write_word(SCAN_PERIOD, timing.scan_period_us)?;
+        self.write_word(SET_LENGTH, u32::from(timing.set_length))?;
+        self.write_word(CONTROL, CONTROL_RESTART | CONTROL_RUN)
+    }
+
+    fn stop(&mut self) -> Result<(), Self::Error> {
+        self.write_word(CONTROL, 0)
+    }
+
+    fn read_set(&mut self, set: &mut Set, with_scans: bool) -> Result<bool, Self::Error> {
+        if self.read_word(STATUS)? & STATUS_READY == 0 {
+            return Ok(false);
+        }
+        let header = [READ | SET, 0];
+        let mut head = [0; HEAD_BYTES];
+        let wanted = if with_scans {
+            usize::from(self.set_length) * SCAN_BYTES + CRC_BYTES
+        } else {
+            0
+        };
+        let scans = &mut self.scans[..wanted];
+        let mut burst = [
+            Operation::Write(&header),
+            Operation::Read(&mut head),
+            Operation::Read(scans),
+        ];
+        self.spi.transaction(&mut burst).map_err(PortError::Spi)?;
+
+        let words = checked(&head).ok_or(PortError::Damaged)?;
+        let head = Head::parse(words);
+        if head.length != self.set_length {
+            return Err(PortError::Length { found: head.length });
+        }
+        set.number = head.number;
+        set.lost = head.lost;
+        set.sums = head.sums;
+        set.scans.clear();
+        if with_scans {
+            let samples = checked(&self.scans[..wanted]).ok_or(PortError::Damaged)?;
+            set.scans.extend(
+                samples
+                    .chunks_exact(SCAN_BYTES)
+                    .map(|scan| core::array::from_fn(|k| half_word(scan, k))),
+            );
+        }
+        Ok(true)
+    }
+}
+
+/// The content of bytes that end in their CRC; `None` when it does not match.
+fn checked(bytes: &[u8]) -> Option<&[u8]> {
+    let (content, crc) = bytes.split_last_chunk::<CRC_BYTES>()?;
+    (CRC.checksum(content) == u32::from_be_bytes(*crc)).then_some(content)
+}
+
+/// Words 0 to 14 of a burst.
+struct Head {
+    number: u32,
+    length: u16,
+    lost: u32,
+    sums: [GroupSums; 2],
+}
+
+impl Head {
+    fn parse(bytes: &[u8]) -> Self {
+        let sum = |channel: usize| u64::from(word(bytes, 3 + channel));
+        let squares = |channel: usize| {
+            let high = 7 + 2 * channel;
+            u64::from(word(bytes, high)) << 32 | u64::from(word(bytes, high + 1))
+        };
+        let length = half_word(bytes, 2);
+        let axis = |temperature: usize| GroupSums {
+            n: u32::from(length),
+            temperature: sum(temperature),
+            temperature_sq: squares(temperature),
+            zro: sum(temperature + 1),
+            zro_sq: squares(temperature + 1),
+        };
+        Self {
+            number: word(bytes, 0),
+            length,
+            lost: word(bytes, 2),
+            sums: [axis(0), axis(2)],
+        }
+    }
+}
+
+fn word(bytes: &[u8], index: usize) -> u32 {
+    u32::from(half_word(bytes, 2 * index)) << 16 | u32::from(half_word(bytes, 2 * index + 1))
+}
+
+fn half_word(bytes: &[u8], index: usize) -> u16 {
+    u16::from_be_bytes([bytes[2 * index], bytes[2 * index + 1]])
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,155 @@
+use std::vec;
+use std::vec::Vec;
+
+use super::*;
+use embedded_hal_mock::eh1::spi::{Mock, Transaction};
+
+/// A burst of two scans, its CRCs made by another reading of the rule: bit by bit, as the document says.
+fn burst(number: u32, scans: &[[u16; 4]]) -> (Vec<u8>, Vec<u8>) {
+    let mut words = vec![number, u32::try_from(scans.len()).unwrap() << 16, 0];
+    let channel = |k: usize| scans.iter().map(move |scan| u64::from(scan[k]));
+    words.extend((0..4).map(|k| u32::try_from(channel(k).sum::<u64>()).unwrap()));
+    for k in 0..4 {
+        let squares: u64 = channel(k).map(|s| s * s).sum();
+        words.extend([u32::try_from(squares >> 32).unwrap(), (squares & 0xFFFF_FFFF).try_into().unwrap()]);
+    }
+    let with_crc = |mut bytes: Vec<u8>| {
+        let mut register = u32::MAX;
+        for bit in bytes
+            .iter()
+            .flat_map(|byte| (0..8).rev().map(move |k| byte >> k & 1))
+        {
+            let feedback = (register >> 31) ^ u32::from(bit);
+            register = register << 1 ^ (feedback * 0x04C1_1DB7);
+        }
+        bytes.extend(register.to_be_bytes());
+        bytes
+    };
+    let head = with_crc(words.iter().flat_map(|w| w.to_be_bytes()).collect());
+    (
+        head,
+        with_crc(
+            scans
+                .iter()
+                .flatten()
+                .flat_map(|s| s.to_be_bytes())
+                .collect(),
+        ),
+    )
+}
+
+fn word_read(address: u8, word: u32) -> Vec<Transaction<u8>> {
+    vec![
+        Transaction::transaction_start(),
+        Transaction::write_vec(vec![address, 0]),
+        Transaction::read_vec(word.to_be_bytes().to_vec()),
+        Transaction::transaction_end(),
+    ]
+}
+
+fn word_write(address: u8, word: u32) -> Vec<Transaction<u8>> {
+    let mut bytes = vec![0x80 | address, 0];
+    bytes.extend(word.to_be_bytes());
+    vec![
+        Transaction::transaction_start(),
+        Transaction::write_vec(bytes),
+        Transaction::transaction_end(),
+    ]
+}
+
+fn set_read(head: Vec<u8>, scans: Vec<u8>) -> Vec<Transaction<u8>> {
+    vec![
+        Transaction::transaction_start(),
+        Transaction::write_vec(vec![0x10, 0]),
+        Transaction::read_vec(head),
+        Transaction::read_vec(scans),
+        Transaction::transaction_end(),
+    ]
+}
+
+const SCANS: [[u16; 4]; 2] = [[8500, 8541, 8501, 8763], [8502, 16_383, 8499, 0]];
+
+fn started() -> Vec<Transaction<u8>> {
+    let mut expected = word_read(0x00, 0x5A52_4151);
+    expected.extend(word_read(0x01, 0x0001_0000));
+    expected.extend(word_write(0x02, 0));
+    expected.extend(word_write(0x03, 3000));
+    expected.extend(word_write(0x04, 2));
+    expected.extend(word_write(0x02, 3));
+    expected
+}
+
+fn run(reads: Vec<Transaction<u8>>, act: impl FnOnce(&mut PortAcquisition<&mut Mock<u8>>)) {
+    let mut expected = started();
+    expected.extend(reads);
+    let mut spi = Mock::new(&expected);
+    let mut port = PortAcquisition::new(&mut spi);
+    port.start(Timing {
+        scan_period_us: 3000,
+        set_length: 2,
+    })
+    .unwrap();
+    act(&mut port);
+    spi.done();
+}
+
+#[test]
+fn a_set_is_read_in_one_burst_with_its_sums_and_scans() {
+    let (head, samples) = burst(41, &SCANS);
+    let mut reads = word_read(0x05, 1);
+    reads.extend(set_read(head, samples));
+    run(reads, |port| {
+        let mut set = Set::default();
+        assert_eq!(port.read_set(&mut set, true), Ok(true));
+        assert_eq!(set.number, 41);
+        assert_eq!(set.scans.as_slice(), SCANS);
+        let mut sums = [GroupSums::default(); 2];
+        for scan in SCANS {
+            sums[0].push(scan[0], scan[1]);
+            sums[1].push(scan[2], scan[3]);
+        }
+        assert_eq!(set.sums, sums);
+    });
+}
+
+#[test]
+fn no_set_waiting_is_no_error() {
+    run(word_read(0x05, 0), |port| {
+        assert_eq!(port.read_set(&mut Set::default(), false), Ok(false))
+    });
+}
+
+#[test]
+fn a_flipped_bit_and_an_empty_bus_are_not_taken_for_a_set() {
+    let (mut head, _) = burst(41, &SCANS);
+    head[20] ^= 4;
+    let mut reads = word_read(0x05, 1);
+    reads.extend(set_read(head, vec![]));
+    reads.extend(word_read(0x05, 0xFFFF_FFFF));
+    reads.extend(set_read(vec![0; 64], vec![]));
+    run(reads, |port| {
+        assert_eq!(
+            port.read_set(&mut Set::default(), false),
+            Err(PortError::Damaged)
+        );
+        assert_eq!(
+            port.read_set(&mut Set::default(), false),
+            Err(PortError::Damaged)
+        );
+    });
+}
+
+#[test]
+fn something_else_on_the_bus_is_named() {
+    let mut spi = Mock::new(&word_read(0x00, 0xFFFF_FFFF));
+    let error = PortAcquisition::new(&mut spi)
+        .start(Timing::PAPER)
+        .unwrap_err();
+    assert_eq!(
+        error,
+        PortError::NotAPort {
+            identity: 0xFFFF_FFFF
+        }
+    );
+    spi.done();
+}
