@@ -36,8 +36,7 @@ impl Scale {
     /// A scale by its centre and half span, in the temperature's unit; `None` unless finite and `half_span > 0`.
     #[must_use]
     pub fn new(centre: f64, half_span: f64) -> Option<Self> {
-        (centre.is_finite() && half_span.is_finite() && half_span > 0.0)
-            .then_some(Self { centre, half_span })
+        (centre.is_finite() && half_span.is_finite() && half_span > 0.0).then_some(Self { centre, half_span })
     }
 
     /// The temperature at `x = 0`.
@@ -68,8 +67,7 @@ impl Scale {
 impl TryFrom<(f64, f64)> for Scale {
     type Error = &'static str;
     fn try_from((centre, half_span): (f64, f64)) -> Result<Self, Self::Error> {
-        Self::new(centre, half_span)
-            .ok_or("a scale needs a finite centre and a half span above zero")
+        Self::new(centre, half_span).ok_or("a scale needs a finite centre and a half span above zero")
     }
 }
 
@@ -185,11 +183,7 @@ impl Drift {
     pub fn turning_points(&self) -> Vec<f64, MAX_TURNING_POINTS> {
         let (min, max) = (self.valid.min, self.valid.max);
         match &self.shape {
-            Shape::Polynomial(polynomial) => polynomial
-                .turning_points(min, max)
-                .iter()
-                .copied()
-                .collect(),
+            Shape::Polynomial(polynomial) => polynomial.turning_points(min, max).iter().copied().collect(),
             Shape::Table(table) => table.turning_points(min, max),
         }
     }

@@ -45,12 +45,7 @@ impl AxisRecord {
     /// The law in f64.
     #[must_use]
     pub fn static_law(&self, temperature_scale: TemperatureScale) -> StaticLaw {
-        StaticLaw {
-            drift: self.drift.clone(),
-            trim: self.trim.clone(),
-            dead_band: self.dead_band,
-            temperature_scale,
-        }
+        StaticLaw { drift: self.drift.clone(), trim: self.trim.clone(), dead_band: self.dead_band, temperature_scale }
     }
 
     /// The law as the device runs it, checked.
@@ -58,11 +53,7 @@ impl AxisRecord {
     /// # Errors
     /// [`LawRefused`], when its numbers do not fit or its table of edges disagrees with it.
     pub fn law(&self, temperature_scale: TemperatureScale) -> Result<AxisLaw, LawRefused> {
-        AxisLaw::new(
-            &self.static_law(temperature_scale),
-            self.edges.as_ref(),
-            self.low_pass,
-        )
+        AxisLaw::new(&self.static_law(temperature_scale), self.edges.as_ref(), self.low_pass)
     }
 }
 
@@ -98,19 +89,13 @@ pub enum RecordError {
 impl core::fmt::Display for RecordError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::NotARecord => {
-                f.write_str("this is not a device record (it does not begin with ZRCR)")
-            }
+            Self::NotARecord => f.write_str("this is not a device record (it does not begin with ZRCR)"),
             Self::UnknownVersion { found } => write!(
                 f,
                 "a device record of version {found}; this program knows version {RECORD_VERSION}: make the record anew from calibration.json"
             ),
-            Self::Damaged => f.write_str(
-                "the device record is damaged (its CRC-32 does not match): write it again",
-            ),
-            Self::Malformed => {
-                f.write_str("the device record's body makes no sense although its CRC-32 matches")
-            }
+            Self::Damaged => f.write_str("the device record is damaged (its CRC-32 does not match): write it again"),
+            Self::Malformed => f.write_str("the device record's body makes no sense although its CRC-32 matches"),
             Self::TooLong => f.write_str("the device record is longer than the buffer for it"),
         }
     }
@@ -137,9 +122,7 @@ impl DeviceRecord {
         buffer[..MAGIC.len()].copy_from_slice(&MAGIC);
         buffer[MAGIC.len()..head].copy_from_slice(&RECORD_VERSION.to_le_bytes());
         let room = buffer.len() - 4;
-        let body = postcard::to_slice(self, &mut buffer[head..room])
-            .map_err(|_| RecordError::TooLong)?
-            .len();
+        let body = postcard::to_slice(self, &mut buffer[head..room]).map_err(|_| RecordError::TooLong)?.len();
         let end = head + body;
         let crc = CRC.checksum(&buffer[..end]).to_le_bytes();
         buffer[end..end + 4].copy_from_slice(&crc);

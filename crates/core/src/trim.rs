@@ -36,13 +36,8 @@ struct RawTrimLine {
 impl TryFrom<RawTrimLine> for TrimLine {
     type Error = &'static str;
     fn try_from(raw: RawTrimLine) -> Result<Self, Self::Error> {
-        Self::new(
-            raw.slope_taps_per_count,
-            raw.intercept_taps,
-            raw.centre,
-            raw.middle,
-        )
-        .ok_or("a trim line needs finite numbers and a slope below zero")
+        Self::new(raw.slope_taps_per_count, raw.intercept_taps, raw.centre, raw.middle)
+            .ok_or("a trim line needs finite numbers and a slope below zero")
     }
 }
 
@@ -50,20 +45,9 @@ impl TrimLine {
     /// A trim line: slope `a` in taps per count (below zero), intercept `b` in taps, centre `V0`, middle tap `N0`.
     /// `None` unless all are finite and the slope is below zero.
     #[must_use]
-    pub fn new(
-        slope_taps_per_count: f64,
-        intercept_taps: f64,
-        centre: Counts,
-        middle: Taps,
-    ) -> Option<Self> {
-        let finite =
-            slope_taps_per_count.is_finite() && intercept_taps.is_finite() && centre.0.is_finite();
-        (finite && slope_taps_per_count < 0.0).then_some(Self {
-            slope_taps_per_count,
-            intercept_taps,
-            centre,
-            middle,
-        })
+    pub fn new(slope_taps_per_count: f64, intercept_taps: f64, centre: Counts, middle: Taps) -> Option<Self> {
+        let finite = slope_taps_per_count.is_finite() && intercept_taps.is_finite() && centre.0.is_finite();
+        (finite && slope_taps_per_count < 0.0).then_some(Self { slope_taps_per_count, intercept_taps, centre, middle })
     }
 
     /// `a`, taps per count.
@@ -100,9 +84,7 @@ impl TrimLine {
     /// `N = N0 + a (V - V0) + b` (eq. 6).
     #[must_use]
     pub fn position(&self, zro: Counts) -> f64 {
-        f64::from(self.middle.get())
-            + self.slope_taps_per_count * (zro.0 - self.centre.0)
-            + self.intercept_taps
+        f64::from(self.middle.get()) + self.slope_taps_per_count * (zro.0 - self.centre.0) + self.intercept_taps
     }
 
     /// What the line says a tap adds to the reading at the middle tap: the inverse of eq. (2), so that
@@ -180,10 +162,7 @@ mod tests {
     fn a_measured_tap_is_believed_before_the_line() {
         let first = Taps::new(510).unwrap();
         let effects = Vec::from_slice(&[Counts(-33.0), Counts(0.0)]).unwrap();
-        let trim = Trim {
-            line: paper_x(),
-            measured: Some(TapEffects { first, effects }),
-        };
+        let trim = Trim { line: paper_x(), measured: Some(TapEffects { first, effects }) };
         assert_eq!(trim.effect(first), Counts(-33.0));
         assert_eq!(trim.effect(Taps::MIDDLE), Counts(0.0));
         let outside = trim.effect(Taps::new(509).unwrap());

@@ -99,11 +99,7 @@ impl Taps {
     /// A wiper position, or `None` above 1023.
     #[must_use]
     pub const fn new(position: u16) -> Option<Self> {
-        if position <= Self::LAST.0 {
-            Some(Self(position))
-        } else {
-            None
-        }
+        if position <= Self::LAST.0 { Some(Self(position)) } else { None }
     }
 
     /// The position as a number, 0 to 1023.
@@ -144,10 +140,7 @@ pub struct TemperatureScale {
 
 impl TemperatureScale {
     /// A quarter count a code, from 0: all of a 14-bit converter's readings (4 x 16383 = 65532).
-    pub const QUARTER_COUNTS: Self = Self {
-        zero: 0.0,
-        step: 0.25,
-    };
+    pub const QUARTER_COUNTS: Self = Self { zero: 0.0, step: 0.25 };
 
     /// The temperature that a code stands for, in the gyro's own unit.
     #[must_use]
@@ -210,9 +203,7 @@ impl Axis {
 }
 
 /// The number of a group since the device's acquisition was restarted. Everything on a bench is ordered by it.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize,
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 pub struct GroupNumber(pub u32);
 
 #[cfg(test)]
@@ -223,10 +214,7 @@ mod tests {
     fn a_wiper_position_past_the_last_tap_cannot_be_built() {
         assert_eq!(Taps::new(1023), Some(Taps::LAST));
         assert_eq!(Taps::new(1024), None);
-        assert!(
-            postcard::from_bytes::<Taps>(&[0x80, 0x08]).is_err(),
-            "1024 as a varint"
-        );
+        assert!(postcard::from_bytes::<Taps>(&[0x80, 0x08]).is_err(), "1024 as a varint");
     }
 
     #[test]

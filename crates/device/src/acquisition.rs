@@ -27,10 +27,7 @@ pub struct Timing {
 
 impl Timing {
     /// The paper's: 40 groups a minute of 500 samples (S5).
-    pub const PAPER: Self = Self {
-        scan_period_us: 3000,
-        set_length: 500,
-    };
+    pub const PAPER: Self = Self { scan_period_us: 3000, set_length: 500 };
 }
 
 /// A set as it was read: the raw material of one group.

@@ -24,12 +24,7 @@ const NO_READ_BACK: u16 = 1;
 /// The configuration that converts one channel.
 #[must_use]
 pub const fn configuration(channel: u16) -> u16 {
-    OVERWRITE
-        | UNIPOLAR
-        | (channel & 0b111) << CHANNEL_SHIFT
-        | FULL_BANDWIDTH
-        | EXTERNAL_REFERENCE
-        | NO_READ_BACK
+    OVERWRITE | UNIPOLAR | (channel & 0b111) << CHANNEL_SHIFT | FULL_BANDWIDTH | EXTERNAL_REFERENCE | NO_READ_BACK
 }
 
 /// The four-channel scan on an AD7949.
@@ -81,23 +76,14 @@ mod tests {
     #[test]
     fn four_channels_come_through_a_pipeline_of_two() {
         // By the data sheet's table: 11 1100 0111 1001b is channel 0, + 1 << 7 a channel; shifted up by two.
-        let frames: [(u16, u16); 6] = [
-            (0xF1E4, 0x1111),
-            (0xF3E4, 0x2222),
-            (0xF5E4, 40),
-            (0xF7E4, 44),
-            (0xF1E4, 48),
-            (0xF1E4, 65_532),
-        ];
+        let frames: [(u16, u16); 6] =
+            [(0xF1E4, 0x1111), (0xF3E4, 0x2222), (0xF5E4, 40), (0xF7E4, 44), (0xF1E4, 48), (0xF1E4, 65_532)];
         let expected: Vec<Transaction<u8>> = frames
             .iter()
             .flat_map(|(out, back)| {
                 [
                     Transaction::transaction_start(),
-                    Transaction::transfer_in_place(
-                        out.to_be_bytes().to_vec(),
-                        back.to_be_bytes().to_vec(),
-                    ),
+                    Transaction::transfer_in_place(out.to_be_bytes().to_vec(), back.to_be_bytes().to_vec()),
                     Transaction::transaction_end(),
                 ]
             })

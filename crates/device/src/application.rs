@@ -32,12 +32,7 @@ impl<A: Acquisition, P: TrimPart, S: RecordStore> Application<A, P, S> {
             compensator.install(laws);
             compensator.set_modes(modes);
         }
-        Self {
-            compensator,
-            console,
-            commands: Queue::new(),
-            reports: Queue::new(),
-        }
+        Self { compensator, console, commands: Queue::new(), reports: Queue::new() }
     }
 
     /// The compensator's acquisition, for whoever drives its ticks.
@@ -55,9 +50,7 @@ impl<A: Acquisition, P: TrimPart, S: RecordStore> Application<A, P, S> {
     pub fn receive(&mut self, bytes: &[u8], line: &mut impl Transmit) {
         for &byte in bytes {
             let status = self.compensator.status();
-            let has_work = self
-                .console
-                .receive(byte, &status, &mut self.commands.split().0, line);
+            let has_work = self.console.receive(byte, &status, &mut self.commands.split().0, line);
             if let Some((laws, _)) = self.console.take_laws() {
                 self.compensator.install(laws);
             }
@@ -70,7 +63,6 @@ impl<A: Acquisition, P: TrimPart, S: RecordStore> Application<A, P, S> {
 
     fn service(&mut self) {
         let (mut reports, _) = self.reports.split();
-        self.compensator
-            .service(&mut self.commands.split().1, &mut reports);
+        self.compensator.service(&mut self.commands.split().1, &mut reports);
     }
 }

@@ -8,9 +8,7 @@ use zerorate_core::compensate::{AxisCompensation, AxisLaw, Mode};
 use zerorate_core::drift::Coverage;
 use zerorate_core::group::GroupSums;
 use zerorate_core::units::{Axis, GroupNumber, Taps};
-use zerorate_core::wire::{
-    AxisReport, FaultCounts, GroupReport, Refusal, SAMPLES_PER_BLOCK, Sample, SampleBlock,
-};
+use zerorate_core::wire::{AxisReport, FaultCounts, GroupReport, Refusal, SAMPLES_PER_BLOCK, Sample, SampleBlock};
 
 use crate::acquisition::{Acquisition, Set, Timing, axis_samples};
 use crate::trim_part::TrimPart;
@@ -49,10 +47,7 @@ pub enum Action {
 impl Action {
     /// Whether it changes how a group is taken, and so waits for the next.
     const fn waits_for_a_group(self) -> bool {
-        matches!(
-            self,
-            Self::SetMode(..) | Self::SetTap(..) | Self::StorePowerUpTap
-        )
+        matches!(self, Self::SetMode(..) | Self::SetTap(..) | Self::StorePowerUpTap)
     }
 }
 
@@ -160,11 +155,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     }
 
     /// The interrupt: called when a set is ready, and when a command was queued.
-    pub fn service(
-        &mut self,
-        commands: &mut Consumer<'_, Scheduled>,
-        reports: &mut Producer<'_, Report>,
-    ) {
+    pub fn service(&mut self, commands: &mut Consumer<'_, Scheduled>, reports: &mut Producer<'_, Report>) {
         if self.running {
             match self.acquisition.read_set(&mut self.set, self.with_samples) {
                 Ok(true) => {
@@ -202,20 +193,8 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         }
     }
 
-    fn answer(
-        &mut self,
-        sequence: u16,
-        result: Result<(), Refusal>,
-        reports: &mut Producer<'_, Report>,
-    ) {
-        self.report(
-            Report::Done {
-                sequence,
-                group: self.status.group,
-                result,
-            },
-            reports,
-        );
+    fn answer(&mut self, sequence: u16, result: Result<(), Refusal>, reports: &mut Producer<'_, Report>) {
+        self.report(Report::Done { sequence, group: self.status.group, result }, reports);
     }
 
     fn report(&mut self, report: Report, reports: &mut Producer<'_, Report>) {
@@ -227,9 +206,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     fn act(&mut self, action: Action) -> Result<(), Refusal> {
         match action {
             Action::SetMode(axis, mode) => self.set_mode(axis, mode),
-            Action::SetTap(axis, tap) => self
-                .write_wiper(axis, tap)
-                .map_err(|()| Refusal::TrimPartFailed),
+            Action::SetTap(axis, tap) => self.write_wiper(axis, tap).map_err(|()| Refusal::TrimPartFailed),
             Action::StorePowerUpTap => self.part.store_power_up().map_err(|_| {
                 self.status.faults.trim_errors += 1;
                 Refusal::TrimPartFailed
@@ -253,11 +230,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     }
 
     fn set_acquisition(&mut self, run: bool) -> Result<(), Refusal> {
-        let done = if run {
-            self.acquisition.start(self.timing)
-        } else {
-            self.acquisition.stop()
-        };
+        let done = if run { self.acquisition.start(self.timing) } else { self.acquisition.stop() };
         done.map_err(|_| Refusal::AcquisitionFailed)?;
         self.running = run;
         if run {
@@ -284,14 +257,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         self.status.faults.lost_sets += missed;
         let axes = Axis::BOTH.map(|axis| self.close_axis(axis, group, missed, reports));
         self.status.group = GroupNumber(group.0.wrapping_add(1));
-        self.report(
-            Report::Group(GroupReport {
-                group,
-                lost: self.set.lost,
-                axes,
-            }),
-            reports,
-        );
+        self.report(Report::Group(GroupReport { group, lost: self.set.lost, axes }), reports);
     }
 
     fn close_axis(
@@ -308,16 +274,11 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         let (tap, mode) = (state.tap(), state.mode());
         let outcome = state.close_group(law, &sums);
         // A write that fails leaves the shadow as it was; the law asks again with the next group.
-        let moved_to = outcome
-            .move_to
-            .filter(|&wanted| self.write_wiper(axis, wanted).is_ok());
+        let moved_to = outcome.move_to.filter(|&wanted| self.write_wiper(axis, wanted).is_ok());
         let saturated = sums.is_saturated(FULL_SCALE);
         let faults = &mut self.status.faults;
         faults.saturated += u32::from(saturated);
-        faults.out_of_range += u32::from(matches!(
-            outcome.coverage,
-            Coverage::Below | Coverage::Above
-        ));
+        faults.out_of_range += u32::from(matches!(outcome.coverage, Coverage::Below | Coverage::Above));
         AxisReport {
             sums,
             tap,
@@ -348,18 +309,9 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         for scans in self.set.scans.chunks(SAMPLES_PER_BLOCK) {
             let samples = scans.iter().map(|scan| {
                 let (temperature, zro) = axis_samples(scan, axis);
-                Sample {
-                    temperature,
-                    zro,
-                    corrected_q16: state.sample(zro).0,
-                }
+                Sample { temperature, zro, corrected_q16: state.sample(zro).0 }
             });
-            let block = SampleBlock {
-                group,
-                axis,
-                index,
-                samples: samples.collect(),
-            };
+            let block = SampleBlock { group, axis, index, samples: samples.collect() };
             index += u16::try_from(scans.len()).unwrap_or(u16::MAX);
             if reports.enqueue(Report::Samples(block)).is_err() {
                 self.status.faults.dropped_uploads += 1;

@@ -9,9 +9,7 @@ use zerorate_core::compensate::{AxisLaw, Mode};
 use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, UnitSerial};
 use zerorate_core::units::{Axis, GroupNumber};
 use zerorate_core::wire::frame::{Receiver, encode};
-use zerorate_core::wire::{
-    Answer, CHUNK, Command, Identity, Message, Refusal, Request, Upload, WIRE_VERSION,
-};
+use zerorate_core::wire::{Answer, CHUNK, Command, Identity, Message, Refusal, Request, Upload, WIRE_VERSION};
 
 use crate::acquisition::Timing;
 use crate::compensator::{Action, Report, Scheduled, Status};
@@ -105,17 +103,9 @@ impl<S: RecordStore> Console<S> {
                 Report::Group(_) if !self.with_groups => continue,
                 Report::Group(group) => Message::Group(group),
                 Report::Samples(block) => Message::Samples(block),
-                Report::Done {
-                    sequence,
-                    group,
-                    result,
-                } => {
+                Report::Done { sequence, group, result } => {
                     let answer = result.map_or_else(Answer::Refused, |()| Answer::Done);
-                    Message::Answer {
-                        to: sequence,
-                        group,
-                        answer,
-                    }
+                    Message::Answer { to: sequence, group, answer }
                 }
             };
             self.send(message, line);
@@ -123,10 +113,7 @@ impl<S: RecordStore> Console<S> {
     }
 
     fn send(&mut self, message: Message, line: &mut impl Transmit) {
-        let upload = Upload {
-            sequence: self.uploads,
-            message,
-        };
+        let upload = Upload { sequence: self.uploads, message };
         // The number is spent even when the upload is dropped: so the host sees that one is missing.
         self.uploads = self.uploads.wrapping_add(1);
         let sent = encode(&upload).is_ok_and(|frame| line.transmit(&frame));
@@ -140,11 +127,7 @@ impl<S: RecordStore> Console<S> {
         commands: &mut Producer<'_, Scheduled>,
         line: &mut impl Transmit,
     ) -> bool {
-        let Command {
-            sequence,
-            at,
-            request,
-        } = command;
+        let Command { sequence, at, request } = command;
         let action = match request {
             Request::SetMode { axis, mode } => Some(Action::SetMode(axis, mode)),
             Request::SetTap { axis, tap } => Some(Action::SetTap(axis, tap)),
@@ -157,14 +140,7 @@ impl<S: RecordStore> Console<S> {
             _ => None,
         };
         if let Some(action) = action {
-            if commands
-                .enqueue(Scheduled {
-                    sequence,
-                    at,
-                    action,
-                })
-                .is_ok()
-            {
+            if commands.enqueue(Scheduled { sequence, at, action }).is_ok() {
                 return true;
             }
             self.answer(sequence, status.group, Answer::Refused(Refusal::Busy), line);
@@ -174,9 +150,7 @@ impl<S: RecordStore> Console<S> {
             Request::Identity => Answer::Identity(self.identity(status)),
             Request::Faults => Answer::Faults(self.faults(status)),
             Request::ReadCalibration { offset } => self.read_calibration(offset),
-            Request::WriteCalibration { offset, bytes } => {
-                done(self.write_calibration(offset, &bytes))
-            }
+            Request::WriteCalibration { offset, bytes } => done(self.write_calibration(offset, &bytes)),
             Request::CommitCalibration { length } => done(self.commit_calibration(length)),
             // The others went to the compensator.
             _ => return false,
@@ -212,19 +186,13 @@ impl<S: RecordStore> Console<S> {
         let stored = self.store.bytes();
         let rest = stored.get(usize::from(offset)..).unwrap_or(&[]);
         let bytes = rest.iter().take(CHUNK).copied().collect();
-        Answer::Calibration {
-            length: u16::try_from(stored.len()).unwrap_or(u16::MAX),
-            offset,
-            bytes,
-        }
+        Answer::Calibration { length: u16::try_from(stored.len()).unwrap_or(u16::MAX), offset, bytes }
     }
 
     fn write_calibration(&mut self, offset: u16, bytes: &[u8]) -> Result<(), Refusal> {
         let end = usize::from(offset) + bytes.len();
         if end > self.buffer.len() {
-            self.buffer
-                .resize_default(end)
-                .map_err(|_| Refusal::OutOfBuffer)?;
+            self.buffer.resize_default(end).map_err(|_| Refusal::OutOfBuffer)?;
         }
         self.buffer[usize::from(offset)..end].copy_from_slice(bytes);
         Ok(())
@@ -232,14 +200,9 @@ impl<S: RecordStore> Console<S> {
 
     /// Everything is checked before anything is stored: a record that cannot be run never replaces one that can.
     fn commit_calibration(&mut self, length: u16) -> Result<(), Refusal> {
-        let record = self
-            .buffer
-            .get(..usize::from(length))
-            .ok_or(Refusal::OutOfBuffer)?;
+        let record = self.buffer.get(..usize::from(length)).ok_or(Refusal::OutOfBuffer)?;
         let laws = laws_of(record, &self.identity.unit)?;
-        self.store
-            .commit(record)
-            .map_err(|_| Refusal::StoreFailed)?;
+        self.store.commit(record).map_err(|_| Refusal::StoreFailed)?;
         self.install = Some(laws);
         self.buffer.clear();
         Ok(())
@@ -256,12 +219,7 @@ fn laws_of(bytes: &[u8], unit: &UnitSerial) -> Result<Laws, Refusal> {
     if !unit.is_empty() && record.unit != *unit {
         return Err(Refusal::OtherUnit);
     }
-    let law = |axis| {
-        record
-            .axis(axis)
-            .law(record.temperature_scale)
-            .map_err(|_| Refusal::LawRefused)
-    };
+    let law = |axis| record.axis(axis).law(record.temperature_scale).map_err(|_| Refusal::LawRefused);
     let laws = [law(Axis::X)?, law(Axis::Y)?];
     Ok((laws, Axis::BOTH.map(|axis| record.axis(axis).start_up_mode)))
 }

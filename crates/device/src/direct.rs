@@ -26,15 +26,7 @@ impl<SPI: SpiDevice> DirectAcquisition<SPI> {
     pub fn new(converter: Ad7949<SPI>) -> Self {
         let set_length = usize::from(Timing::PAPER.set_length);
         let filling = Set::default();
-        Self {
-            converter,
-            set_length,
-            running: false,
-            next_number: 0,
-            lost: 0,
-            filling,
-            waiting: None,
-        }
+        Self { converter, set_length, running: false, next_number: 0, lost: 0, filling, waiting: None }
     }
 
     /// Takes one scan; `true` when it filled a set.
@@ -72,8 +64,7 @@ where
     type Error = SPI::Error;
 
     fn start(&mut self, timing: Timing) -> Result<(), Self::Error> {
-        self.set_length =
-            usize::from(timing.set_length).clamp(1, crate::acquisition::MAX_SET_LENGTH);
+        self.set_length = usize::from(timing.set_length).clamp(1, crate::acquisition::MAX_SET_LENGTH);
         self.next_number = 0;
         self.lost = 0;
         self.filling = Set::default();

@@ -69,11 +69,7 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
     /// A master on an SPI device in mode 0, up to 10 MHz.
     #[must_use]
     pub const fn new(spi: SPI) -> Self {
-        Self {
-            spi,
-            set_length: Timing::PAPER.set_length,
-            scans: [0; MAX_SET_LENGTH * SCAN_BYTES + CRC_BYTES],
-        }
+        Self { spi, set_length: Timing::PAPER.set_length, scans: [0; MAX_SET_LENGTH * SCAN_BYTES + CRC_BYTES] }
     }
 
     /// Gives the SPI device back.
@@ -92,9 +88,7 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
 
     fn write_word(&mut self, address: u8, word: u32) -> Result<(), PortError<SPI::Error>> {
         let [a, b, c, d] = word.to_be_bytes();
-        self.spi
-            .write(&[WRITE | address, 0, a, b, c, d])
-            .map_err(PortError::Spi)
+        self.spi.write(&[WRITE | address, 0, a, b, c, d]).map_err(PortError::Spi)
     }
 
     fn check_identity(&mut self) -> Result<(), PortError<SPI::Error>> {
@@ -103,11 +97,7 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
             return Err(PortError::NotAPort { identity });
         }
         let version = self.read_word(VERSION)?;
-        if version >> 16 == EXPECTED_MAJOR {
-            Ok(())
-        } else {
-            Err(PortError::UnknownVersion { version })
-        }
+        if version >> 16 == EXPECTED_MAJOR { Ok(()) } else { Err(PortError::UnknownVersion { version }) }
     }
 }
 
@@ -136,17 +126,9 @@ where
         }
         let header = [READ | SET, 0];
         let mut head = [0; HEAD_BYTES];
-        let wanted = if with_scans {
-            usize::from(self.set_length) * SCAN_BYTES + CRC_BYTES
-        } else {
-            0
-        };
+        let wanted = if with_scans { usize::from(self.set_length) * SCAN_BYTES + CRC_BYTES } else { 0 };
         let scans = &mut self.scans[..wanted];
-        let mut burst = [
-            Operation::Write(&header),
-            Operation::Read(&mut head),
-            Operation::Read(scans),
-        ];
+        let mut burst = [Operation::Write(&header), Operation::Read(&mut head), Operation::Read(scans)];
         self.spi.transaction(&mut burst).map_err(PortError::Spi)?;
 
         let words = checked(&head).ok_or(PortError::Damaged)?;
@@ -160,11 +142,7 @@ where
         set.scans.clear();
         if with_scans {
             let samples = checked(&self.scans[..wanted]).ok_or(PortError::Damaged)?;
-            set.scans.extend(
-                samples
-                    .chunks_exact(SCAN_BYTES)
-                    .map(|scan| core::array::from_fn(|k| half_word(scan, k))),
-            );
+            set.scans.extend(samples.chunks_exact(SCAN_BYTES).map(|scan| core::array::from_fn(|k| half_word(scan, k))));
         }
         Ok(true)
     }
@@ -199,12 +177,7 @@ impl Head {
             zro: sum(temperature + 1),
             zro_sq: squares(temperature + 1),
         };
-        Self {
-            number: word(bytes, 0),
-            length,
-            lost: word(bytes, 2),
-            sums: [axis(0), axis(2)],
-        }
+        Self { number: word(bytes, 0), length, lost: word(bytes, 2), sums: [axis(0), axis(2)] }
     }
 }
 

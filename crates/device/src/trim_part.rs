@@ -33,10 +33,7 @@ impl<SPI: SpiDevice, D: DelayNs> Max5494Trim<SPI, D> {
     /// A trim part on a potentiometer and a delay for its 12 ms stores.
     #[must_use]
     pub const fn new(potentiometer: Max5494<SPI>, delay: D) -> Self {
-        Self {
-            potentiometer,
-            delay,
-        }
+        Self { potentiometer, delay }
     }
 }
 
@@ -57,7 +54,6 @@ where
     }
 
     fn store_power_up(&mut self) -> Result<(), Self::Error> {
-        self.potentiometer
-            .copy_wiper_to_nv(Channels::Both, &mut self.delay)
+        self.potentiometer.copy_wiper_to_nv(Channels::Both, &mut self.delay)
     }
 }

@@ -80,20 +80,14 @@ mod tests {
                 (write_nv(Channel::Two, position), 0x12),
             ] {
                 let [high, middle, low] = frame;
-                assert_eq!(
-                    u32::from_be_bytes([0, high, middle, low]),
-                    command << 16 | u32::from(code) << 6
-                );
+                assert_eq!(u32::from_be_bytes([0, high, middle, low]), command << 16 | u32::from(code) << 6);
             }
         }
     }
 
     #[test]
     fn the_unused_bits_of_a_write_are_zero_at_full_scale() {
-        assert_eq!(
-            write_wiper(Channel::Two, Position::LAST),
-            [0x02, 0xFF, 0xC0]
-        );
+        assert_eq!(write_wiper(Channel::Two, Position::LAST), [0x02, 0xFF, 0xC0]);
     }
 
     #[test]

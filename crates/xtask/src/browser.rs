@@ -12,12 +12,7 @@ use crate::devtools::DevTools;
 use crate::provide;
 
 /// The names under which systems keep Chromium or its like.
-const NAMES: [&str; 4] = [
-    "chromium",
-    "chromium-browser",
-    "google-chrome-stable",
-    "google-chrome",
-];
+const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome-stable", "google-chrome"];
 
 /// Debian's packages; without a font, figures have no text.
 const PACKAGES: [&str; 2] = ["chromium", "fonts-dejavu-core"];
@@ -43,50 +38,23 @@ impl Browser {
         let log = folder.join("chromium.log");
         // The protocol's pipes are descriptors 3 and 4. `exec` keeps the process id, so what we kill is the browser.
         let mut command = Command::new("sh");
-        command
-            .args(["-c", r#"exec "$0" "$@" 3<&0 4>&1 </dev/null >/dev/null"#])
-            .arg(&program);
-        command.args([
-            "--headless",
-            "--remote-debugging-pipe",
-            "--disable-gpu",
-            "--hide-scrollbars",
-            "--no-first-run",
-        ]);
+        command.args(["-c", r#"exec "$0" "$@" 3<&0 4>&1 </dev/null >/dev/null"#]).arg(&program);
+        command.args(["--headless", "--remote-debugging-pipe", "--disable-gpu", "--hide-scrollbars", "--no-first-run"]);
         // So that what it asks of the network is the page's doing alone.
-        command.args([
-            "--disable-background-networking",
-            "--disable-component-update",
-            "--disable-sync",
-        ]);
+        command.args(["--disable-background-networking", "--disable-component-update", "--disable-sync"]);
         command.args(["--disable-quic", "--disable-dev-shm-usage"]);
         if provide::is_root() {
             command.arg("--no-sandbox"); // Chromium refuses to start as root with one.
         }
         command.arg(format!("--user-data-dir={}", profile.display()));
-        command
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(File::create(&log)?);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(File::create(&log)?);
         let mut process = command.spawn().context("sh could not be started")?;
         let pipes = process.stdin.take().zip(process.stdout.take());
         let (to, from) = pipes.context("the browser has no pipes")?;
-        let mut browser = Self {
-            devtools: DevTools::new(to, from),
-            process,
-            profile,
-        };
-        let version = browser
-            .devtools
-            .call("Browser.getVersion", serde_json::json!({}));
-        let version =
-            version.with_context(|| format!("{}: see {}", program.display(), log.display()))?;
-        println!(
-            "    {}",
-            version["product"]
-                .as_str()
-                .unwrap_or("a browser without a name")
-        );
+        let mut browser = Self { devtools: DevTools::new(to, from), process, profile };
+        let version = browser.devtools.call("Browser.getVersion", serde_json::json!({}));
+        let version = version.with_context(|| format!("{}: see {}", program.display(), log.display()))?;
+        println!("    {}", version["product"].as_str().unwrap_or("a browser without a name"));
         Ok(browser)
     }
 }

@@ -16,27 +16,14 @@ pub fn format(workspace: &Workspace) -> Result<Outcome> {
 
 /// Clippy and the compiler have nothing to say, tests, benchmarks and examples included.
 pub fn lint(workspace: &Workspace) -> Result<Outcome> {
-    run(
-        workspace,
-        &[
-            "clippy",
-            "--workspace",
-            "--all-targets",
-            "--",
-            "-D",
-            "warnings",
-        ],
-    )
+    run(workspace, &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])
 }
 
 /// The documentation of our own crates builds, and no link in it is broken.
 pub fn document(workspace: &Workspace) -> Result<Outcome> {
     println!("    with RUSTDOCFLAGS='-D warnings'");
     let arguments = ["doc", "--workspace", "--no-deps"];
-    run_with(
-        command(workspace).env("RUSTDOCFLAGS", "-D warnings"),
-        &arguments,
-    )
+    run_with(command(workspace).env("RUSTDOCFLAGS", "-D warnings"), &arguments)
 }
 
 /// All tests pass.

@@ -29,10 +29,7 @@ impl<W: Write> DevTools<W> {
         let (sender, receiver) = mpsc::channel();
         // Reading blocks for ever when a browser is stuck: it has a thread, and we wait on the channel with patience.
         thread::spawn(move || {
-            for message in BufReader::new(from)
-                .split(0)
-                .map_while(std::result::Result::ok)
-            {
+            for message in BufReader::new(from).split(0).map_while(std::result::Result::ok) {
                 let Ok(message) = serde_json::from_slice(&message) else {
                     continue;
                 };
@@ -41,29 +38,15 @@ impl<W: Write> DevTools<W> {
                 }
             }
         });
-        Self {
-            to,
-            from: receiver,
-            last_id: 0,
-            session: None,
-            events: Vec::new(),
-        }
+        Self { to, from: receiver, last_id: 0, session: None, events: Vec::new() }
     }
 
     /// Opens an empty page and talks to it from now on; what the page before it told is forgotten.
     pub fn open_page(&mut self) -> Result<()> {
         self.session = None;
         let page = self.call("Target.createTarget", json!({ "url": "about:blank" }))?;
-        let attached = self.call(
-            "Target.attachToTarget",
-            json!({ "targetId": page["targetId"], "flatten": true }),
-        )?;
-        self.session = Some(
-            attached["sessionId"]
-                .as_str()
-                .context("the browser gave no session")?
-                .to_owned(),
-        );
+        let attached = self.call("Target.attachToTarget", json!({ "targetId": page["targetId"], "flatten": true }))?;
+        self.session = Some(attached["sessionId"].as_str().context("the browser gave no session")?.to_owned());
         self.events.clear();
         Ok(())
     }
@@ -84,19 +67,13 @@ impl<W: Write> DevTools<W> {
         }
         let mut bytes = serde_json::to_vec(&request)?;
         bytes.push(0);
-        self.to
-            .write_all(&bytes)
-            .and_then(|()| self.to.flush())
-            .context("the browser closed its pipe")?;
+        self.to.write_all(&bytes).and_then(|()| self.to.flush()).context("the browser closed its pipe")?;
         loop {
             let mut message = self.next(method)?;
             if message["id"] != id {
                 self.events.push(message);
             } else if let Some(error) = message.get("error") {
-                bail!(
-                    "{method}: {}",
-                    error["message"].as_str().unwrap_or("refused")
-                );
+                bail!("{method}: {}", error["message"].as_str().unwrap_or("refused"));
             } else {
                 return Ok(message["result"].take());
             }
@@ -114,22 +91,16 @@ impl<W: Write> DevTools<W> {
 
     /// The value of a JavaScript expression in the page; a promise is waited for.
     pub fn evaluate(&mut self, expression: &str) -> Result<Value> {
-        let parameters =
-            json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
+        let parameters = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
         let mut answer = self.call("Runtime.evaluate", parameters)?;
         if answer.get("exceptionDetails").is_some() {
-            bail!(
-                "`{expression}` threw: {}",
-                answer["exceptionDetails"]["exception"]["description"]
-            );
+            bail!("`{expression}` threw: {}", answer["exceptionDetails"]["exception"]["description"]);
         }
         Ok(answer["result"]["value"].take())
     }
 
     fn next(&self, awaited: &str) -> Result<Value> {
-        self.from
-            .recv_timeout(PATIENCE)
-            .with_context(|| format!("the browser ended or is stuck before {awaited}"))
+        self.from.recv_timeout(PATIENCE).with_context(|| format!("the browser ended or is stuck before {awaited}"))
     }
 }
 
@@ -138,24 +109,16 @@ mod tests {
     use super::*;
 
     fn told(messages: &[Value]) -> std::io::Cursor<Vec<u8>> {
-        let bytes = messages
-            .iter()
-            .flat_map(|message| [message.to_string().into_bytes(), vec![0]].concat());
+        let bytes = messages.iter().flat_map(|message| [message.to_string().into_bytes(), vec![0]].concat());
         std::io::Cursor::new(bytes.collect())
     }
 
     #[test]
     fn what_comes_before_an_answer_is_kept_as_an_event() {
-        let answers = told(&[
-            json!({ "method": "Page.loaded" }),
-            json!({ "id": 1, "result": { "value": 7 } }),
-        ]);
+        let answers = told(&[json!({ "method": "Page.loaded" }), json!({ "id": 1, "result": { "value": 7 } })]);
         let mut sent = Vec::new();
         let mut browser = DevTools::new(&mut sent, answers);
-        assert_eq!(
-            browser.call("Page.ask", json!({})).unwrap(),
-            json!({ "value": 7 })
-        );
+        assert_eq!(browser.call("Page.ask", json!({})).unwrap(), json!({ "value": 7 }));
         browser.wait_for("Page.loaded").unwrap();
         assert_eq!(sent.last(), Some(&0));
     }
@@ -164,16 +127,7 @@ mod tests {
     fn a_refusal_and_an_end_are_errors_that_name_the_method() {
         let answers = told(&[json!({ "id": 1, "error": { "message": "no such method" } })]);
         let mut browser = DevTools::new(Vec::new(), answers);
-        assert_eq!(
-            browser.call("Page.ask", json!({})).unwrap_err().to_string(),
-            "Page.ask: no such method"
-        );
-        assert!(
-            browser
-                .call("Page.again", json!({}))
-                .unwrap_err()
-                .to_string()
-                .contains("Page.again")
-        );
+        assert_eq!(browser.call("Page.ask", json!({})).unwrap_err().to_string(), "Page.ask: no such method");
+        assert!(browser.call("Page.again", json!({})).unwrap_err().to_string().contains("Page.again"));
     }
 }

@@ -23,11 +23,7 @@ use steps::{Outcome, Step};
 use workspace::Workspace;
 
 #[derive(Parser)]
-#[command(
-    name = "cargo xtask",
-    bin_name = "cargo xtask",
-    about = "The project's chores"
-)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", about = "The project's chores")]
 struct Arguments {
     #[command(subcommand)]
     chore: Chore,
@@ -65,41 +61,15 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("format", "run `cargo fmt`", within(cargo::format)),
         Step::new("clippy", "mend what it points at", within(cargo::lint)),
         Step::new("rustdoc", "mend what it points at", within(cargo::document)),
-        Step::new(
-            "tests",
-            "`cargo test -p CRATE NAME` runs one",
-            within(cargo::test),
-        ),
-        Step::new(
-            "no_std",
-            "see ARCHITECTURE.md, Arrows",
-            within(no_std::check),
-        ),
-        Step::new(
-            "arrows",
-            "see ARCHITECTURE.md, Arrows",
-            within(arrows::check),
-        ),
+        Step::new("tests", "`cargo test -p CRATE NAME` runs one", within(cargo::test)),
+        Step::new("no_std", "see ARCHITECTURE.md, Arrows", within(no_std::check)),
+        Step::new("arrows", "see ARCHITECTURE.md, Arrows", within(arrows::check)),
         Step::new("house", "see CONTRIBUTING.md, Habits", within(house::check)),
-        Step::new("build", "mend the build", within(cargo::build_command))
+        Step::new("build", "mend the build", within(cargo::build_command)).skipped_if(fast, "--fast"),
+        Step::new("numpy", "see crates/xtask/python/compare_fit.py", within(python::compare_fit))
             .skipped_if(fast, "--fast"),
-        Step::new(
-            "numpy",
-            "see crates/xtask/python/compare_fit.py",
-            within(python::compare_fit),
-        )
-        .skipped_if(fast, "--fast"),
-        Step::new(
-            "damage",
-            "see crates/xtask/python/damaged_recordings.py",
-            within(python::damaged_recordings),
-        )
-        .skipped_if(fast, "--fast"),
-        Step::new(
-            "report",
-            "look at target/report-screenshots",
-            within(report::check),
-        )
-        .skipped_if(fast, "--fast"),
+        Step::new("damage", "see crates/xtask/python/damaged_recordings.py", within(python::damaged_recordings))
+            .skipped_if(fast, "--fast"),
+        Step::new("report", "look at target/report-screenshots", within(report::check)).skipped_if(fast, "--fast"),
     ]
 }

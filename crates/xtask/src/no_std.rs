@@ -12,11 +12,8 @@ use crate::steps::Outcome;
 use crate::workspace::Workspace;
 
 /// The board's side: folder in crates/ and package.
-const BOARD_SIDE: [(&str, &str); 3] = [
-    ("core", "zerorate-core"),
-    ("max5494", "max5494"),
-    ("device", "zerorate-device"),
-];
+const BOARD_SIDE: [(&str, &str); 3] =
+    [("core", "zerorate-core"), ("max5494", "max5494"), ("device", "zerorate-device")];
 
 /// Any target without std would do; this is the firmware's.
 const BARE_TARGET: &str = "thumbv7em-none-eabihf";
@@ -26,41 +23,24 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
     let mut faults = Vec::new();
     for (folder, _) in BOARD_SIDE {
         let root = Path::new("crates").join(folder).join("src");
-        if !workspace
-            .read(root.join("lib.rs"))?
-            .lines()
-            .any(|line| line == "#![no_std]")
-        {
-            faults.push(format!(
-                "{}: is not #![no_std]",
-                root.join("lib.rs").display()
-            ));
+        if !workspace.read(root.join("lib.rs"))?.lines().any(|line| line == "#![no_std]") {
+            faults.push(format!("{}: is not #![no_std]", root.join("lib.rs").display()));
         }
         for (path, text) in workspace.sources(&root)? {
             if path.ends_with("tests.rs") {
                 continue;
             }
             let lines = mentions_of_std(&text).into_iter();
-            faults
-                .extend(lines.map(|line| format!("{}:{line}: uses std or alloc", path.display())));
+            faults.extend(lines.map(|line| format!("{}:{line}: uses std or alloc", path.display())));
         }
     }
-    ensure!(
-        faults.is_empty(),
-        "{} faults\n    {}",
-        faults.len(),
-        faults.join("\n    ")
-    );
+    ensure!(faults.is_empty(), "{} faults\n    {}", faults.len(), faults.join("\n    "));
     if !has_bare_target() {
         println!("    read only: `rustup target add {BARE_TARGET}` lets this step compile as well");
         return Ok(Outcome::Passed);
     }
     let mut arguments = vec!["check", "--target", BARE_TARGET];
-    arguments.extend(
-        BOARD_SIDE
-            .iter()
-            .flat_map(|(_, package)| ["--package", package]),
-    );
+    arguments.extend(BOARD_SIDE.iter().flat_map(|(_, package)| ["--package", package]));
     cargo::run(workspace, &arguments)
 }
 
@@ -84,14 +64,11 @@ fn mentions_of_std(text: &str) -> Vec<usize> {
 
 /// Whether `code` has `path`, and not as the end of a longer name.
 fn mentions(code: &str, path: &str) -> bool {
-    code.match_indices(path)
-        .any(|(at, _)| !code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_'))
+    code.match_indices(path).any(|(at, _)| !code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_'))
 }
 
 fn has_bare_target() -> bool {
-    let printed = Command::new("rustc")
-        .args(["--print", "target-libdir", "--target", BARE_TARGET])
-        .output();
+    let printed = Command::new("rustc").args(["--print", "target-libdir", "--target", BARE_TARGET]).output();
     printed.is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir())
 }
 
@@ -101,10 +78,7 @@ mod tests {
 
     #[test]
     fn std_in_shipped_code_is_found() {
-        assert_eq!(
-            mentions_of_std("use core::fmt;\n    let words: std::vec::Vec<u8>;\n"),
-            [2]
-        );
+        assert_eq!(mentions_of_std("use core::fmt;\n    let words: std::vec::Vec<u8>;\n"), [2]);
         assert_eq!(mentions_of_std("extern crate alloc;\n"), [1]);
     }
 

@@ -10,14 +10,8 @@ use anyhow::{Context, Result, bail, ensure};
 /// Runs a command with its output left as it is; an error unless it succeeds.
 pub fn succeed(command: &mut Command) -> Result<()> {
     let program = command.get_program().to_string_lossy().into_owned();
-    let status = command
-        .status()
-        .with_context(|| format!("{program} could not be started"))?;
-    ensure!(
-        status.success(),
-        "{} ended with {status}",
-        name_of(&program)
-    );
+    let status = command.status().with_context(|| format!("{program} could not be started"))?;
+    ensure!(status.success(), "{} ended with {status}", name_of(&program));
     Ok(())
 }
 
@@ -35,18 +29,12 @@ pub fn works(command: &mut Command) -> bool {
 pub fn on_path(names: &[&str]) -> Option<PathBuf> {
     let folders = env::var_os("PATH")?;
     let folders: Vec<PathBuf> = env::split_paths(&folders).collect();
-    names
-        .iter()
-        .flat_map(|name| folders.iter().map(move |folder| folder.join(name)))
-        .find(|path| path.is_file())
+    names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(|path| path.is_file())
 }
 
 /// Whether we run as the superuser, who may install and for whom browsers refuse their sandbox.
 pub fn is_root() -> bool {
-    Command::new("id")
-        .arg("-u")
-        .output()
-        .is_ok_and(|output| output.stdout.trim_ascii() == b"0")
+    Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout.trim_ascii() == b"0")
 }
 
 /// A program that is not there and that we may not install. Its message says what to do.
@@ -65,35 +53,21 @@ impl std::error::Error for Missing {}
 pub fn install(what_for: &str, packages: &[&str]) -> Result<()> {
     let listed = packages.join(" ");
     if on_path(&["apt-get"]).is_none() {
-        bail!(Missing(format!(
-            "{what_for} is missing; on Debian it is in: {listed}"
-        )));
+        bail!(Missing(format!("{what_for} is missing; on Debian it is in: {listed}")));
     }
     if !is_root() {
-        bail!(Missing(format!(
-            "{what_for} is missing; install it with: sudo apt-get install {listed}"
-        )));
+        bail!(Missing(format!("{what_for} is missing; install it with: sudo apt-get install {listed}")));
     }
     println!("    installing {what_for}: {listed}");
     let apt = || {
         let mut apt = Command::new("apt-get");
-        apt.arg("-qq")
-            .env("DEBIAN_FRONTEND", "noninteractive")
-            .stdin(Stdio::null())
-            .stdout(Stdio::null());
+        apt.arg("-qq").env("DEBIAN_FRONTEND", "noninteractive").stdin(Stdio::null()).stdout(Stdio::null());
         apt
     };
     succeed(apt().arg("update"))?;
-    succeed(
-        apt()
-            .args(["install", "-y", "--no-install-recommends"])
-            .args(packages),
-    )
+    succeed(apt().args(["install", "-y", "--no-install-recommends"]).args(packages))
 }
 
 fn name_of(program: &str) -> String {
-    Path::new(program).file_name().map_or_else(
-        || program.to_owned(),
-        |name| name.to_string_lossy().into_owned(),
-    )
+    Path::new(program).file_name().map_or_else(|| program.to_owned(), |name| name.to_string_lossy().into_owned())
 }

@@ -16,16 +16,11 @@ const SCRIPTS: &str = "crates/xtask/python";
 /// Holds `zerorate fit --plain` against numpy.polyfit, on made data and on a real recording where there is one.
 pub fn compare_fit(workspace: &Workspace) -> Result<Outcome> {
     let mut script = script(workspace, "compare_fit.py")?;
-    match workspace
-        .data()
-        .map(|data| data.join("imu-chamber-cycle/imu_raw_data.tsv"))
-    {
+    match workspace.data().map(|data| data.join("imu-chamber-cycle/imu_raw_data.tsv")) {
         Some(recording) if recording.is_file() => {
             script.arg(recording);
         }
-        _ => println!(
-            "    without the real recording: no ../shared/data, and ZERORATE_DATA names no other folder"
-        ),
+        _ => println!("    without the real recording: no ../shared/data, and ZERORATE_DATA names no other folder"),
     }
     provide::succeed(&mut script)?;
     Ok(Outcome::Passed)
@@ -34,20 +29,12 @@ pub fn compare_fit(workspace: &Workspace) -> Result<Outcome> {
 /// Damages a real recording in six ways and checks what `zerorate fit` says of each.
 pub fn damaged_recordings(workspace: &Workspace) -> Result<Outcome> {
     let Some(data) = workspace.data() else {
-        return Ok(Outcome::Skipped(
-            "no ../shared/data, and ZERORATE_DATA names no other folder".into(),
-        ));
+        return Ok(Outcome::Skipped("no ../shared/data, and ZERORATE_DATA names no other folder".into()));
     };
     let recording = data.join("imu-chamber-cycle/imu_raw_data.tsv");
     let encoder = data.join("../tools/encode_flight_logs.py");
-    if let Some(missing) = [&recording, &encoder]
-        .into_iter()
-        .find(|path| !path.is_file())
-    {
-        return Ok(Outcome::Skipped(format!(
-            "{} is missing",
-            missing.display()
-        )));
+    if let Some(missing) = [&recording, &encoder].into_iter().find(|path| !path.is_file()) {
+        return Ok(Outcome::Skipped(format!("{} is missing", missing.display())));
     }
     provide::succeed(script(workspace, "damaged_recordings.py")?.args([encoder, recording]))?;
     Ok(Outcome::Passed)
@@ -57,10 +44,7 @@ pub fn damaged_recordings(workspace: &Workspace) -> Result<Outcome> {
 fn script(workspace: &Workspace, name: &str) -> Result<Command> {
     let zerorate = workspace.zerorate()?;
     let mut command = Command::new(venv(workspace)?);
-    command
-        .current_dir(&workspace.root)
-        .arg(Path::new(SCRIPTS).join(name))
-        .arg(zerorate);
+    command.current_dir(&workspace.root).arg(Path::new(SCRIPTS).join(name)).arg(zerorate);
     Ok(command)
 }
 
@@ -75,31 +59,16 @@ fn venv(workspace: &Workspace) -> Result<PathBuf> {
         return Ok(python);
     }
     // Debian ships venv without the pip it installs: the module is there, ensurepip is not.
-    let has_venv =
-        || provide::works(Command::new("python3").args(["-c", "import venv, ensurepip"]));
+    let has_venv = || provide::works(Command::new("python3").args(["-c", "import venv, ensurepip"]));
     if !has_venv() {
         provide::install("Python 3 with venv", &["python3", "python3-venv"])?;
-        ensure!(
-            has_venv(),
-            "python3 on the PATH has no venv, though python3-venv is installed"
-        );
+        ensure!(has_venv(), "python3 on the PATH has no venv, though python3-venv is installed");
     }
     println!("    making target/venv");
-    provide::succeed(
-        Command::new("python3")
-            .args(["-m", "venv", "--clear"])
-            .arg(&folder),
-    )?;
+    provide::succeed(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder))?;
     provide::succeed(
         Command::new(&python)
-            .args([
-                "-m",
-                "pip",
-                "install",
-                "--quiet",
-                "--disable-pip-version-check",
-                "--requirement",
-            ])
+            .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"])
             .arg(workspace.root.join(SCRIPTS).join("requirements.txt")),
     )?;
     fs::write(stamp, wanted)?;

@@ -16,8 +16,7 @@ use crate::steps::Outcome;
 use crate::workspace::Workspace;
 
 /// A screen: name, width and height in CSS pixels, whether it is a phone's.
-const SCREENS: [(&str, u32, u32, bool); 2] =
-    [("desktop", 1280, 900, false), ("phone", 390, 844, true)];
+const SCREENS: [(&str, u32, u32, bool); 2] = [("desktop", 1280, 900, false), ("phone", 390, 844, true)];
 
 /// A figure's text is legible from about this height on, in CSS pixels of its glyph box.
 const LEGIBLE_PX: f64 = 7.0;
@@ -27,21 +26,9 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
     let zerorate = workspace.zerorate()?;
     let out = workspace.target.join("report-calibration");
     println!("    zerorate calibrate --out {}", out.display());
-    provide::succeed(
-        Command::new(zerorate)
-            .arg("calibrate")
-            .arg("--out")
-            .arg(&out)
-            .stdout(Stdio::null()),
-    )?;
+    provide::succeed(Command::new(zerorate).arg("calibrate").arg("--out").arg(&out).stdout(Stdio::null()))?;
     let report = out.join("report.html");
-    let url = format!(
-        "file://{}",
-        report
-            .canonicalize()
-            .with_context(|| report.display().to_string())?
-            .display()
-    );
+    let url = format!("file://{}", report.canonicalize().with_context(|| report.display().to_string())?.display());
 
     let pictures = workspace.target.join("report-screenshots");
     fs::create_dir_all(&pictures)?;
@@ -50,27 +37,13 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
     for screen in SCREENS {
         for scheme in ["light", "dark"] {
             let view = format!("{}-{scheme}", screen.0);
-            let found = look(
-                &mut browser.devtools,
-                &url,
-                screen,
-                scheme,
-                &pictures.join(format!("{view}.png")),
-            )
-            .with_context(|| view.clone())?;
+            let found = look(&mut browser.devtools, &url, screen, scheme, &pictures.join(format!("{view}.png")))
+                .with_context(|| view.clone())?;
             faults.extend(found.into_iter().map(|fault| format!("{view}: {fault}")));
         }
     }
-    ensure!(
-        faults.is_empty(),
-        "{} faults\n    {}",
-        faults.len(),
-        faults.join("\n    ")
-    );
-    println!(
-        "    no console error, no request, no overflow; pictures in {}",
-        pictures.display()
-    );
+    ensure!(faults.is_empty(), "{} faults\n    {}", faults.len(), faults.join("\n    "));
+    println!("    no console error, no request, no overflow; pictures in {}", pictures.display());
     Ok(Outcome::Passed)
 }
 
@@ -86,39 +59,28 @@ fn look<W: std::io::Write>(
     for domain in ["Page", "Runtime", "Log", "Network"] {
         page.call(&format!("{domain}.enable"), json!({}))?;
     }
-    let metrics =
-        json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile });
+    let metrics = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile });
     page.call("Emulation.setDeviceMetricsOverride", metrics)?;
     let media = json!({ "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
     page.call("Emulation.setEmulatedMedia", media)?;
     page.call("Page.navigate", json!({ "url": url }))?;
     page.wait_for("Page.loadEventFired")?;
     // Two frames on, scripts that draw have drawn.
-    page.evaluate(
-        "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))",
-    )?;
+    page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))")?;
 
     let shot = json!({ "captureBeyondViewport": true });
     let shot = page.call("Page.captureScreenshot", shot)?;
-    fs::write(
-        picture,
-        BASE64_STANDARD.decode(shot["data"].as_str().unwrap_or_default())?,
-    )?;
+    fs::write(picture, BASE64_STANDARD.decode(shot["data"].as_str().unwrap_or_default())?)?;
 
     let mut faults = Vec::new();
-    let wide = page
-        .evaluate("document.documentElement.scrollWidth")?
-        .as_f64()
-        .unwrap_or(f64::INFINITY);
+    let wide = page.evaluate("document.documentElement.scrollWidth")?.as_f64().unwrap_or(f64::INFINITY);
     if wide > f64::from(width) {
         faults.push(format!("{wide} px wide on a screen of {width} px"));
     }
     if let Some(height) = page.evaluate(SMALLEST_TEXT)?.as_f64()
         && height < LEGIBLE_PX
     {
-        faults.push(format!(
-            "a figure has text {height:.1} px high, legible is {LEGIBLE_PX} px"
-        ));
+        faults.push(format!("a figure has text {height:.1} px high, legible is {LEGIBLE_PX} px"));
     }
     // Last, so that what the page did meanwhile counts as well.
     faults.extend(page.events.iter().filter_map(|event| fault_of(event, url)));
@@ -138,15 +100,11 @@ const SMALLEST_TEXT: &str = "(() => {
 fn fault_of(event: &Value, url: &str) -> Option<String> {
     let told = &event["params"];
     match event["method"].as_str()? {
-        "Runtime.exceptionThrown" => {
-            Some(format!("exception: {}", told["exceptionDetails"]["text"]))
-        }
+        "Runtime.exceptionThrown" => Some(format!("exception: {}", told["exceptionDetails"]["text"])),
         "Runtime.consoleAPICalled" if told["type"] == "error" || told["type"] == "assert" => {
             Some(format!("console: {}", told["args"]))
         }
-        "Log.entryAdded" if told["entry"]["level"] == "error" => {
-            Some(format!("log: {}", told["entry"]["text"]))
-        }
+        "Log.entryAdded" if told["entry"]["level"] == "error" => Some(format!("log: {}", told["entry"]["text"])),
         "Network.requestWillBeSent" => {
             let asked = told["request"]["url"].as_str().unwrap_or_default();
             (asked != url && !asked.starts_with("data:")).then(|| format!("request for {asked}"))
@@ -174,19 +132,10 @@ mod tests {
     #[test]
     fn console_errors_count_and_other_lines_do_not() {
         let says = |kind: &str| {
-            fault_of(
-                &json!({ "method": "Runtime.consoleAPICalled", "params": { "type": kind, "args": [] } }),
-                "",
-            )
+            fault_of(&json!({ "method": "Runtime.consoleAPICalled", "params": { "type": kind, "args": [] } }), "")
         };
         assert!(says("error").is_some());
         assert!(says("log").is_none());
-        assert!(
-            fault_of(
-                &json!({ "method": "Page.loadEventFired", "params": {} }),
-                ""
-            )
-            .is_none()
-        );
+        assert!(fault_of(&json!({ "method": "Page.loadEventFired", "params": {} }), "").is_none());
     }
 }

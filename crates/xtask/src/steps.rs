@@ -24,16 +24,8 @@ pub struct Step<'a> {
 
 impl<'a> Step<'a> {
     /// A step called `name` that does `action`; `remedy` is said when it fails.
-    pub fn new(
-        name: &'static str,
-        remedy: &'static str,
-        action: impl Fn() -> Result<Outcome> + 'a,
-    ) -> Self {
-        Self {
-            name,
-            remedy,
-            action: Box::new(action),
-        }
+    pub fn new(name: &'static str, remedy: &'static str, action: impl Fn() -> Result<Outcome> + 'a) -> Self {
+        Self { name, remedy, action: Box::new(action) }
     }
 
     /// The same step, which only says `why` it does not run if `condition` holds.
@@ -41,19 +33,13 @@ impl<'a> Step<'a> {
         if !condition {
             return self;
         }
-        Self {
-            action: Box::new(move || Ok(Outcome::Skipped(why.to_owned()))),
-            ..self
-        }
+        Self { action: Box::new(move || Ok(Outcome::Skipped(why.to_owned()))), ..self }
     }
 }
 
 /// The steps of the given names, in their own order; all of them if no name is given.
 pub fn chosen<'a>(steps: Vec<Step<'a>>, names: &[String]) -> Result<Vec<Step<'a>>> {
-    if let Some(unknown) = names
-        .iter()
-        .find(|name| steps.iter().all(|step| step.name != **name))
-    {
+    if let Some(unknown) = names.iter().find(|name| steps.iter().all(|step| step.name != **name)) {
         bail!("there is no step `{unknown}`: `cargo xtask help test` lists them");
     }
     let is_chosen = |step: &Step| names.is_empty() || names.iter().any(|name| name == step.name);
@@ -94,15 +80,8 @@ pub fn run(steps: &[Step]) -> ExitCode {
     if !skipped.is_empty() {
         println!("not run: {}", skipped.join(", "));
     }
-    println!(
-        "steps: {passed} passed, {failed} failed, {} skipped",
-        skipped.len()
-    );
-    if failed == 0 {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
-    }
+    println!("steps: {passed} passed, {failed} failed, {} skipped", skipped.len());
+    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 #[cfg(test)]
@@ -113,17 +92,10 @@ mod tests {
 
     #[test]
     fn steps_are_chosen_by_name_and_keep_their_order() {
-        let steps = || {
-            ["format", "clippy", "tests"]
-                .map(|name| Step::new(name, "", || Ok(Outcome::Passed)))
-                .into()
-        };
+        let steps = || ["format", "clippy", "tests"].map(|name| Step::new(name, "", || Ok(Outcome::Passed))).into();
         let names = |only: &[&str]| -> Result<Vec<&str>> {
             let only: Vec<String> = only.iter().map(|&name| name.to_owned()).collect();
-            Ok(chosen(steps(), &only)?
-                .iter()
-                .map(|step| step.name)
-                .collect())
+            Ok(chosen(steps(), &only)?.iter().map(|step| step.name).collect())
         };
         assert_eq!(names(&[]).unwrap(), ["format", "clippy", "tests"]);
         assert_eq!(names(&["tests", "format"]).unwrap(), ["format", "tests"]);
@@ -142,11 +114,7 @@ mod tests {
         };
         let code = run(&[
             Step::new("first", "", count(|| Ok(Outcome::Passed))),
-            Step::new(
-                "second",
-                "",
-                count(|| Ok(Outcome::Skipped("no reason".into()))),
-            ),
+            Step::new("second", "", count(|| Ok(Outcome::Skipped("no reason".into())))),
             Step::new("third", "", count(|| anyhow::bail!("broken"))),
             Step::new("fourth", "", count(|| Ok(Outcome::Passed))),
         ]);

@@ -18,13 +18,8 @@ impl Workspace {
     /// The workspace that cargo is running this program from.
     pub fn of_this_run() -> Result<Self> {
         let here = env::var_os("CARGO_MANIFEST_DIR").context("start this as `cargo xtask`")?;
-        let root = Path::new(&here)
-            .ancestors()
-            .nth(2)
-            .context("xtask is expected in crates/xtask")?
-            .to_owned();
-        let target = env::var_os("CARGO_TARGET_DIR")
-            .map_or_else(|| root.join("target"), |target| root.join(target));
+        let root = Path::new(&here).ancestors().nth(2).context("xtask is expected in crates/xtask")?.to_owned();
+        let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |target| root.join(target));
         Ok(Self { root, target })
     }
 
@@ -49,11 +44,8 @@ impl Workspace {
     /// The Rust sources below a folder, as path from the root and text.
     pub fn sources(&self, folder: impl AsRef<Path>) -> Result<Vec<(PathBuf, String)>> {
         let files = self.files(folder)?;
-        let rust = files
-            .into_iter()
-            .filter(|path| path.extension() == Some(OsStr::new("rs")));
-        rust.map(|path| Ok((path.clone(), self.read(&path)?)))
-            .collect()
+        let rust = files.into_iter().filter(|path| path.extension() == Some(OsStr::new("rs")));
+        rust.map(|path| Ok((path.clone(), self.read(&path)?))).collect()
     }
 
     /// Every file below a folder that belongs to the project, as path from the root, sorted.
@@ -79,31 +71,20 @@ impl Workspace {
 
     /// The built command, or why there is none.
     pub fn zerorate(&self) -> Result<PathBuf> {
-        let path = self
-            .target
-            .join("release")
-            .join(format!("zerorate{}", env::consts::EXE_SUFFIX));
-        anyhow::ensure!(
-            path.is_file(),
-            "{} is missing: `cargo build --release` makes it",
-            path.display()
-        );
+        let path = self.target.join("release").join(format!("zerorate{}", env::consts::EXE_SUFFIX));
+        anyhow::ensure!(path.is_file(), "{} is missing: `cargo build --release` makes it", path.display());
         Ok(path)
     }
 
     /// The recordings that are too large for the repository, where they are there: ../shared/data, or what
     /// ZERORATE_DATA names.
     pub fn data(&self) -> Option<PathBuf> {
-        let folder = env::var_os("ZERORATE_DATA")
-            .map_or_else(|| self.root.join("../shared/data"), PathBuf::from);
+        let folder = env::var_os("ZERORATE_DATA").map_or_else(|| self.root.join("../shared/data"), PathBuf::from);
         folder.is_dir().then_some(folder)
     }
 }
 
 fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     let named = || folder.display().to_string();
-    fs::read_dir(folder)
-        .with_context(named)?
-        .map(|entry| Ok(entry.with_context(named)?.path()))
-        .collect()
+    fs::read_dir(folder).with_context(named)?.map(|entry| Ok(entry.with_context(named)?.path())).collect()
 }

@@ -48,13 +48,8 @@ impl AxisLaw {
     ///
     /// # Errors
     /// [`LawRefused`], when the numbers do not fit or the table is wrong.
-    pub fn new(
-        law: &StaticLaw,
-        edges: Option<&EdgeTable>,
-        low_pass: LowPass,
-    ) -> Result<Self, LawRefused> {
-        let drift = FixedDrift::new(&law.drift, law.temperature_scale)
-            .map_err(LawRefused::Unrepresentable)?;
+    pub fn new(law: &StaticLaw, edges: Option<&EdgeTable>, low_pass: LowPass) -> Result<Self, LawRefused> {
+        let drift = FixedDrift::new(&law.drift, law.temperature_scale).map_err(LawRefused::Unrepresentable)?;
         if let Some(edges) = edges {
             edges.check(law).map_err(LawRefused::Edges)?;
         }
@@ -114,27 +109,17 @@ impl FixedEffects {
         let (first, measured) = match &trim.measured {
             None => (0, Vec::new()),
             Some(swept) => {
-                let fixed: Option<_> = swept
-                    .effects
-                    .iter()
-                    .map(|e| Q16::from_counts(e.0).map(|q| q.0))
-                    .collect();
+                let fixed: Option<_> = swept.effects.iter().map(|e| Q16::from_counts(e.0).map(|q| q.0)).collect();
                 (swept.first.get(), fixed?)
             }
         };
         let per_tap = Q16::from_counts(trim.line.counts_per_tap().0)?.0;
-        Some(Self {
-            first,
-            measured,
-            middle: trim.line.middle().get(),
-            per_tap,
-        })
+        Some(Self { first, measured, middle: trim.line.middle().get(), per_tap })
     }
 
     fn get(&self, tap: Taps) -> Q16 {
         let index = usize::from(tap.get().wrapping_sub(self.first));
-        let by_line =
-            || (i32::from(tap.get()) - i32::from(self.middle)).saturating_mul(self.per_tap);
+        let by_line = || (i32::from(tap.get()) - i32::from(self.middle)).saturating_mul(self.per_tap);
         Q16(self.measured.get(index).copied().unwrap_or_else(by_line))
     }
 }
@@ -234,28 +219,18 @@ impl AxisCompensation {
         let effect_sum = core::mem::take(&mut self.effect_sum);
         let (Some(law), Some(code)) = (law, sums.temperature_code()) else {
             let coverage = Coverage::Invalid;
-            return GroupOutcome {
-                corrected: mean_q16(sums, 0),
-                coverage,
-                move_to: None,
-            };
+            return GroupOutcome { corrected: mean_q16(sums, 0), coverage, move_to: None };
         };
         let drift = law.drift_from_centre(code);
         self.drift_from_centre = Some(drift);
         let correction = i64::from(drift) * i64::from(sums.n) + effect_sum;
         let corrected = mean_q16(sums, if self.mode.corrects() { correction } else { 0 });
-        GroupOutcome {
-            corrected,
-            coverage: law.coverage(code),
-            move_to: self.tap_wanted(law, code),
-        }
+        GroupOutcome { corrected, coverage: law.coverage(code), move_to: self.tap_wanted(law, code) }
     }
 
     fn tap_wanted(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
         let edges = law.edges.as_ref().filter(|_| self.mode.moves_wiper())?;
-        let interval = self
-            .interval
-            .map_or_else(|| edges.find(code), |now| edges.next(now, code));
+        let interval = self.interval.map_or_else(|| edges.find(code), |now| edges.next(now, code));
         self.interval = Some(interval);
         let tap = edges.intervals().get(interval)?.tap;
         (tap != self.tap).then_some(tap)

@@ -74,11 +74,7 @@ impl core::fmt::Display for EdgeError {
                 code.0
             ),
             Self::Disagrees { code } => {
-                write!(
-                    f,
-                    "the table of edges and the law disagree at temperature code {}",
-                    code.0
-                )
+                write!(f, "the table of edges and the law disagree at temperature code {}", code.0)
             }
             Self::Malformed { index } => {
                 write!(f, "the table of edges is out of order at interval {index}")
@@ -102,17 +98,10 @@ impl EdgeTable {
             loop {
                 let tap = tap_at(law, code)?;
                 if intervals.last().is_none_or(|before| before.tap != tap) {
-                    let interval = Interval {
-                        first: code,
-                        hold_down_to: code,
-                        hold_up_to: code,
-                        tap,
-                    };
+                    let interval = Interval { first: code, hold_down_to: code, hold_up_to: code, tap };
                     intervals
                         .push(interval)
-                        .map_err(|_| EdgeError::TooManyIntervals {
-                            code: TemperatureCode(code),
-                        })?;
+                        .map_err(|_| EdgeError::TooManyIntervals { code: TemperatureCode(code) })?;
                 }
                 let changed = |c: u16| law.tap(TemperatureCode(c)) != Some(tap);
                 match first_where(code, last, changed) {
@@ -123,9 +112,7 @@ impl EdgeTable {
         }
         for index in 0..intervals.len() {
             let Interval { first, tap, .. } = intervals[index];
-            let last = intervals
-                .get(index + 1)
-                .map_or(u16::MAX, |next| next.first - 1);
+            let last = intervals.get(index + 1).map_or(u16::MAX, |next| next.first - 1);
             intervals[index].hold_up_to = pieces.hold_up(law, tap, last);
             intervals[index].hold_down_to = pieces.hold_down(law, tap, first);
         }
@@ -141,9 +128,7 @@ impl EdgeTable {
     /// The index of the interval that a code lies in, whatever came before.
     #[must_use]
     pub fn find(&self, code: TemperatureCode) -> usize {
-        self.intervals
-            .partition_point(|interval| interval.first <= code.0)
-            .saturating_sub(1)
+        self.intervals.partition_point(|interval| interval.first <= code.0).saturating_sub(1)
     }
 
     /// The interval after a group at a temperature code, from the one before it: two compares unless an edge was
@@ -169,18 +154,12 @@ impl EdgeTable {
             let next = self.intervals.get(index + 1);
             let last = next.map_or(Some(u16::MAX), |next| next.first.checked_sub(1));
             let in_order = last.is_some_and(|last| {
-                interval.first <= last
-                    && interval.hold_down_to <= interval.first
-                    && last <= interval.hold_up_to
+                interval.first <= last && interval.hold_down_to <= interval.first && last <= interval.hold_up_to
             });
             if !in_order || next.is_some_and(|next| next.tap == interval.tap) {
                 return Err(EdgeError::Malformed { index });
             }
-            for code in [Some(interval.first), last]
-                .into_iter()
-                .flatten()
-                .map(TemperatureCode)
-            {
+            for code in [Some(interval.first), last].into_iter().flatten().map(TemperatureCode) {
                 if law.tap(code) != Some(interval.tap) {
                     return Err(EdgeError::Disagrees { code });
                 }
@@ -197,10 +176,7 @@ impl EdgeTable {
 
 fn tap_at(law: &StaticLaw, code: u16) -> Result<Taps, EdgeError> {
     let code = TemperatureCode(code);
-    law.tap(code).ok_or_else(|| EdgeError::OutOfTaps {
-        code,
-        position: law.position(code),
-    })
+    law.tap(code).ok_or_else(|| EdgeError::OutOfTaps { code, position: law.position(code) })
 }
 
 /// The runs of temperature codes on which the law is monotone: between the turning points of its drift.
@@ -214,9 +190,7 @@ impl Pieces {
         let mut lasts = Vec::new();
         for temperature in law.drift.turning_points() {
             // The last code at or below the turning point.
-            let code = libm::floor(
-                (temperature - law.temperature_scale.zero) / law.temperature_scale.step,
-            );
+            let code = libm::floor((temperature - law.temperature_scale.zero) / law.temperature_scale.step);
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped to 16 bits
             let code = code.clamp(0.0, f64::from(u16::MAX)) as u16;
             if code < u16::MAX && lasts.last().is_none_or(|&before| before < code) {
@@ -229,8 +203,7 @@ impl Pieces {
 
     /// First and last code of each piece, coldest first.
     fn iter(&self) -> impl DoubleEndedIterator<Item = (u16, u16)> {
-        let firsts =
-            core::iter::once(0).chain(self.lasts.iter().map(|last| last.saturating_add(1)));
+        let firsts = core::iter::once(0).chain(self.lasts.iter().map(|last| last.saturating_add(1)));
         let pairs: Vec<(u16, u16), { crate::drift::MAX_TURNING_POINTS + 1 }> =
             firsts.zip(self.lasts.iter().copied()).collect();
         pairs.into_iter()
@@ -239,9 +212,7 @@ impl Pieces {
     /// Going hotter from a code, the last one at which the dead band holds the tap.
     fn hold_up(&self, law: &StaticLaw, tap: Taps, from: u16) -> u16 {
         for (first, last) in self.iter().filter(|&(_, last)| last >= from) {
-            if let Some(left) = first_where(first.max(from), last, |c| {
-                law.leaves(tap, TemperatureCode(c))
-            }) {
+            if let Some(left) = first_where(first.max(from), last, |c| law.leaves(tap, TemperatureCode(c))) {
                 return left - 1;
             }
         }
@@ -253,9 +224,7 @@ impl Pieces {
         for (first, last) in self.iter().rev().filter(|&(first, _)| first <= from) {
             // The same search, mirrored.
             let (near, far) = (u16::MAX - last.min(from), u16::MAX - first);
-            if let Some(left) = first_where(near, far, |c| {
-                law.leaves(tap, TemperatureCode(u16::MAX - c))
-            }) {
+            if let Some(left) = first_where(near, far, |c| law.leaves(tap, TemperatureCode(u16::MAX - c))) {
                 return u16::MAX - left + 1;
             }
         }
@@ -271,11 +240,7 @@ fn first_where(from: u16, to: u16, condition: impl Fn(u16) -> bool) -> Option<u1
     }
     while low < high {
         let middle = low.midpoint(high);
-        if condition(middle) {
-            high = middle
-        } else {
-            low = middle + 1
-        }
+        if condition(middle) { high = middle } else { low = middle + 1 }
     }
     Some(high)
 }

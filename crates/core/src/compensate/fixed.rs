@@ -87,8 +87,7 @@ impl FixedDrift {
     /// # Errors
     /// [`Unrepresentable`] when its numbers do not fit.
     pub fn new(drift: &Drift, scale: TemperatureScale) -> Result<Self, Unrepresentable> {
-        let (first, last) =
-            calibrated_codes(drift.valid, scale).ok_or(Unrepresentable::TooNarrow)?;
+        let (first, last) = calibrated_codes(drift.valid, scale).ok_or(Unrepresentable::TooNarrow)?;
         let form = match &drift.shape {
             Shape::Polynomial(polynomial) => polynomial_form(polynomial, scale, first, last)?,
             Shape::Table(table) => table_form(table, scale)?,
@@ -107,23 +106,12 @@ impl FixedDrift {
     pub fn evaluate(&self, code: TemperatureCode) -> Q16 {
         let code = code.0.clamp(self.first, self.last);
         match &self.form {
-            Form::Polynomial {
-                middle,
-                shift,
-                to_q16,
-                coefficients,
-            } => {
+            Form::Polynomial { middle, shift, to_q16, coefficients } => {
                 let u = (i32::from(code) - i32::from(*middle)) << shift;
-                let sum = coefficients
-                    .iter()
-                    .fold(0, |sum, &c| multiply_high(sum, u) + c);
+                let sum = coefficients.iter().fold(0, |sum, &c| multiply_high(sum, u) + c);
                 Q16(sum << (16 - to_q16))
             }
-            Form::Table {
-                first,
-                pieces_per_code,
-                knots,
-            } => {
+            Form::Table { first, pieces_per_code, knots } => {
                 let position = u64::from(code.saturating_sub(*first)) * u64::from(*pieces_per_code);
                 #[allow(clippy::cast_possible_truncation)] // below the number of knots
                 let piece = ((position >> 32) as usize).min(knots.len() - 2);
@@ -163,29 +151,16 @@ fn polynomial_form(
     let in_u = crate::drift::substitute(polynomial.coefficients(), offset, factor);
     // Every partial sum of Horner's rule stays below the sum of the magnitudes.
     let magnitude: f64 = in_u.iter().map(|c| libm::fabs(*c)).sum();
-    let fraction_bits = (0..=16)
-        .rev()
-        .find(|&bits| magnitude * f64::from(1_u32 << bits) < f64::from(1_u32 << 30));
-    let fraction_bits = fraction_bits
-        .filter(|&bits| bits >= 6)
-        .ok_or(Unrepresentable::TooLarge)?;
+    let fraction_bits = (0..=16).rev().find(|&bits| magnitude * f64::from(1_u32 << bits) < f64::from(1_u32 << 30));
+    let fraction_bits = fraction_bits.filter(|&bits| bits >= 6).ok_or(Unrepresentable::TooLarge)?;
     // The sum shifted back to Q16 must fit as well.
     let fits = |reading: f64| libm::fabs(reading) < 32_767.0;
     let at = |code: u16| polynomial.evaluate(scale.temperature(TemperatureCode(code)));
     if !(fits(at(first)) && fits(at(last)) && fits(at(middle))) {
         return Err(Unrepresentable::TooLarge);
     }
-    let coefficients = in_u
-        .iter()
-        .rev()
-        .filter_map(|&c| to_fixed(c, fraction_bits))
-        .collect();
-    Ok(Form::Polynomial {
-        middle,
-        shift: 32 - bits,
-        to_q16: fraction_bits,
-        coefficients,
-    })
+    let coefficients = in_u.iter().rev().filter_map(|&c| to_fixed(c, fraction_bits)).collect();
+    Ok(Form::Polynomial { middle, shift: 32 - bits, to_q16: fraction_bits, coefficients })
 }
 
 fn table_form(table: &Table, scale: TemperatureScale) -> Result<Form, Unrepresentable> {

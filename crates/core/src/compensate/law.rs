@@ -31,9 +31,7 @@ impl StaticLaw {
     /// range.
     #[must_use]
     pub fn drift(&self, code: TemperatureCode) -> (Counts, Coverage) {
-        let (zro, coverage) = self
-            .drift
-            .evaluate(self.temperature_scale.temperature(code));
+        let (zro, coverage) = self.drift.evaluate(self.temperature_scale.temperature(code));
         (Counts(zro), coverage)
     }
 
@@ -59,11 +57,7 @@ impl StaticLaw {
     /// The tap after a group at a temperature code, from the tap before it.
     #[must_use]
     pub fn next(&self, tap: Taps, code: TemperatureCode) -> Taps {
-        if self.leaves(tap, code) {
-            self.tap(code).unwrap_or(tap)
-        } else {
-            tap
-        }
+        if self.leaves(tap, code) { self.tap(code).unwrap_or(tap) } else { tap }
     }
 
     /// What is to be subtracted from a reading taken at a temperature code and a tap: `V(T) + effect(N) - V0`.

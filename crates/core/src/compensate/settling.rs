@@ -19,10 +19,7 @@ pub struct LowPass {
 
 impl LowPass {
     /// No low-pass: a step is there at once.
-    pub const NONE: Self = Self {
-        missing_at_first: 0.0,
-        missing_per_sample: 0.0,
-    };
+    pub const NONE: Self = Self { missing_at_first: 0.0, missing_per_sample: 0.0 };
 
     /// A first-order low-pass of cut-off `cutoff_hz`, sampled every `period_s`, when the wiper is written
     /// `write_delay_s` after the last sample.
@@ -30,10 +27,7 @@ impl LowPass {
     pub fn first_order(cutoff_hz: f64, period_s: f64, write_delay_s: f64) -> Self {
         let rate = 2.0 * core::f64::consts::PI * cutoff_hz;
         let missing = |seconds: f64| libm::exp(-rate * if seconds > 0.0 { seconds } else { 0.0 });
-        Self {
-            missing_at_first: missing(period_s - write_delay_s),
-            missing_per_sample: missing(period_s),
-        }
+        Self { missing_at_first: missing(period_s - write_delay_s), missing_per_sample: missing(period_s) }
     }
 }
 
@@ -64,9 +58,7 @@ impl Settling {
     /// The wiper was written, after the last sample and before the next: its effect is on its way to `effect`.
     pub fn wiper_written(&mut self, effect: Q16) {
         let step = self.settled.saturating_sub(effect.0);
-        self.missing = self
-            .missing
-            .saturating_add(scale(step, self.missing_at_first));
+        self.missing = self.missing.saturating_add(scale(step, self.missing_at_first));
         self.settled = effect.0;
     }
 
@@ -121,12 +113,8 @@ mod tests {
         settling.wiper_written(Q16::from_counts(31.26).unwrap());
         for k in 0..20 {
             let seconds = period * f64::from(k + 1) - delay;
-            let expected =
-                31.26 * (1.0 - libm::exp(-2.0 * core::f64::consts::PI * cutoff * seconds));
-            assert!(
-                (settling.next_sample().to_counts() - expected).abs() < 1e-3,
-                "sample {k}"
-            );
+            let expected = 31.26 * (1.0 - libm::exp(-2.0 * core::f64::consts::PI * cutoff * seconds));
+            assert!((settling.next_sample().to_counts() - expected).abs() < 1e-3, "sample {k}");
         }
     }
 
@@ -136,9 +124,7 @@ mod tests {
         let mut one_by_one = Settling::new(low_pass, Q16(1000));
         one_by_one.wiper_written(Q16(-2_000_000));
         let mut at_once = one_by_one;
-        let sum: i64 = (0..500)
-            .map(|_| i64::from(one_by_one.next_sample().0))
-            .sum();
+        let sum: i64 = (0..500).map(|_| i64::from(one_by_one.next_sample().0)).sum();
         assert_eq!(at_once.next_samples(500), sum);
         assert_eq!(at_once, one_by_one);
     }

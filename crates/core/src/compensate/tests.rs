@@ -19,14 +19,8 @@ fn codes() -> impl DoubleEndedIterator<Item = TemperatureCode> {
 fn law(shape: Shape, valid: (f64, f64), dead_band: f64) -> StaticLaw {
     let line = TrimLine::new(-0.031_990_6, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap();
     StaticLaw {
-        drift: Drift {
-            shape,
-            valid: ValidRange::new(valid.0, valid.1).unwrap(),
-        },
-        trim: Trim {
-            line,
-            measured: None,
-        },
+        drift: Drift { shape, valid: ValidRange::new(valid.0, valid.1).unwrap() },
+        trim: Trim { line, measured: None },
         dead_band,
         temperature_scale: TemperatureScale::QUARTER_COUNTS,
     }
@@ -36,11 +30,7 @@ fn law(shape: Shape, valid: (f64, f64), dead_band: f64) -> StaticLaw {
 fn paper_x(valid: (f64, f64), dead_band: f64) -> StaticLaw {
     let scale = Scale::spanning(valid.0, valid.1).unwrap();
     let raw = [13_435.7, -0.894_782, 0.375_298e-4];
-    law(
-        Shape::Polynomial(Polynomial::from_raw_coefficients(scale, &raw).unwrap()),
-        valid,
-        dead_band,
-    )
+    law(Shape::Polynomial(Polynomial::from_raw_coefficients(scale, &raw).unwrap()), valid, dead_band)
 }
 
 const WORKING: (f64, f64) = (8500.0, 11_900.0);
@@ -91,12 +81,7 @@ fn assert_sweeps_agree(law: &StaticLaw) {
     assert_eq!(by_table.len(), by_law.len(), "as many switches");
     for (table, law) in by_table.iter().zip(&by_law) {
         assert_eq!(table.1, law.1, "to the same tap");
-        assert!(
-            table.0.abs_diff(law.0) <= 1,
-            "table at {}, law at {}",
-            table.0,
-            law.0
-        );
+        assert!(table.0.abs_diff(law.0) <= 1, "table at {}, law at {}", table.0, law.0);
     }
 }
 
@@ -106,11 +91,7 @@ fn assert_correction_is_close(law: &StaticLaw) {
     for code in codes() {
         for tap in [law.tap(code).unwrap_or(Taps::MIDDLE), Taps::MIDDLE] {
             let error = axis.correction(code, tap).to_counts() - law.correction(code, tap).0;
-            assert!(
-                error.abs() <= 0.5,
-                "off by {error} counts at code {}",
-                code.0
-            );
+            assert!(error.abs() <= 0.5, "off by {error} counts at code {}", code.0);
         }
     }
 }
@@ -143,12 +124,7 @@ fn the_integer_correction_is_within_half_a_count_at_every_code() {
 fn the_papers_drift_crosses_fourteen_taps() {
     let table = EdgeTable::solve(&paper_x(WORKING, 0.05)).unwrap();
     assert_eq!(table.intervals().len(), 15);
-    assert!(
-        table
-            .intervals()
-            .windows(2)
-            .all(|w| w[1].tap.get() == w[0].tap.get() + 1)
-    );
+    assert!(table.intervals().windows(2).all(|w| w[1].tap.get() == w[0].tap.get() + 1));
 }
 
 #[test]
@@ -156,10 +132,7 @@ fn a_drift_that_turns_round_comes_back_to_its_taps() {
     let table = EdgeTable::solve(&paper_x(TURNING, 0.05)).unwrap();
     let taps: Vec<u16> = table.intervals().iter().map(|i| i.tap.get()).collect();
     let most = *taps.iter().max().unwrap();
-    assert!(
-        taps.first().unwrap() < &most && taps.last().unwrap() < &most,
-        "{taps:?}"
-    );
+    assert!(taps.first().unwrap() < &most && taps.last().unwrap() < &most, "{taps:?}");
 }
 
 /// A lobe that pokes into the dead band only must not move the wiper on its way past.
@@ -170,11 +143,7 @@ fn a_turn_inside_the_dead_band_does_not_move_the_wiper() {
     let polynomial = Polynomial::new(scale, &[8217.0, 0.0, -17.0]).unwrap();
     let turning = law(Shape::Polynomial(polynomial), (8000.0, 12_000.0), 0.15);
     let table = EdgeTable::solve(&turning).unwrap();
-    assert_eq!(
-        table.intervals().len(),
-        3,
-        "the nearest tap does change at the vertex"
-    );
+    assert_eq!(table.intervals().len(), 3, "the nearest tap does change at the vertex");
     assert_eq!(table.intervals()[0].hold_up_to, u16::MAX);
     assert_sweeps_agree(&turning);
 }
@@ -182,17 +151,9 @@ fn a_turn_inside_the_dead_band_does_not_move_the_wiper() {
 #[test]
 fn a_law_beyond_the_part_or_the_table_is_refused_with_the_reason() {
     let scale = Scale::spanning(8000.0, 12_000.0).unwrap();
-    let line = |span: f64| {
-        law(
-            Shape::Polynomial(Polynomial::new(scale, &[8200.0, span]).unwrap()),
-            (8000.0, 12_000.0),
-            0.05,
-        )
-    };
-    assert!(matches!(
-        EdgeTable::solve(&line(1200.0)),
-        Err(EdgeError::TooManyIntervals { .. })
-    ));
+    let line =
+        |span: f64| law(Shape::Polynomial(Polynomial::new(scale, &[8200.0, span]).unwrap()), (8000.0, 12_000.0), 0.05);
+    assert!(matches!(EdgeTable::solve(&line(1200.0)), Err(EdgeError::TooManyIntervals { .. })));
     let out = EdgeTable::solve(&line(30_000.0)).unwrap_err();
     assert!(matches!(out, EdgeError::OutOfTaps { .. }));
     assert!(std::format!("{out}").contains("1023"));
@@ -204,20 +165,14 @@ fn a_table_that_disagrees_with_its_law_is_not_believed() {
     let law = paper_x(WORKING, 0.05);
     let table = EdgeTable::solve(&law).unwrap();
     let other = paper_x((8600.0, 11_900.0), 0.05);
-    assert!(matches!(
-        table.check(&other),
-        Err(EdgeError::Disagrees { .. })
-    ));
+    assert!(matches!(table.check(&other), Err(EdgeError::Disagrees { .. })));
     let unordered: EdgeTable = {
         let mut bytes = [0_u8; 2048];
         let mut reversed: Vec<Interval> = table.intervals().to_vec();
         reversed.reverse();
         postcard::from_bytes(postcard::to_slice(&reversed.as_slice(), &mut bytes).unwrap()).unwrap()
     };
-    assert!(matches!(
-        unordered.check(&law),
-        Err(EdgeError::Malformed { .. })
-    ));
+    assert!(matches!(unordered.check(&law), Err(EdgeError::Malformed { .. })));
 }
 
 fn group_at(temperature: u16, zro: u16) -> GroupSums {
@@ -237,11 +192,7 @@ fn trim_asks_for_a_tap_only_when_it_changes_and_corrects_nothing() {
     assert_eq!(first.move_to, law.tap(TemperatureCode(34_000)));
     assert_eq!(first.corrected, Q16(8541 << 16));
     axis.wiper_written(Some(&axis_law), first.move_to.unwrap());
-    assert_eq!(
-        axis.close_group(Some(&axis_law), &group_at(8500, 8541))
-            .move_to,
-        None
-    );
+    assert_eq!(axis.close_group(Some(&axis_law), &group_at(8500, 8541)).move_to, None);
     let outside = axis.close_group(Some(&axis_law), &group_at(8000, 8541));
     assert_eq!((outside.move_to, outside.coverage), (None, Coverage::Below));
 }
@@ -263,10 +214,7 @@ fn hybrid_leaves_no_saw_tooth_on_a_perfect_plant() {
         let sums = group_at(temperature, zro as u16);
         axis.skip_samples(500);
         let outcome = axis.close_group(Some(&axis_law), &sums);
-        assert!(
-            (outcome.corrected.to_counts() - 8200.0).abs() < 1.0,
-            "at {temperature}"
-        );
+        assert!((outcome.corrected.to_counts() - 8200.0).abs() < 1.0, "at {temperature}");
         if let Some(tap) = outcome.move_to {
             moves += 1;
             axis.wiper_written(Some(&axis_law), tap);
@@ -283,21 +231,13 @@ fn a_sample_is_corrected_by_the_last_group_and_the_settling_wiper() {
     let axis_law = AxisLaw::new(&law, Some(&table), low_pass).unwrap();
     let mut axis = AxisCompensation::new(Some(&axis_law), Taps::MIDDLE);
     axis.set_mode(Mode::Hybrid);
-    assert_eq!(
-        axis.sample(8541),
-        Q16(8541 << 16),
-        "before the first group nothing is known"
-    );
+    assert_eq!(axis.sample(8541), Q16(8541 << 16), "before the first group nothing is known");
     axis.skip_samples(499);
-    let tap = axis
-        .close_group(Some(&axis_law), &group_at(8500, 8541))
-        .move_to
-        .unwrap();
+    let tap = axis.close_group(Some(&axis_law), &group_at(8500, 8541)).move_to.unwrap();
     axis.wiper_written(Some(&axis_law), tap);
     let step = law.trim.effect(tap).0;
     for k in 0..20 {
-        let come =
-            1.0 - (-2.0 * std::f64::consts::PI * 40.0 * (0.003 * f64::from(k + 1) - 0.0001)).exp();
+        let come = 1.0 - (-2.0 * std::f64::consts::PI * 40.0 * (0.003 * f64::from(k + 1) - 0.0001)).exp();
         let reading = law.drift(TemperatureCode(34_000)).0.0 + step * come;
         let corrected = axis.sample(reading.round() as u16).to_counts();
         assert!((corrected - 8200.0).abs() < 0.6, "sample {k}: {corrected}");
@@ -309,10 +249,7 @@ fn an_empty_group_and_a_missing_calibration_hold_the_wiper() {
     let mut axis = AxisCompensation::new(None, Taps::MIDDLE);
     axis.set_mode(Mode::Hybrid);
     let outcome = axis.close_group(None, &group_at(9000, 8300));
-    assert_eq!(
-        (outcome.move_to, outcome.corrected),
-        (None, Q16(8300 << 16))
-    );
+    assert_eq!((outcome.move_to, outcome.corrected), (None, Q16(8300 << 16)));
     let empty = axis.close_group(None, &GroupSums::default());
     assert_eq!((empty.move_to, empty.coverage), (None, Coverage::Invalid));
 }

@@ -26,8 +26,7 @@ struct Raw {
 impl TryFrom<Raw> for Polynomial {
     type Error = &'static str;
     fn try_from(raw: Raw) -> Result<Self, Self::Error> {
-        Self::new(raw.scale, &raw.coefficients)
-            .ok_or("a polynomial needs 2 to 6 finite coefficients")
+        Self::new(raw.scale, &raw.coefficients).ok_or("a polynomial needs 2 to 6 finite coefficients")
     }
 }
 
@@ -39,10 +38,7 @@ impl Polynomial {
         if coefficients.len() < 2 || !coefficients.iter().all(|c| c.is_finite()) {
             return None;
         }
-        Some(Self {
-            scale,
-            coefficients: Vec::from_slice(coefficients).ok()?,
-        })
+        Some(Self { scale, coefficients: Vec::from_slice(coefficients).ok()? })
     }
 
     /// A polynomial from coefficients in the temperature itself, constant first, as papers print them.
@@ -73,11 +69,7 @@ impl Polynomial {
     /// The coefficients in the temperature itself, constant first: reading, reading per unit of T, ...
     #[must_use]
     pub fn raw_coefficients(&self) -> Vec<f64, { MAX_ORDER + 1 }> {
-        substitute(
-            &self.coefficients,
-            -self.scale.centre() / self.scale.half_span(),
-            1.0 / self.scale.half_span(),
-        )
+        substitute(&self.coefficients, -self.scale.centre() / self.scale.half_span(), 1.0 / self.scale.half_span())
     }
 
     /// The reading at a temperature, by Horner's rule.
@@ -90,10 +82,7 @@ impl Polynomial {
     #[must_use]
     pub fn turning_points(&self, min: f64, max: f64) -> Vec<f64, MAX_ORDER> {
         let slope = derivative(&self.coefficients);
-        sign_changes(&slope, self.scale.x(min), self.scale.x(max))
-            .iter()
-            .map(|&x| self.scale.temperature(x))
-            .collect()
+        sign_changes(&slope, self.scale.x(min), self.scale.x(max)).iter().map(|&x| self.scale.temperature(x)).collect()
     }
 }
 
@@ -151,10 +140,7 @@ fn sign_changes(coefficients: &[f64], a: f64, b: f64) -> Vec<f64, MAX_ORDER> {
         let _ = brackets.push(a);
         let _ = brackets.extend_from_slice(&found);
         let _ = brackets.push(b);
-        found = brackets
-            .windows(2)
-            .filter_map(|bracket| sign_change(polynomial, bracket[0], bracket[1]))
-            .collect();
+        found = brackets.windows(2).filter_map(|bracket| sign_change(polynomial, bracket[0], bracket[1])).collect();
     }
     found
 }
@@ -170,10 +156,6 @@ fn sign_change(coefficients: &[f64], mut a: f64, mut b: f64) -> Option<f64> {
         if middle <= a || middle >= b {
             return Some(middle);
         }
-        if horner(coefficients, middle) * at_a > 0.0 {
-            a = middle
-        } else {
-            b = middle
-        }
+        if horner(coefficients, middle) * at_a > 0.0 { a = middle } else { b = middle }
     }
 }

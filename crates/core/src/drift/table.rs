@@ -37,10 +37,7 @@ impl Table {
         if knots.len() < 2 || !knots.iter().all(|k| k.is_finite()) {
             return None;
         }
-        Some(Self {
-            scale,
-            knots: Vec::from_slice(knots).ok()?,
-        })
+        Some(Self { scale, knots: Vec::from_slice(knots).ok()? })
     }
 
     /// The span that the knots cover.
@@ -58,8 +55,7 @@ impl Table {
     /// The temperature of a knot.
     #[must_use]
     pub fn knot_temperature(&self, index: usize) -> f64 {
-        self.scale
-            .temperature(2.0 * as_f64(index) / as_f64(self.knots.len() - 1) - 1.0)
+        self.scale.temperature(2.0 * as_f64(index) / as_f64(self.knots.len() - 1) - 1.0)
     }
 
     /// The reading at a temperature, held at the end knots beyond them. NaN gives NaN.

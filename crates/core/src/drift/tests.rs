@@ -18,9 +18,7 @@ fn the_scaled_form_is_the_printed_equation() {
     }
     let raw = x.raw_coefficients();
     assert!(
-        (raw[0] - 13_435.7).abs() < 1e-8
-            && (raw[1] + 0.894_782).abs() < 1e-12
-            && (raw[2] - 0.375_298e-4).abs() < 1e-16
+        (raw[0] - 13_435.7).abs() < 1e-8 && (raw[1] + 0.894_782).abs() < 1e-12 && (raw[2] - 0.375_298e-4).abs() < 1e-16
     );
 }
 
@@ -43,14 +41,8 @@ fn the_papers_x_turns_round_just_past_the_hot_end() {
     let scale = Scale::spanning(8500.0, 13_000.0).unwrap();
     let raw = [13_435.7, -0.894_782, 0.375_298e-4];
     let shape = Shape::Polynomial(Polynomial::from_raw_coefficients(scale, &raw).unwrap());
-    let wide = Drift {
-        shape: shape.clone(),
-        valid: ValidRange::new(8500.0, 13_000.0).unwrap(),
-    };
-    let narrow = Drift {
-        shape,
-        valid: ValidRange::new(8500.0, 11_900.0).unwrap(),
-    };
+    let wide = Drift { shape: shape.clone(), valid: ValidRange::new(8500.0, 13_000.0).unwrap() };
+    let narrow = Drift { shape, valid: ValidRange::new(8500.0, 11_900.0).unwrap() };
     assert!((wide.turning_points()[0] - 11_921.0).abs() < 0.5);
     assert!(narrow.turning_points().is_empty());
     assert!((narrow.peak_to_peak() - 439.0).abs() < 1.0);
@@ -58,18 +50,9 @@ fn the_papers_x_turns_round_just_past_the_hot_end() {
 
 #[test]
 fn outside_its_range_a_model_is_held_and_says_so() {
-    let drift = Drift {
-        shape: Shape::Polynomial(paper_x()),
-        valid: ValidRange::new(8500.0, 11_900.0).unwrap(),
-    };
-    assert_eq!(
-        drift.evaluate(8000.0),
-        (drift.evaluate(8500.0).0, Coverage::Below)
-    );
-    assert_eq!(
-        drift.evaluate(12_500.0),
-        (drift.evaluate(11_900.0).0, Coverage::Above)
-    );
+    let drift = Drift { shape: Shape::Polynomial(paper_x()), valid: ValidRange::new(8500.0, 11_900.0).unwrap() };
+    assert_eq!(drift.evaluate(8000.0), (drift.evaluate(8500.0).0, Coverage::Below));
+    assert_eq!(drift.evaluate(12_500.0), (drift.evaluate(11_900.0).0, Coverage::Above));
     let (zro, coverage) = drift.evaluate(f64::NAN);
     assert!(zro.is_nan());
     assert_eq!(coverage, Coverage::Invalid);
@@ -78,24 +61,11 @@ fn outside_its_range_a_model_is_held_and_says_so() {
 #[test]
 fn a_table_goes_through_its_knots_and_straight_between() {
     let table = Table::new(Scale::spanning(0.0, 3.0).unwrap(), &[1.0, 5.0, 5.0, -1.0]).unwrap();
-    for (temperature, reading) in [
-        (0.0, 1.0),
-        (0.5, 3.0),
-        (1.0, 5.0),
-        (1.5, 5.0),
-        (2.5, 2.0),
-        (3.0, -1.0),
-    ] {
-        assert!(
-            (table.evaluate(temperature) - reading).abs() < 1e-12,
-            "at {temperature}"
-        );
+    for (temperature, reading) in [(0.0, 1.0), (0.5, 3.0), (1.0, 5.0), (1.5, 5.0), (2.5, 2.0), (3.0, -1.0)] {
+        assert!((table.evaluate(temperature) - reading).abs() < 1e-12, "at {temperature}");
     }
     assert!(table.evaluate(f64::NAN).is_nan());
-    let drift = Drift {
-        shape: Shape::Table(table),
-        valid: ValidRange::new(0.0, 3.0).unwrap(),
-    };
+    let drift = Drift { shape: Shape::Table(table), valid: ValidRange::new(0.0, 3.0).unwrap() };
     assert_eq!(drift.turning_points().len(), 1);
     assert!((drift.turning_points()[0] - 2.0).abs() < 1e-12);
 }
@@ -104,9 +74,7 @@ fn a_table_goes_through_its_knots_and_straight_between() {
 fn what_is_illegal_cannot_be_built_or_read() {
     let scale = Scale::spanning(-40.0, 60.0).unwrap();
     assert!(Scale::spanning(1.0, 1.0).is_none() && Scale::spanning(f64::NAN, 1.0).is_none());
-    assert!(
-        Polynomial::new(scale, &[1.0]).is_none() && Polynomial::new(scale, &[1.0; 7]).is_none()
-    );
+    assert!(Polynomial::new(scale, &[1.0]).is_none() && Polynomial::new(scale, &[1.0; 7]).is_none());
     assert!(Polynomial::new(scale, &[1.0, f64::INFINITY]).is_none());
     assert!(Table::new(scale, &[1.0]).is_none() && Table::new(scale, &[1.0; 34]).is_none());
     let mut stored = [0_u8; 128];

@@ -5,19 +5,12 @@ use crate::units::{Counts, Taps};
 
 fn record() -> DeviceRecord {
     let scale = Scale::spanning(8500.0, 11_900.0).unwrap();
-    let shape = Shape::Polynomial(
-        Polynomial::from_raw_coefficients(scale, &[13_435.7, -0.894_782, 0.375_298e-4]).unwrap(),
-    );
+    let shape =
+        Shape::Polynomial(Polynomial::from_raw_coefficients(scale, &[13_435.7, -0.894_782, 0.375_298e-4]).unwrap());
     let line = TrimLine::new(-0.031_990_6, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap();
     let mut axis = AxisRecord {
-        drift: Drift {
-            shape,
-            valid: ValidRange::new(8500.0, 11_900.0).unwrap(),
-        },
-        trim: Trim {
-            line,
-            measured: None,
-        },
+        drift: Drift { shape, valid: ValidRange::new(8500.0, 11_900.0).unwrap() },
+        trim: Trim { line, measured: None },
         dead_band: 0.05,
         low_pass: LowPass::first_order(40.0, 0.003, 0.0001),
         start_up_mode: Mode::Hybrid,
@@ -61,10 +54,7 @@ fn an_unknown_version_is_named_before_anything_else() {
     let mut buffer = [0; MAX_RECORD_BYTES];
     let length = record().encode(&mut buffer).unwrap().len();
     buffer[4] = 9;
-    assert_eq!(
-        DeviceRecord::decode(&buffer[..length]),
-        Err(RecordError::UnknownVersion { found: 9 })
-    );
+    assert_eq!(DeviceRecord::decode(&buffer[..length]), Err(RecordError::UnknownVersion { found: 9 }));
     assert!(std::format!("{}", RecordError::UnknownVersion { found: 9 }).contains("version 9"));
 }
 
@@ -82,8 +72,5 @@ fn a_table_that_does_not_belong_to_the_law_is_refused() {
     let mut other = wrong.axes[0].static_law(wrong.temperature_scale);
     other.dead_band = 0.4;
     wrong.axes[0].edges = Some(EdgeTable::solve(&other).unwrap());
-    assert!(matches!(
-        wrong.axes[0].law(wrong.temperature_scale),
-        Err(LawRefused::Edges(_))
-    ));
+    assert!(matches!(wrong.axes[0].law(wrong.temperature_scale), Err(LawRefused::Edges(_))));
 }

@@ -50,17 +50,12 @@ impl core::error::Error for FrameError {}
 /// [`FrameError::TooLong`].
 pub fn encode(message: &impl Serialize) -> Result<Vec<u8, MAX_FRAME>, FrameError> {
     let mut payload = [0; MAX_PAYLOAD];
-    let length = postcard::to_slice(message, &mut payload[..MAX_PAYLOAD - 4])
-        .map_err(|_| FrameError::TooLong)?
-        .len();
+    let length = postcard::to_slice(message, &mut payload[..MAX_PAYLOAD - 4]).map_err(|_| FrameError::TooLong)?.len();
     let crc = CRC.checksum(&payload[..length]).to_le_bytes();
     payload[length..length + 4].copy_from_slice(&crc);
     let mut frame = Vec::new();
-    frame
-        .resize_default(MAX_FRAME)
-        .map_err(|_| FrameError::TooLong)?;
-    let stuffed =
-        cobs::try_encode(&payload[..length + 4], &mut frame).map_err(|_| FrameError::TooLong)?;
+    frame.resize_default(MAX_FRAME).map_err(|_| FrameError::TooLong)?;
+    let stuffed = cobs::try_encode(&payload[..length + 4], &mut frame).map_err(|_| FrameError::TooLong)?;
     frame.truncate(stuffed);
     frame.push(0).map_err(|_| FrameError::TooLong)?;
     Ok(frame)
@@ -73,18 +68,12 @@ pub fn encode(message: &impl Serialize) -> Result<Vec<u8, MAX_FRAME>, FrameError
 pub fn decode<T: DeserializeOwned>(stuffed: &mut [u8]) -> Result<T, FrameError> {
     let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Stuffing)?;
     let payload = stuffed.get(..length).ok_or(FrameError::Stuffing)?;
-    let (content, crc) = payload
-        .split_last_chunk::<4>()
-        .ok_or(FrameError::TooShort)?;
+    let (content, crc) = payload.split_last_chunk::<4>().ok_or(FrameError::TooShort)?;
     if CRC.checksum(content).to_le_bytes() != *crc {
         return Err(FrameError::Crc);
     }
     let (message, rest) = postcard::take_from_bytes(content).map_err(|_| FrameError::Content)?;
-    if rest.is_empty() {
-        Ok(message)
-    } else {
-        Err(FrameError::Content)
-    }
+    if rest.is_empty() { Ok(message) } else { Err(FrameError::Content) }
 }
 
 /// Collects bytes into frames.
@@ -98,10 +87,7 @@ impl Receiver {
     /// An empty receiver.
     #[must_use]
     pub const fn new() -> Self {
-        Self {
-            bytes: Vec::new(),
-            overflowed: false,
-        }
+        Self { bytes: Vec::new(), overflowed: false }
     }
 
     /// Takes one byte; when it ends a frame, what the frame says, or why it cannot be read. An empty frame is no
@@ -131,43 +117,24 @@ mod tests {
     use crate::group::GroupSums;
     use crate::units::{Axis, GroupNumber, Taps};
     use crate::wire::{
-        AxisReport, CHUNK, Command, GroupReport, Message, Request, SAMPLES_PER_BLOCK, Sample,
-        SampleBlock, Upload,
+        AxisReport, CHUNK, Command, GroupReport, Message, Request, SAMPLES_PER_BLOCK, Sample, SampleBlock, Upload,
     };
     use proptest::prelude::*;
 
-    fn receive<T: DeserializeOwned>(
-        receiver: &mut Receiver,
-        bytes: &[u8],
-    ) -> std::vec::Vec<Result<T, FrameError>> {
-        bytes
-            .iter()
-            .filter_map(|&byte| receiver.push(byte))
-            .collect()
+    fn receive<T: DeserializeOwned>(receiver: &mut Receiver, bytes: &[u8]) -> std::vec::Vec<Result<T, FrameError>> {
+        bytes.iter().filter_map(|&byte| receiver.push(byte)).collect()
     }
 
     fn set_tap() -> Command {
-        let request = Request::SetTap {
-            axis: Axis::Y,
-            tap: Taps::MIDDLE,
-        };
-        Command {
-            sequence: 7,
-            at: Some(GroupNumber(2400)),
-            request,
-        }
+        let request = Request::SetTap { axis: Axis::Y, tap: Taps::MIDDLE };
+        Command { sequence: 7, at: Some(GroupNumber(2400)), request }
     }
 
     /// The longest message of each kind, with every number at its longest.
     #[test]
     fn the_longest_messages_fit_a_frame() {
-        let sums = GroupSums {
-            n: u32::MAX,
-            temperature: u64::MAX,
-            temperature_sq: u64::MAX,
-            zro: u64::MAX,
-            zro_sq: u64::MAX,
-        };
+        let sums =
+            GroupSums { n: u32::MAX, temperature: u64::MAX, temperature_sq: u64::MAX, zro: u64::MAX, zro_sq: u64::MAX };
         let axis = AxisReport {
             sums,
             tap: Taps::LAST,
@@ -177,46 +144,20 @@ mod tests {
             saturated: true,
             moved_to: Some(Taps::LAST),
         };
-        let group = GroupReport {
-            group: GroupNumber(u32::MAX),
-            lost: u32::MAX,
-            axes: [axis.clone(), axis],
-        };
-        let sample = Sample {
-            temperature: u16::MAX,
-            zro: u16::MAX,
-            corrected_q16: i32::MIN,
-        };
+        let group = GroupReport { group: GroupNumber(u32::MAX), lost: u32::MAX, axes: [axis.clone(), axis] };
+        let sample = Sample { temperature: u16::MAX, zro: u16::MAX, corrected_q16: i32::MIN };
         let mut samples = Vec::new();
         samples.resize(SAMPLES_PER_BLOCK, sample).unwrap();
-        let block = SampleBlock {
-            group: GroupNumber(u32::MAX),
-            axis: Axis::Y,
-            index: u16::MAX,
-            samples,
-        };
+        let block = SampleBlock { group: GroupNumber(u32::MAX), axis: Axis::Y, index: u16::MAX, samples };
         for message in [Message::Group(group), Message::Samples(block)] {
-            let upload = Upload {
-                sequence: u32::MAX,
-                message,
-            };
+            let upload = Upload { sequence: u32::MAX, message };
             let frame = encode(&upload).unwrap();
             assert_eq!(receive(&mut Receiver::new(), &frame), [Ok(upload)]);
         }
         let mut bytes = Vec::new();
         bytes.resize(CHUNK, 0xFF).unwrap();
-        let request = Request::WriteCalibration {
-            offset: u16::MAX,
-            bytes,
-        };
-        assert!(
-            encode(&Command {
-                sequence: u16::MAX,
-                at: None,
-                request
-            })
-            .is_ok()
-        );
+        let request = Request::WriteCalibration { offset: u16::MAX, bytes };
+        assert!(encode(&Command { sequence: u16::MAX, at: None, request }).is_ok());
     }
 
     #[test]

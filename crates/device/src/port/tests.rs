@@ -15,10 +15,7 @@ fn burst(number: u32, scans: &[[u16; 4]]) -> (Vec<u8>, Vec<u8>) {
     }
     let with_crc = |mut bytes: Vec<u8>| {
         let mut register = u32::MAX;
-        for bit in bytes
-            .iter()
-            .flat_map(|byte| (0..8).rev().map(move |k| byte >> k & 1))
-        {
+        for bit in bytes.iter().flat_map(|byte| (0..8).rev().map(move |k| byte >> k & 1)) {
             let feedback = (register >> 31) ^ u32::from(bit);
             register = register << 1 ^ (feedback * 0x04C1_1DB7);
         }
@@ -26,16 +23,7 @@ fn burst(number: u32, scans: &[[u16; 4]]) -> (Vec<u8>, Vec<u8>) {
         bytes
     };
     let head = with_crc(words.iter().flat_map(|w| w.to_be_bytes()).collect());
-    (
-        head,
-        with_crc(
-            scans
-                .iter()
-                .flatten()
-                .flat_map(|s| s.to_be_bytes())
-                .collect(),
-        ),
-    )
+    (head, with_crc(scans.iter().flatten().flat_map(|s| s.to_be_bytes()).collect()))
 }
 
 fn word_read(address: u8, word: u32) -> Vec<Transaction<u8>> {
@@ -50,11 +38,7 @@ fn word_read(address: u8, word: u32) -> Vec<Transaction<u8>> {
 fn word_write(address: u8, word: u32) -> Vec<Transaction<u8>> {
     let mut bytes = vec![0x80 | address, 0];
     bytes.extend(word.to_be_bytes());
-    vec![
-        Transaction::transaction_start(),
-        Transaction::write_vec(bytes),
-        Transaction::transaction_end(),
-    ]
+    vec![Transaction::transaction_start(), Transaction::write_vec(bytes), Transaction::transaction_end()]
 }
 
 fn set_read(head: Vec<u8>, scans: Vec<u8>) -> Vec<Transaction<u8>> {
@@ -84,11 +68,7 @@ fn run(reads: Vec<Transaction<u8>>, act: impl FnOnce(&mut PortAcquisition<&mut M
     expected.extend(reads);
     let mut spi = Mock::new(&expected);
     let mut port = PortAcquisition::new(&mut spi);
-    port.start(Timing {
-        scan_period_us: 3000,
-        set_length: 2,
-    })
-    .unwrap();
+    port.start(Timing { scan_period_us: 3000, set_length: 2 }).unwrap();
     act(&mut port);
     spi.done();
 }
@@ -114,9 +94,7 @@ fn a_set_is_read_in_one_burst_with_its_sums_and_scans() {
 
 #[test]
 fn no_set_waiting_is_no_error() {
-    run(word_read(0x05, 0), |port| {
-        assert_eq!(port.read_set(&mut Set::default(), false), Ok(false))
-    });
+    run(word_read(0x05, 0), |port| assert_eq!(port.read_set(&mut Set::default(), false), Ok(false)));
 }
 
 #[test]
@@ -128,28 +106,15 @@ fn a_flipped_bit_and_an_empty_bus_are_not_taken_for_a_set() {
     reads.extend(word_read(0x05, 0xFFFF_FFFF));
     reads.extend(set_read(vec![0; 64], vec![]));
     run(reads, |port| {
-        assert_eq!(
-            port.read_set(&mut Set::default(), false),
-            Err(PortError::Damaged)
-        );
-        assert_eq!(
-            port.read_set(&mut Set::default(), false),
-            Err(PortError::Damaged)
-        );
+        assert_eq!(port.read_set(&mut Set::default(), false), Err(PortError::Damaged));
+        assert_eq!(port.read_set(&mut Set::default(), false), Err(PortError::Damaged));
     });
 }
 
 #[test]
 fn something_else_on_the_bus_is_named() {
     let mut spi = Mock::new(&word_read(0x00, 0xFFFF_FFFF));
-    let error = PortAcquisition::new(&mut spi)
-        .start(Timing::PAPER)
-        .unwrap_err();
-    assert_eq!(
-        error,
-        PortError::NotAPort {
-            identity: 0xFFFF_FFFF
-        }
-    );
+    let error = PortAcquisition::new(&mut spi).start(Timing::PAPER).unwrap_err();
+    assert_eq!(error, PortError::NotAPort { identity: 0xFFFF_FFFF });
     spi.done();
 }

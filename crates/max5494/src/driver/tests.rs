@@ -5,11 +5,7 @@ use embedded_hal_mock::eh1::spi::{Mock, Transaction};
 use super::*;
 
 /// Runs `command` on a mock that must see exactly one frame, in one CS cycle, then exactly these waits.
-fn sends(
-    frame: &[u8],
-    waits: &[Wait],
-    command: impl FnOnce(&mut Max5494<Mock<u8>>, &mut CheckedDelay),
-) {
+fn sends(frame: &[u8], waits: &[Wait], command: impl FnOnce(&mut Max5494<Mock<u8>>, &mut CheckedDelay)) {
     let spi = Mock::new(&[
         Transaction::transaction_start(),
         Transaction::write_vec(frame.to_vec()),
@@ -28,50 +24,30 @@ fn at(taps: u16) -> Position {
 
 #[test]
 fn a_wiper_write_is_24_clocks_and_waits_for_nothing() {
-    sends(&[0x01, 0x7F, 0xC0], &[], |pot, _| {
-        pot.write_wiper(Channel::One, at(511)).unwrap()
-    });
-    sends(&[0x02, 0x80, 0x00], &[], |pot, _| {
-        pot.write_wiper(Channel::Two, at(512)).unwrap()
-    });
+    sends(&[0x01, 0x7F, 0xC0], &[], |pot, _| pot.write_wiper(Channel::One, at(511)).unwrap());
+    sends(&[0x02, 0x80, 0x00], &[], |pot, _| pot.write_wiper(Channel::Two, at(512)).unwrap());
 }
 
 #[test]
 fn a_write_to_the_memory_is_24_clocks_and_waits_until_it_is_stored() {
     let busy = [Wait::delay_ms(NV_BUSY_MS)];
-    sends(&[0x11, 0x00, 0x40], &busy, |pot, delay| {
-        pot.write_nv(Channel::One, at(1), delay).unwrap()
-    });
-    sends(&[0x12, 0xFF, 0x80], &busy, |pot, delay| {
-        pot.write_nv(Channel::Two, at(1022), delay).unwrap()
-    });
+    sends(&[0x11, 0x00, 0x40], &busy, |pot, delay| pot.write_nv(Channel::One, at(1), delay).unwrap());
+    sends(&[0x12, 0xFF, 0x80], &busy, |pot, delay| pot.write_nv(Channel::Two, at(1022), delay).unwrap());
 }
 
 #[test]
 fn a_copy_to_the_memory_is_8_clocks_and_waits_until_it_is_stored() {
     let busy = [Wait::delay_ms(NV_BUSY_MS)];
-    sends(&[0x21], &busy, |pot, delay| {
-        pot.copy_wiper_to_nv(Channel::One, delay).unwrap()
-    });
-    sends(&[0x22], &busy, |pot, delay| {
-        pot.copy_wiper_to_nv(Channel::Two, delay).unwrap()
-    });
-    sends(&[0x23], &busy, |pot, delay| {
-        pot.copy_wiper_to_nv(Channels::Both, delay).unwrap()
-    });
+    sends(&[0x21], &busy, |pot, delay| pot.copy_wiper_to_nv(Channel::One, delay).unwrap());
+    sends(&[0x22], &busy, |pot, delay| pot.copy_wiper_to_nv(Channel::Two, delay).unwrap());
+    sends(&[0x23], &busy, |pot, delay| pot.copy_wiper_to_nv(Channels::Both, delay).unwrap());
 }
 
 #[test]
 fn a_copy_from_the_memory_is_8_clocks_and_waits_for_nothing() {
-    sends(&[0x31], &[], |pot, _| {
-        pot.copy_nv_to_wiper(Channel::One).unwrap()
-    });
-    sends(&[0x32], &[], |pot, _| {
-        pot.copy_nv_to_wiper(Channel::Two).unwrap()
-    });
-    sends(&[0x33], &[], |pot, _| {
-        pot.copy_nv_to_wiper(Channels::Both).unwrap()
-    });
+    sends(&[0x31], &[], |pot, _| pot.copy_nv_to_wiper(Channel::One).unwrap());
+    sends(&[0x32], &[], |pot, _| pot.copy_nv_to_wiper(Channel::Two).unwrap());
+    sends(&[0x33], &[], |pot, _| pot.copy_nv_to_wiper(Channels::Both).unwrap());
 }
 
 #[test]
