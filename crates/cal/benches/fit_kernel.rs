@@ -10,17 +10,9 @@ use zerorate_core::drift::Scale;
 const ROWS: u32 = 1_000_000;
 
 fn fit_kernel(criterion: &mut Criterion) {
-    let temperatures: Vec<f64> = (0..ROWS)
-        .map(|i| 10.0 + 50.0 * (1e-5 * f64::from(i)).sin())
-        .collect();
-    let rates: Vec<Vec<f64>> = (1..=3)
-        .map(|axis| {
-            temperatures
-                .iter()
-                .map(|t| f64::from(axis) + (t / 30.0).cos())
-                .collect()
-        })
-        .collect();
+    let temperatures: Vec<f64> = (0..ROWS).map(|i| 10.0 + 50.0 * (1e-5 * f64::from(i)).sin()).collect();
+    let rates: Vec<Vec<f64>> =
+        (1..=3).map(|axis| temperatures.iter().map(|t| f64::from(axis) + (t / 30.0).cos()).collect()).collect();
     let columns: Vec<&[f64]> = rates.iter().map(Vec::as_slice).collect();
     let scale = Scale::spanning(-40.0, 60.0).expect("a span");
 

@@ -67,6 +67,15 @@ impl Model {
         }
     }
 
+    /// The coefficients of the simplest candidate.
+    #[must_use]
+    pub fn least_coefficients(self) -> usize {
+        match self {
+            Self::Poly(size) | Self::Table(size) => size + 1,
+            Self::Auto => 2,
+        }
+    }
+
     /// The model of a basis.
     fn of(basis: Basis) -> Self {
         match basis {
@@ -113,10 +122,7 @@ impl Stretches {
     /// Empty fits for a record of `rows` rows.
     #[must_use]
     pub fn new(scale: Scale, model: Model, rows: u64) -> Self {
-        Self {
-            fits: vec![Fit::new(scale, model.basis(), 1); STRETCHES],
-            rows,
-        }
+        Self { fits: vec![Fit::new(scale, model.basis(), 1); STRETCHES], rows }
     }
 
     /// The stretch that a row of the record belongs to, 0 to 7, and the first row after it.
@@ -126,11 +132,7 @@ impl Stretches {
     pub fn of_row(&self, row: u64) -> (usize, u64) {
         let stretches = STRETCHES as u64;
         let stretch = (row * stretches / self.rows.max(1)).min(stretches - 1);
-        let end = if stretch + 1 == stretches {
-            u64::MAX
-        } else {
-            ((stretch + 1) * self.rows).div_ceil(stretches)
-        };
+        let end = if stretch + 1 == stretches { u64::MAX } else { ((stretch + 1) * self.rows).div_ceil(stretches) };
         (stretch as usize, end)
     }
 
@@ -161,22 +163,10 @@ impl Stretches {
         let candidates: Vec<Candidate> = tried.iter().map(|tried| tried.candidate).collect();
         match (simplest_within_one_standard_error(&candidates), failure) {
             (Some(chosen), _) => {
-                let Tried {
-                    candidate,
-                    solution,
-                    without,
-                } = tried.swap_remove(chosen);
-                Ok(Choice {
-                    model: candidate.model,
-                    solution,
-                    without,
-                    candidates,
-                })
+                let Tried { candidate, solution, without } = tried.swap_remove(chosen);
+                Ok(Choice { model: candidate.model, solution, without, candidates })
             }
-            (None, failure) => Err(failure.unwrap_or(FitError::TooFewRows {
-                rows: 0,
-                coefficients: 2,
-            })),
+            (None, failure) => Err(failure.unwrap_or(FitError::TooFewRows { rows: 0, coefficients: 2 })),
         }
     }
 
@@ -190,31 +180,18 @@ impl Stretches {
             })
             .collect();
         let merged = |left_out: Option<usize>| -> Result<Solution, FitError> {
-            let mut kept = fits
-                .iter()
-                .enumerate()
-                .filter(|(stretch, _)| Some(*stretch) != left_out);
+            let mut kept = fits.iter().enumerate().filter(|(stretch, _)| Some(*stretch) != left_out);
             let (_, first) = kept.next().expect("more than one stretch");
             let mut all = first.clone();
             kept.for_each(|(_, fit)| all.merge(fit));
             Ok(all.finish()?.swap_remove(0))
         };
         let solution = merged(None)?;
-        let without: Vec<Option<Solution>> = (0..STRETCHES)
-            .map(|stretch| merged(Some(stretch)).ok())
-            .collect();
+        let without: Vec<Option<Solution>> = (0..STRETCHES).map(|stretch| merged(Some(stretch)).ok()).collect();
         let (held_out_rms, standard_error) = held_out(&fits, &without);
-        let candidate = Candidate {
-            model: Model::of(basis),
-            in_sample_rms: solution.rms,
-            held_out_rms,
-            standard_error,
-        };
-        Ok(Tried {
-            candidate,
-            solution,
-            without,
-        })
+        let candidate =
+            Candidate { model: Model::of(basis), in_sample_rms: solution.rms, held_out_rms, standard_error };
+        Ok(Tried { candidate, solution, without })
     }
 }
 
@@ -230,9 +207,7 @@ fn held_out(fits: &[Fit], without: &[Option<Solution>]) -> (f64, f64) {
     let mut sum = 0.0;
     let mut means = Vec::new();
     for (fit, rest) in fits.iter().zip(without).filter(|(fit, _)| fit.rows() > 0) {
-        let squares = rest.as_ref().map_or(f64::NAN, |rest| {
-            fit.sum_of_squares_of(0, &rest.coefficients)
-        });
+        let squares = rest.as_ref().map_or(f64::NAN, |rest| fit.sum_of_squares_of(0, &rest.coefficients));
         sum += squares;
         means.push(squares / fit.rows() as f64);
     }
@@ -257,9 +232,7 @@ fn simplest_within_one_standard_error(candidates: &[Candidate]) -> Option<usize>
     };
     let bar = best.held_out_rms + best.standard_error;
     // A single stretch with rows has no standard error: then the best itself.
-    candidates
-        .iter()
-        .position(|candidate| candidate.held_out_rms <= bar || candidate.model == best.model)
+    candidates.iter().position(|candidate| candidate.held_out_rms <= bar || candidate.model == best.model)
 }
 
 #[cfg(test)]
@@ -275,9 +248,7 @@ mod tests {
             let temperature = -40.0 + 200.0 * (phase - 0.5).abs();
             let noise = ((row * 7919) % 1000) as f64 / 1000.0 - 0.5;
             let (stretch, _) = stretches.of_row(row);
-            stretches
-                .fit(stretch)
-                .push(temperature, &[curve(temperature) + noise]);
+            stretches.fit(stretch).push(temperature, &[curve(temperature) + noise]);
         }
         stretches
     }
@@ -287,14 +258,9 @@ mod tests {
         for name in ["poly:1", "poly:5", "table:32", "auto"] {
             assert_eq!(name.parse::<Model>().unwrap().to_string(), name);
         }
-        for name in [
-            "poly:0", "poly:6", "table:33", "poly", "poly:x", "spline:3", "",
-        ] {
+        for name in ["poly:0", "poly:6", "table:33", "poly", "poly:x", "spline:3", ""] {
             let error = name.parse::<Model>().unwrap_err().to_string();
-            assert!(
-                error.contains("poly:1 to poly:5, table:1 to table:32"),
-                "{error}"
-            );
+            assert!(error.contains("poly:1 to poly:5, table:1 to table:32"), "{error}");
         }
     }
 
@@ -307,22 +273,15 @@ mod tests {
             counts[stretch] += 1;
             assert!(row < end && (end == u64::MAX || stretches.of_row(end).0 == stretch + 1));
         }
-        assert!(
-            counts.iter().all(|count| (1050..=1051).contains(count)),
-            "{counts:?}"
-        );
+        assert!(counts.iter().all(|count| (1050..=1051).contains(count)), "{counts:?}");
     }
 
     #[test]
     fn a_quadratic_drift_is_fitted_by_a_quadratic() {
-        let choice = stretches(Model::Auto, |t| 30.0 - 0.9 * t + 0.01 * t * t)
-            .choose(Model::Auto)
-            .unwrap();
+        let choice = stretches(Model::Auto, |t| 30.0 - 0.9 * t + 0.01 * t * t).choose(Model::Auto).unwrap();
         assert_eq!(choice.model, Model::Poly(2));
         assert_eq!(choice.candidates.len(), 5);
-        let [line, square, ..] = choice.candidates[..] else {
-            panic!()
-        };
+        let [line, square, ..] = choice.candidates[..] else { panic!() };
         assert!(line.held_out_rms > 5.0 * square.held_out_rms);
         // Uniform noise over one count: 1 / sqrt(12).
         assert!((square.held_out_rms - 0.2887).abs() < 0.01);
@@ -331,17 +290,13 @@ mod tests {
 
     #[test]
     fn a_cubic_drift_is_fitted_by_a_cubic() {
-        let choice = stretches(Model::Auto, |t| t * t * t * 2e-4)
-            .choose(Model::Auto)
-            .unwrap();
+        let choice = stretches(Model::Auto, |t| t * t * t * 2e-4).choose(Model::Auto).unwrap();
         assert_eq!(choice.model, Model::Poly(3));
     }
 
     #[test]
     fn a_model_asked_for_is_taken_and_still_held_out() {
-        let choice = stretches(Model::Table(16), |t| (t / 15.0).sin())
-            .choose(Model::Table(16))
-            .unwrap();
+        let choice = stretches(Model::Table(16), |t| (t / 15.0).sin()).choose(Model::Table(16)).unwrap();
         assert_eq!(choice.model, Model::Table(16));
         assert_eq!(choice.without.iter().flatten().count(), STRETCHES);
         assert!(choice.candidates[0].held_out_rms < 0.31);
@@ -350,12 +305,6 @@ mod tests {
     #[test]
     fn what_no_row_settles_is_an_error() {
         let empty = Stretches::new(Scale::spanning(0.0, 1.0).unwrap(), Model::Auto, 0);
-        assert_eq!(
-            empty.choose(Model::Auto),
-            Err(FitError::TooFewRows {
-                rows: 0,
-                coefficients: 2
-            })
-        );
+        assert_eq!(empty.choose(Model::Auto), Err(FitError::TooFewRows { rows: 0, coefficients: 2 }));
     }
 }

@@ -59,10 +59,7 @@ impl Tally {
     /// The rows left out for one reason.
     #[must_use]
     pub fn count(&self, reason: DropReason) -> u64 {
-        self.0
-            .iter()
-            .find(|rejected| rejected.reason == reason)
-            .map_or(0, |rejected| rejected.count)
+        self.0.iter().find(|rejected| rejected.reason == reason).map_or(0, |rejected| rejected.count)
     }
 
     /// All counts, in the order of the reasons.
@@ -103,4 +100,4 @@ pub struct Step {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

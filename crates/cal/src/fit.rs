@@ -19,9 +19,7 @@ pub use solution::Solution;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum FitError {
     /// Fewer rows than coefficients.
-    #[error(
-        "{rows} rows cannot settle {coefficients} coefficients: record more, or choose a smaller model"
-    )]
+    #[error("{rows} rows cannot settle {coefficients} coefficients: record more, or choose a smaller model")]
     TooFewRows {
         /// Rows pushed.
         rows: u64,
@@ -104,17 +102,8 @@ impl Fit {
     /// # Panics
     /// When there is not one column of rates a response, each as long as the temperatures.
     pub fn push_rows(&mut self, temperatures: &[f64], rates: &[&[f64]]) {
-        assert_eq!(
-            rates.len(),
-            self.responses,
-            "one column of rates a response"
-        );
-        assert!(
-            rates
-                .iter()
-                .all(|column| column.len() == temperatures.len()),
-            "columns of one length"
-        );
+        assert_eq!(rates.len(), self.responses, "one column of rates a response");
+        assert!(rates.iter().all(|column| column.len() == temperatures.len()), "columns of one length");
         let mut x = [0.0; BLOCK_ROWS];
         let mut done = 0;
         while done < temperatures.len() {
@@ -123,8 +112,7 @@ impl Fit {
             for (x, temperature) in x.iter_mut().zip(&temperatures[done..done + rows]) {
                 *x = self.scale.x(*temperature);
             }
-            self.basis
-                .write(&x[..rows], &mut self.block[row..], BLOCK_ROWS);
+            self.basis.write(&x[..rows], &mut self.block[row..], BLOCK_ROWS);
             for (response, column) in rates.iter().enumerate() {
                 let start = (self.basis.size() + response) * BLOCK_ROWS + row;
                 self.block[start..start + rows].copy_from_slice(&column[done..done + rows]);
@@ -150,9 +138,7 @@ impl Fit {
     /// When the other fit has another scale, basis or number of responses: their rows are not of one matrix.
     pub fn merge(&mut self, other: &Self) {
         assert!(
-            self.scale == other.scale
-                && self.basis == other.basis
-                && self.responses == other.responses,
+            self.scale == other.scale && self.basis == other.basis && self.responses == other.responses,
             "only fits of one scale, basis and number of responses can be merged"
         );
         self.factor.merge(&other.settled());
@@ -166,9 +152,7 @@ impl Fit {
         match self.basis {
             Basis::Powers(own) if order <= own => {
                 let mut lower = Self::new(self.scale, Basis::Powers(order), self.responses);
-                let columns: Vec<usize> = (0..=order)
-                    .chain(own + 1..own + 1 + self.responses)
-                    .collect();
+                let columns: Vec<usize> = (0..=order).chain(own + 1..own + 1 + self.responses).collect();
                 lower.factor = self.settled().select(&columns);
                 lower.rows = self.rows;
                 Some(lower)
@@ -184,21 +168,13 @@ impl Fit {
     /// When the coefficients are not one a function of the basis, or there is no such response.
     #[must_use]
     pub fn sum_of_squares_of(&self, response: usize, coefficients: &[f64]) -> f64 {
-        assert_eq!(
-            coefficients.len(),
-            self.basis.size(),
-            "one coefficient a function of the basis"
-        );
+        assert_eq!(coefficients.len(), self.basis.size(), "one coefficient a function of the basis");
         assert!(response < self.responses, "no such response");
         let factor = self.settled();
         let target = self.basis.size() + response;
         (0..=target)
             .map(|row| {
-                let fitted: f64 = coefficients
-                    .iter()
-                    .enumerate()
-                    .map(|(k, c)| factor.entry(row, k) * c)
-                    .sum();
+                let fitted: f64 = coefficients.iter().enumerate().map(|(k, c)| factor.entry(row, k) * c).sum();
                 (factor.entry(row, target) - fitted).powi(2)
             })
             .sum()

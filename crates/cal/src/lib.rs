@@ -3,5 +3,6 @@
 pub mod choose;
 pub mod condition;
 pub mod fit;
+pub mod log_fit;
 pub mod quality;
 pub mod table;

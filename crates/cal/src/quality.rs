@@ -84,9 +84,7 @@ impl ReasonKind {
     #[must_use]
     pub fn verdict(self) -> Verdict {
         match self {
-            Self::NarrowSpan | Self::StuckTemperature | Self::TooFewGroups | Self::NoFiniteRows => {
-                Verdict::Rejected
-            }
+            Self::NarrowSpan | Self::StuckTemperature | Self::TooFewGroups | Self::NoFiniteRows => Verdict::Rejected,
             Self::MissingValues | Self::Spikes | Self::Rotation | Self::Step => Verdict::Warning,
         }
     }
@@ -105,10 +103,7 @@ impl Reason {
     /// A reason.
     #[must_use]
     pub fn new(kind: ReasonKind, text: impl Into<String>) -> Self {
-        Self {
-            kind,
-            text: text.into(),
-        }
+        Self { kind, text: text.into() }
     }
 }
 
@@ -123,10 +118,7 @@ pub struct Judgement {
 
 impl Default for Judgement {
     fn default() -> Self {
-        Self {
-            verdict: Verdict::Good,
-            reasons: Vec::new(),
-        }
+        Self { verdict: Verdict::Good, reasons: Vec::new() }
     }
 }
 
@@ -157,16 +149,11 @@ impl Judgement {
         let (span, least, name) = (max - min, unit.min_span(), unit.name());
         // A sensor's rounding is no span: a thousandth of what is needed.
         if span < 1e-3 * least {
-            let text = format!(
-                "the temperature stays at {min:.2} {name}: its sensor is stuck, or the wrong column was read"
-            );
+            let text =
+                format!("the temperature stays at {min:.2} {name}: its sensor is stuck, or the wrong column was read");
             self.add(Reason::new(ReasonKind::StuckTemperature, text));
         } else if span < least {
-            let verdict = if allow_narrow {
-                Verdict::Warning
-            } else {
-                Verdict::Rejected
-            };
+            let verdict = if allow_narrow { Verdict::Warning } else { Verdict::Rejected };
             let advice = if allow_narrow {
                 "the calibration holds for this range alone"
             } else {
@@ -206,43 +193,20 @@ impl Judgement {
 mod tests {
     use super::*;
 
-    fn span(
-        min: f64,
-        max: f64,
-        unit: TemperatureUnit,
-        allow_narrow: bool,
-    ) -> (Verdict, Vec<ReasonKind>) {
+    fn span(min: f64, max: f64, unit: TemperatureUnit, allow_narrow: bool) -> (Verdict, Vec<ReasonKind>) {
         let mut judgement = Judgement::default();
         judgement.span(min, max, unit, allow_narrow);
-        (
-            judgement.verdict,
-            judgement.reasons.iter().map(|reason| reason.kind).collect(),
-        )
+        (judgement.verdict, judgement.reasons.iter().map(|reason| reason.kind).collect())
     }
 
     #[test]
     fn a_span_under_ten_degrees_is_rejected_unless_allowed() {
         use ReasonKind::NarrowSpan;
-        assert_eq!(
-            span(-17.0, -12.0, TemperatureUnit::C, false),
-            (Verdict::Rejected, vec![NarrowSpan])
-        );
-        assert_eq!(
-            span(-17.0, -12.0, TemperatureUnit::C, true),
-            (Verdict::Warning, vec![NarrowSpan])
-        );
-        assert_eq!(
-            span(-17.0, -7.0, TemperatureUnit::C, false),
-            (Verdict::Good, vec![])
-        );
-        assert_eq!(
-            span(9000.0, 9339.0, TemperatureUnit::Counts, false).0,
-            Verdict::Rejected
-        );
-        assert_eq!(
-            span(9000.0, 9340.0, TemperatureUnit::Counts, false).0,
-            Verdict::Good
-        );
+        assert_eq!(span(-17.0, -12.0, TemperatureUnit::C, false), (Verdict::Rejected, vec![NarrowSpan]));
+        assert_eq!(span(-17.0, -12.0, TemperatureUnit::C, true), (Verdict::Warning, vec![NarrowSpan]));
+        assert_eq!(span(-17.0, -7.0, TemperatureUnit::C, false), (Verdict::Good, vec![]));
+        assert_eq!(span(9000.0, 9339.0, TemperatureUnit::Counts, false).0, Verdict::Rejected);
+        assert_eq!(span(9000.0, 9340.0, TemperatureUnit::Counts, false).0, Verdict::Good);
     }
 
     #[test]
@@ -254,10 +218,7 @@ mod tests {
     #[test]
     fn reasons_are_written_in_kebab_case() {
         let reason = Reason::new(ReasonKind::NarrowSpan, "too narrow");
-        assert_eq!(
-            serde_json::to_string(&reason).unwrap(),
-            r#"{"kind":"narrow-span","text":"too narrow"}"#
-        );
+        assert_eq!(serde_json::to_string(&reason).unwrap(), r#"{"kind":"narrow-span","text":"too narrow"}"#);
         assert_eq!(serde_json::to_string(&Verdict::Good).unwrap(), r#""good""#);
     }
 
@@ -270,9 +231,6 @@ mod tests {
         assert_eq!(judgement.verdict, Verdict::Warning);
         judgement.rows("x", 7, "groups", 4);
         judgement.dropped(ReasonKind::Spikes, "y", "spikes", 80, 8400);
-        assert_eq!(
-            (judgement.verdict, judgement.reasons.len()),
-            (Verdict::Rejected, 3)
-        );
+        assert_eq!((judgement.verdict, judgement.reasons.len()), (Verdict::Rejected, 3));
     }
 }

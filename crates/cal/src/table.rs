@@ -67,16 +67,10 @@ impl TableFile {
     /// # Errors
     /// When the file cannot be read, is empty, or is neither delimited text nor Parquet.
     pub fn open(path: &Path) -> Result<Self, TableError> {
-        let unreadable = |source| TableError::Read {
-            path: path.to_owned(),
-            source,
-        };
+        let unreadable = |source| TableError::Read { path: path.to_owned(), source };
         let mut file = File::open(path).map_err(unreadable)?;
         let mut start = Vec::new();
-        file.by_ref()
-            .take(dialect::SAMPLE_BYTES)
-            .read_to_end(&mut start)
-            .map_err(unreadable)?;
+        file.by_ref().take(dialect::SAMPLE_BYTES).read_to_end(&mut start).map_err(unreadable)?;
         file.rewind().map_err(unreadable)?;
         let (format, names) = if start.starts_with(PARQUET_MAGIC) {
             (Format::Parquet, parquet::names(path, file)?)
@@ -84,11 +78,7 @@ impl TableFile {
             let (dialect, names) = dialect::detect(path, &start)?;
             (Format::Text(dialect), names)
         };
-        Ok(Self {
-            path: path.to_owned(),
-            format,
-            names,
-        })
+        Ok(Self { path: path.to_owned(), format, names })
     }
 
     /// The file's path, as it was given.
@@ -108,14 +98,11 @@ impl TableFile {
     /// # Errors
     /// When there is no such column; the error lists those there are.
     pub fn column(&self, name: &str) -> Result<usize, TableError> {
-        self.names
-            .iter()
-            .position(|own| own == name)
-            .ok_or_else(|| TableError::NoSuchColumn {
-                path: self.path.clone(),
-                column: name.to_owned(),
-                columns: self.names.join(", "),
-            })
+        self.names.iter().position(|own| own == name).ok_or_else(|| TableError::NoSuchColumn {
+            path: self.path.clone(),
+            column: name.to_owned(),
+            columns: self.names.join(", "),
+        })
     }
 
     /// Streams the numbers of some columns.
@@ -135,22 +122,12 @@ impl TableFile {
     }
 
     fn stream(&self, columns: &[usize], cells: bool) -> Result<Batches, TableError> {
-        let file = File::open(&self.path).map_err(|source| TableError::Read {
-            path: self.path.clone(),
-            source,
-        })?;
+        let file = File::open(&self.path).map_err(|source| TableError::Read { path: self.path.clone(), source })?;
         match &self.format {
-            Format::Text(dialect) => Ok(Box::new(text::TextBatches::new(
-                &self.path,
-                file,
-                dialect,
-                &self.names,
-                columns,
-                cells,
-            ))),
-            Format::Parquet => Ok(Box::new(parquet::ParquetBatches::open(
-                &self.path, file, columns, cells,
-            )?)),
+            Format::Text(dialect) => {
+                Ok(Box::new(text::TextBatches::new(&self.path, file, dialect, &self.names, columns, cells)))
+            }
+            Format::Parquet => Ok(Box::new(parquet::ParquetBatches::open(&self.path, file, columns, cells)?)),
         }
     }
 }

@@ -59,16 +59,8 @@ pub struct Group {
 // A count of rows far below 2^53, and above zero.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 pub fn group_rows(rows: u64, step_s: f64) -> u64 {
-    let by_time = if step_s > 0.0 {
-        (GROUP_S / step_s).ceil() as u64
-    } else {
-        0
-    };
-    by_time
-        .max(MIN_GROUP_ROWS)
-        .min(rows / MIN_GROUPS)
-        .max(rows.div_ceil(MAX_GROUPS))
-        .max(1)
+    let by_time = if step_s > 0.0 { (GROUP_S / step_s).ceil() as u64 } else { 0 };
+    by_time.max(MIN_GROUP_ROWS).min(rows / MIN_GROUPS).max(rows.div_ceil(MAX_GROUPS)).max(1)
 }
 
 /// Gathers rows into groups.
@@ -105,10 +97,7 @@ impl Grouping {
     pub fn push(&mut self, time_s: f64, temperature: f64, rates: impl Iterator<Item = f64>) {
         self.times.push(time_s);
         self.temperatures.push(temperature);
-        self.rates
-            .iter_mut()
-            .zip(rates)
-            .for_each(|(column, rate)| column.push(rate));
+        self.rates.iter_mut().zip(rates).for_each(|(column, rate)| column.push(rate));
         if self.temperatures.len() as u64 == self.rows {
             self.close();
         }
@@ -128,46 +117,24 @@ impl Grouping {
         let rows = self.temperatures.len();
         let missing = self.temperatures.iter().filter(|t| !t.is_finite()).count();
         let wild = outliers(&self.temperatures, self.temperature_margin);
-        let usable: Vec<bool> = (0..rows)
-            .map(|row| self.temperatures[row].is_finite() && !wild[row])
-            .collect();
+        let usable: Vec<bool> = (0..rows).map(|row| self.temperatures[row].is_finite() && !wild[row]).collect();
         let mut axes = Vec::with_capacity(self.rates.len());
         for (column, tally) in self.rates.iter().zip(&mut self.tallies) {
             tally.add(DropReason::MissingTemperature, missing as u64);
-            tally.add(
-                DropReason::TemperatureSpike,
-                wild.iter().filter(|wild| **wild).count() as u64,
-            );
-            let rates: Vec<f64> = column
-                .iter()
-                .zip(&usable)
-                .map(|(rate, usable)| if *usable { *rate } else { f64::NAN })
-                .collect();
-            let missing_rates = column
-                .iter()
-                .zip(&usable)
-                .filter(|(rate, usable)| **usable && !rate.is_finite());
+            tally.add(DropReason::TemperatureSpike, wild.iter().filter(|wild| **wild).count() as u64);
+            let rates: Vec<f64> =
+                column.iter().zip(&usable).map(|(rate, usable)| if *usable { *rate } else { f64::NAN }).collect();
+            let missing_rates = column.iter().zip(&usable).filter(|(rate, usable)| **usable && !rate.is_finite());
             tally.add(DropReason::MissingRate, missing_rates.count() as u64);
             let spikes = outliers(&rates, 0.0);
             let found = spikes.iter().filter(|spike| **spike).count();
-            let leading = if self.first_row == 0 {
-                spikes.iter().take_while(|spike| **spike).count()
-            } else {
-                0
-            };
+            let leading = if self.first_row == 0 { spikes.iter().take_while(|spike| **spike).count() } else { 0 };
             tally.add(DropReason::StartUp, leading as u64);
             tally.add(DropReason::Spike, (found - leading) as u64);
-            let kept = rates
-                .iter()
-                .zip(&spikes)
-                .filter(|(rate, spike)| rate.is_finite() && !**spike);
+            let kept = rates.iter().zip(&spikes).filter(|(rate, spike)| rate.is_finite() && !**spike);
             axes.push(average(kept.map(|(rate, _)| *rate)));
         }
-        let kept = self
-            .temperatures
-            .iter()
-            .zip(&usable)
-            .filter(|(_, usable)| **usable);
+        let kept = self.temperatures.iter().zip(&usable).filter(|(_, usable)| **usable);
         self.groups.push(Group {
             first_row: self.first_row,
             end_row: self.first_row + rows as u64,
@@ -186,11 +153,7 @@ impl Grouping {
 /// they are no exceptions.
 fn outliers(values: &[f64], margin: f64) -> Vec<bool> {
     let mut outliers = vec![false; values.len()];
-    let finite: Vec<f64> = values
-        .iter()
-        .copied()
-        .filter(|value| value.is_finite())
-        .collect();
+    let finite: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     if finite.len() < MIN_SEARCHED {
         return outliers;
     }
@@ -213,14 +176,8 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 
 fn average(rates: impl Iterator<Item = f64> + Clone) -> AxisGroup {
     let rate = mean(rates.clone());
-    let (squares, rows) = rates.fold((0.0, 0_u32), |(sum, rows), value| {
-        (sum + (value - rate).powi(2), rows + 1)
-    });
-    AxisGroup {
-        rate,
-        scatter: (squares / (f64::from(rows) - 1.0)).sqrt(),
-        rows,
-    }
+    let (squares, rows) = rates.fold((0.0, 0_u32), |(sum, rows), value| (sum + (value - rate).powi(2), rows + 1));
+    AxisGroup { rate, scatter: (squares / (f64::from(rows) - 1.0)).sqrt(), rows }
 }
 
 /// The typical scatter of an axis over all groups; NaN where groups are too small to have one.

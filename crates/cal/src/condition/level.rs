@@ -51,24 +51,14 @@ pub fn level(groups: &mut [Group], tallies: &mut [Tally], unit: TemperatureUnit)
             part.rows = 0;
         }
     }
-    let steps = (0..axes)
-        .flat_map(|axis| take_out_steps(groups, axis, temperature_margin))
-        .collect();
-    Levels {
-        stretches: stretches(groups, &moved),
-        steps,
-    }
+    let steps = (0..axes).flat_map(|axis| take_out_steps(groups, axis, temperature_margin)).collect();
+    Levels { stretches: stretches(groups, &moved), steps }
 }
 
 fn mark_moved(groups: &[Group], axis: usize, moved: &mut [bool]) {
     let typical = typical_scatter(groups, axis);
-    let used: Vec<usize> = (0..groups.len())
-        .filter(|&group| groups[group].axes[axis].rows > 0)
-        .collect();
-    let rates: Vec<f64> = used
-        .iter()
-        .map(|&group| groups[group].axes[axis].rate)
-        .collect();
+    let used: Vec<usize> = (0..groups.len()).filter(|&group| groups[group].axes[axis].rows > 0).collect();
+    let rates: Vec<f64> = used.iter().map(|&group| groups[group].axes[axis].rate).collect();
     let deviations: Vec<f64> = (0..rates.len())
         .map(|place| {
             // Symmetric, so that a drift at the ends of the log is no deviation.
@@ -80,25 +70,29 @@ fn mark_moved(groups: &[Group], axis: usize, moved: &mut [bool]) {
         return;
     }
     let (_, sigma) = centre_and_sigma(&deviations);
+    let sigma = sigma.max(noise(&rates));
     for (&group, deviation) in used.iter().zip(&deviations) {
-        let part = groups[group].axes[axis];
-        // The mean of n rows is not known better than their scatter allows.
-        let floor = typical.max(0.0) / f64::from(part.rows).sqrt();
-        if deviation.abs() > MOVED_SIGMA * sigma.max(floor)
-            || part.scatter > MOVED_SCATTER * typical
-        {
+        let scatter = groups[group].axes[axis].scatter;
+        if deviation.abs() > MOVED_SIGMA * sigma || scatter > MOVED_SCATTER * typical {
             moved[group] = true;
         }
     }
 }
 
+/// The standard deviation of white noise that successive values carry, whatever their trend: that of their second
+/// differences over sqrt(1 + 4 + 1). A trend leaves no deviation from a running median, so that alone would be too small.
+fn noise(values: &[f64]) -> f64 {
+    let differences: Vec<f64> = values.windows(3).map(|v| v[0] - 2.0 * v[1] + v[2]).collect();
+    if differences.is_empty() {
+        return 0.0;
+    }
+    centre_and_sigma(&differences).1 / 6.0_f64.sqrt()
+}
+
 fn stretches(groups: &[Group], moved: &[bool]) -> Vec<Stretch> {
     let mut found: Vec<Stretch> = Vec::new();
     for (group, _) in groups.iter().zip(moved).filter(|(_, moved)| **moved) {
-        match found
-            .last_mut()
-            .filter(|stretch| stretch.rows.1 == group.first_row)
-        {
+        match found.last_mut().filter(|stretch| stretch.rows.1 == group.first_row) {
             Some(stretch) => {
                 stretch.rows.1 = group.end_row;
                 stretch.time_s.1 = group.time_s;
@@ -118,28 +112,18 @@ fn stretches(groups: &[Group], moved: &[bool]) -> Vec<Stretch> {
 
 /// Finds the largest step, takes it out, and looks again.
 fn take_out_steps(groups: &mut [Group], axis: usize, temperature_margin: f64) -> Vec<Step> {
-    let used: Vec<usize> = (0..groups.len())
-        .filter(|&group| groups[group].axes[axis].rows > 0)
-        .collect();
+    let used: Vec<usize> = (0..groups.len()).filter(|&group| groups[group].axes[axis].rows > 0).collect();
     let mut steps = Vec::new();
     if used.len() < 4 * STEP_GROUPS {
         return steps;
     }
-    let temperatures: Vec<f64> = used
-        .iter()
-        .map(|&group| groups[group].temperature)
-        .collect();
+    let temperatures: Vec<f64> = used.iter().map(|&group| groups[group].temperature).collect();
     let temperature_jumps = jumps(&used, &temperatures);
-    let typical = typical_scatter(groups, axis).max(0.0);
     while steps.len() < MAX_STEPS {
-        let rates: Vec<f64> = used
-            .iter()
-            .map(|&group| groups[group].axes[axis].rate)
-            .collect();
+        let rates: Vec<f64> = used.iter().map(|&group| groups[group].axes[axis].rate).collect();
         let jumps = jumps(&used, &rates);
         let (_, sigma) = centre_and_sigma(&jumps);
-        let rows = f64::from(groups[used[0]].axes[axis].rows.max(1));
-        let limit = STEP_SIGMA * sigma.max(typical / rows.sqrt());
+        let limit = STEP_SIGMA * sigma.max(noise(&rates));
         let largest = (0..jumps.len())
             // A jump of the temperature explains a jump of the rate: the log was stopped and went on.
             .filter(|&place| temperature_jumps[place].abs() <= temperature_margin)
@@ -167,11 +151,7 @@ fn take_out_steps(groups: &mut [Group], axis: usize, temperature_margin: f64) ->
 /// For each boundary with enough groups on both sides, the line through the values after it less the line through those
 /// before it, both drawn to the boundary. `used` numbers the groups, so that a stretch left out keeps its length.
 fn jumps(used: &[usize], values: &[f64]) -> Vec<f64> {
-    let points: Vec<(f64, f64)> = used
-        .iter()
-        .map(|&group| group as f64)
-        .zip(values.iter().copied())
-        .collect();
+    let points: Vec<(f64, f64)> = used.iter().map(|&group| group as f64).zip(values.iter().copied()).collect();
     points
         .windows(2 * STEP_GROUPS)
         .map(|window| {
@@ -185,14 +165,9 @@ fn jumps(used: &[usize], values: &[f64]) -> Vec<f64> {
 /// The least-squares line through points, at a place.
 fn line_at(points: &[(f64, f64)], place: f64) -> f64 {
     let n = points.len() as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| {
-        (x + point.0 / n, y + point.1 / n)
-    });
-    let (rise, run) = points.iter().fold((0.0, 0.0), |(rise, run), point| {
-        (
-            rise + (point.0 - x) * (point.1 - y),
-            run + (point.0 - x).powi(2),
-        )
-    });
+    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / n, y + point.1 / n));
+    let (rise, run) = points
+        .iter()
+        .fold((0.0, 0.0), |(rise, run), point| (rise + (point.0 - x) * (point.1 - y), run + (point.0 - x).powi(2)));
     y + rise / run * (place - x)
 }

@@ -23,12 +23,5 @@ pub(super) fn centre_and_sigma(values: &[f64]) -> (f64, f64) {
     let mut deviations: Vec<f64> = values.iter().map(|value| (value - centre).abs()).collect();
     let mean = deviations.iter().sum::<f64>() / deviations.len() as f64;
     let sigma = MAD_TO_SIGMA * median(&mut deviations);
-    (
-        centre,
-        if sigma > 0.0 {
-            sigma
-        } else {
-            MEAN_DEVIATION_TO_SIGMA * mean
-        },
-    )
+    (centre, if sigma > 0.0 { sigma } else { MEAN_DEVIATION_TO_SIGMA * mean })
 }

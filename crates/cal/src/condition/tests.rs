@@ -15,32 +15,18 @@ pub(crate) fn cycle() -> (Vec<f64>, [Vec<f64>; 2]) {
         .collect();
     let mut state = 1_u64;
     let mut noise = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         1e-3 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
     };
-    let rates = [1.0, -2.0].map(|factor| {
-        temperatures
-            .iter()
-            .map(|t| factor * (0.01 + 3e-4 * t - 2e-6 * t * t) + noise())
-            .collect()
-    });
+    let rates = [1.0, -2.0]
+        .map(|factor| temperatures.iter().map(|t| factor * (0.01 + 3e-4 * t - 2e-6 * t * t) + noise()).collect());
     (temperatures, rates)
 }
 
 fn condition(temperatures: &[f64], rates: &[Vec<f64>]) -> (Vec<Group>, Vec<Tally>, Levels) {
-    let mut grouping = Grouping::new(
-        rates.len(),
-        group_rows(ROWS as u64, 0.5),
-        TemperatureUnit::C,
-    );
+    let mut grouping = Grouping::new(rates.len(), group_rows(ROWS as u64, 0.5), TemperatureUnit::C);
     for row in 0..temperatures.len() {
-        grouping.push(
-            row as f64 * 0.5,
-            temperatures[row],
-            rates.iter().map(|rate| rate[row]),
-        );
+        grouping.push(row as f64 * 0.5, temperatures[row], rates.iter().map(|rate| rate[row]));
     }
     let (mut groups, mut tallies) = grouping.finish();
     let levels = level(&mut groups, &mut tallies, TemperatureUnit::C);
@@ -63,33 +49,19 @@ fn a_clean_cycle_is_left_as_it_is() {
     let (groups, tallies, levels) = condition(&temperatures, &rates);
     assert_eq!(groups.len(), 400);
     assert_eq!(levels, Levels::default());
-    assert!(
-        tallies.iter().all(|tally| tally.rejected().is_empty()),
-        "{tallies:?}"
-    );
+    assert!(tallies.iter().all(|tally| tally.rejected().is_empty()), "{tallies:?}");
     assert!((groups[7].axes[0].scatter / NOISE - 1.0).abs() < 0.5);
 }
 
 #[test]
 fn rows_without_a_number_are_dropped_and_counted() {
     let (mut temperatures, mut rates) = cycle();
-    (0..ROWS)
-        .step_by(50)
-        .for_each(|row| temperatures[row] = f64::NAN);
+    (0..ROWS).step_by(50).for_each(|row| temperatures[row] = f64::NAN);
     rates[1][77] = f64::NAN;
     let (groups, tallies, _) = condition(&temperatures, &rates);
     assert_eq!(tallies[0].count(DropReason::MissingTemperature), 168);
-    assert_eq!(
-        (
-            tallies[0].count(DropReason::MissingRate),
-            tallies[1].count(DropReason::MissingRate)
-        ),
-        (0, 1)
-    );
-    let used: u64 = groups
-        .iter()
-        .map(|group| u64::from(group.axes[1].rows))
-        .sum();
+    assert_eq!((tallies[0].count(DropReason::MissingRate), tallies[1].count(DropReason::MissingRate)), (0, 1));
+    let used: u64 = groups.iter().map(|group| u64::from(group.axes[1].rows)).sum();
     assert_eq!(used, 8400 - 168 - 1);
 }
 
@@ -105,11 +77,7 @@ fn spikes_are_dropped_and_a_first_row_outlier_is_start_up() {
     assert_eq!(tallies[1].count(DropReason::Spike), 0);
     assert_eq!(tallies[1].count(DropReason::TemperatureSpike), 1);
     assert_eq!(levels, Levels::default());
-    assert!(
-        groups
-            .iter()
-            .all(|group| group.axes[0].scatter < 2.0 * NOISE)
-    );
+    assert!(groups.iter().all(|group| group.axes[0].scatter < 2.0 * NOISE));
 }
 
 #[test]
@@ -117,21 +85,13 @@ fn a_rotation_is_left_out_of_every_axis_with_its_range() {
     let (temperatures, mut rates) = cycle();
     (5000..5060).for_each(|row| rates[0][row] += 2.0);
     let (groups, tallies, levels) = condition(&temperatures, &rates);
-    let [stretch] = &levels.stretches[..] else {
-        panic!("{levels:?}")
-    };
-    assert!(
-        stretch.rows.0 <= 5000 && stretch.rows.1 >= 5060 && stretch.rows.1 - stretch.rows.0 <= 84
-    );
+    let [stretch] = &levels.stretches[..] else { panic!("{levels:?}") };
+    assert!(stretch.rows.0 <= 5000 && stretch.rows.1 >= 5060 && stretch.rows.1 - stretch.rows.0 <= 84);
     assert!((2490.0..2510.0).contains(&stretch.time_s.0));
     assert!(stretch.temperature.0 <= stretch.temperature.1);
     assert!(tallies[1].count(DropReason::Rotation) >= 60);
     assert!(levels.steps.is_empty());
-    assert!(
-        groups
-            .iter()
-            .all(|group| group.axes[0].rows == 0 || group.axes[0].rate < 0.1)
-    );
+    assert!(groups.iter().all(|group| group.axes[0].rows == 0 || group.axes[0].rate < 0.1));
 }
 
 #[test]
@@ -140,18 +100,12 @@ fn a_step_is_found_sized_and_taken_out() {
     let mut rates = clean.clone();
     (4000..ROWS).for_each(|row| rates[0][row] += 0.02);
     let (groups, _, levels) = condition(&temperatures, &rates);
-    let [step] = &levels.steps[..] else {
-        panic!("{levels:?}")
-    };
+    let [step] = &levels.steps[..] else { panic!("{levels:?}") };
     assert_eq!(step.axis, 0);
     assert!((3979..=4021).contains(&step.row), "{step:?}");
     assert!((step.size - 0.02).abs() < 5e-4, "{step:?}");
     let (clean, _, _) = condition(&temperatures, &clean);
-    for (group, clean) in groups
-        .iter()
-        .zip(&clean)
-        .filter(|(group, _)| group.axes[0].rows > 0)
-    {
+    for (group, clean) in groups.iter().zip(&clean).filter(|(group, _)| group.axes[0].rows > 0) {
         assert!((group.axes[0].rate - clean.axes[0].rate).abs() < 1e-3);
     }
 }

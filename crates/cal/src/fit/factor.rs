@@ -18,10 +18,7 @@ pub(super) struct Factor {
 impl Factor {
     /// The factor of a matrix without rows.
     pub(super) fn new(columns: usize) -> Self {
-        Self {
-            columns,
-            entries: vec![0.0; columns * columns],
-        }
+        Self { columns, entries: vec![0.0; columns * columns] }
     }
 
     pub(super) fn columns(&self) -> usize {
@@ -84,10 +81,7 @@ impl Factor {
         let n = right.len();
         let mut solution = right.to_vec();
         for i in (0..n).rev() {
-            let column_norm = (0..=i)
-                .map(|row| self.entry(row, i).powi(2))
-                .sum::<f64>()
-                .sqrt();
+            let column_norm = (0..=i).map(|row| self.entry(row, i).powi(2)).sum::<f64>().sqrt();
             // A diagonal this small against its column is rounding, not data.
             let smallest = f64::EPSILON * 16.0 * self.columns as f64 * column_norm;
             if self.entry(i, i).abs() <= smallest {
@@ -104,12 +98,7 @@ impl Factor {
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a_chunks
-        .remainder()
-        .iter()
-        .zip(b_chunks.remainder())
-        .map(|(a, b)| a * b)
-        .sum();
+    let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();
     for (a, b) in a_chunks.zip(b_chunks) {
         for lane in 0..8 {
             sums[lane] += a[lane] * b[lane];

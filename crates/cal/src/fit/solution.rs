@@ -33,9 +33,7 @@ impl Solution {
     #[must_use]
     pub fn shape(&self) -> Option<Shape> {
         match self.basis {
-            Basis::Powers(_) => {
-                Polynomial::new(self.scale, &self.coefficients).map(Shape::Polynomial)
-            }
+            Basis::Powers(_) => Polynomial::new(self.scale, &self.coefficients).map(Shape::Polynomial),
             Basis::Hats(_) => Table::new(self.scale, &self.coefficients).map(Shape::Table),
         }
     }
@@ -54,29 +52,21 @@ impl Solution {
 pub(super) fn solve(fit: &Fit) -> Result<Vec<Solution>, FitError> {
     let coefficients = fit.basis.size();
     if fit.rows < coefficients as u64 {
-        return Err(FitError::TooFewRows {
-            rows: fit.rows,
-            coefficients,
-        });
+        return Err(FitError::TooFewRows { rows: fit.rows, coefficients });
     }
     let mut factor = fit.settled();
     if let Basis::Hats(_) = fit.basis {
         straighten(&mut factor, coefficients);
     }
-    let finite = (0..factor.columns())
-        .all(|column| (0..=column).all(|row| factor.entry(row, column).is_finite()));
+    let finite = (0..factor.columns()).all(|column| (0..=column).all(|row| factor.entry(row, column).is_finite()));
     if !finite {
         return Err(FitError::NotFinite);
     }
     let inverse = inverse(&factor, coefficients).ok_or(FitError::Undetermined { coefficients })?;
     (0..fit.responses)
         .map(|response| {
-            let target: Vec<f64> = (0..coefficients)
-                .map(|row| factor.entry(row, coefficients + response))
-                .collect();
-            let beta = factor
-                .solve(&target)
-                .ok_or(FitError::Undetermined { coefficients })?;
+            let target: Vec<f64> = (0..coefficients).map(|row| factor.entry(row, coefficients + response)).collect();
+            let beta = factor.solve(&target).ok_or(FitError::Undetermined { coefficients })?;
             let squares = fit.sum_of_squares_of(response, &beta);
             let freedom = fit.rows.saturating_sub(coefficients as u64).max(1);
             Ok(Solution {
@@ -93,10 +83,7 @@ pub(super) fn solve(fit: &Fit) -> Result<Vec<Solution>, FitError> {
 
 /// Adds a faint row for each second difference of the node values.
 fn straighten(factor: &mut Factor, nodes: usize) {
-    let mass = (0..nodes)
-        .map(|node| factor.entry(node, node).powi(2))
-        .sum::<f64>()
-        .sqrt();
+    let mass = (0..nodes).map(|node| factor.entry(node, node).powi(2)).sum::<f64>().sqrt();
     for middle in 1..nodes - 1 {
         let mut row = vec![0.0; factor.columns()];
         row[middle - 1] = STRAIGHTNESS * mass;
@@ -110,9 +97,7 @@ fn straighten(factor: &mut Factor, nodes: usize) {
 fn inverse(factor: &Factor, n: usize) -> Option<Vec<Vec<f64>>> {
     (0..n)
         .map(|column| {
-            let unit: Vec<f64> = (0..n)
-                .map(|row| f64::from(u8::from(row == column)))
-                .collect();
+            let unit: Vec<f64> = (0..n).map(|row| f64::from(u8::from(row == column))).collect();
             factor.solve(&unit)
         })
         .collect()
@@ -122,16 +107,6 @@ fn inverse(factor: &Factor, n: usize) -> Option<Vec<Vec<f64>>> {
 fn covariance(inverse: &[Vec<f64>], variance: f64) -> Vec<Vec<f64>> {
     let n = inverse.len();
     (0..n)
-        .map(|i| {
-            (0..n)
-                .map(|j| {
-                    variance
-                        * inverse
-                            .iter()
-                            .map(|column| column[i] * column[j])
-                            .sum::<f64>()
-                })
-                .collect()
-        })
+        .map(|i| (0..n).map(|j| variance * inverse.iter().map(|column| column[i] * column[j]).sum::<f64>()).collect())
         .collect()
 }

@@ -8,8 +8,7 @@ fn rows(count: usize, offset: f64) -> (Vec<f64>, Vec<f64>) {
         .map(|i| {
             let i = i as f64;
             let temperature = 10.0 + 50.0 * (0.37 * i).sin();
-            let rate = offset + 0.4 * (temperature / 30.0) - (temperature / 40.0).powi(2)
-                + 0.01 * (12.9 * i).cos();
+            let rate = offset + 0.4 * (temperature / 30.0) - (temperature / 40.0).powi(2) + 0.01 * (12.9 * i).cos();
             (temperature, rate)
         })
         .unzip()
@@ -29,18 +28,11 @@ fn fit(basis: Basis, temperatures: &[f64], rates: &[f64]) -> Fit {
 fn distance(a: &Solution, b: &Solution) -> f64 {
     let curve = |solution: &Solution| -> Vec<f64> {
         let shape = solution.shape().unwrap();
-        (0..=100)
-            .map(|t| evaluate(&shape, -40.0 + f64::from(t)))
-            .collect()
+        (0..=100).map(|t| evaluate(&shape, -40.0 + f64::from(t))).collect()
     };
     let (a, b) = (curve(a), curve(b));
-    let range =
-        a.iter().fold(f64::MIN, |m, v| m.max(*v)) - a.iter().fold(f64::MAX, |m, v| m.min(*v));
-    a.iter()
-        .zip(&b)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max)
-        / range
+    let range = a.iter().fold(f64::MIN, |m, v| m.max(*v)) - a.iter().fold(f64::MAX, |m, v| m.min(*v));
+    a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / range
 }
 
 fn evaluate(shape: &zerorate_core::drift::Shape, temperature: f64) -> f64 {
@@ -65,33 +57,15 @@ fn a_cubic_agrees_with_numpy() {
         .map(|i| {
             let i = f64::from(i);
             let t = -40.0 + 0.5 * i;
-            (
-                t,
-                0.3 - 0.002 * t + 4e-5 * t * t + 1e-7 * t.powi(3) + 0.001 * (7.0 * i).sin(),
-            )
+            (t, 0.3 - 0.002 * t + 4e-5 * t * t + 1e-7 * t.powi(3) + 0.001 * (7.0 * i).sin())
         })
         .unzip();
     let mut fit = Fit::new(Scale::spanning(-40.0, 59.5).unwrap(), Basis::Powers(3), 1);
     fit.push_rows(&temperatures, &[&rates]);
     let solution = fit.finish().unwrap().remove(0);
-    let raw = [
-        0.2999831661223424,
-        -0.0019995024977402603,
-        4.004811537086428e-05,
-        9.895444348982677e-08,
-    ];
-    let scaled = [
-        0.284386807590464,
-        -0.05921959796336956,
-        0.10628545269458334,
-        0.012184692006430629,
-    ];
-    let variances = [
-        5.719728300995071e-09,
-        4.719642333230201e-08,
-        2.8033280255461107e-08,
-        1.0795514434880659e-07,
-    ];
+    let raw = [0.2999831661223424, -0.0019995024977402603, 4.004811537086428e-05, 9.895444348982677e-08];
+    let scaled = [0.284386807590464, -0.05921959796336956, 0.10628545269458334, 0.012184692006430629];
+    let variances = [5.719728300995071e-09, 4.719642333230201e-08, 2.8033280255461107e-08, 1.0795514434880659e-07];
     for (got, golden) in solution.raw_coefficients().iter().zip(raw) {
         assert!((got / golden - 1.0).abs() < 1e-11, "{got} {golden}");
     }
@@ -139,14 +113,9 @@ proptest! {
 #[test]
 fn rows_one_by_one_give_the_same_bits_as_columns() {
     let (temperatures, rates) = rows(700, 3.0);
-    let columns = fit(Basis::Powers(3), &temperatures, &rates)
-        .finish()
-        .unwrap();
+    let columns = fit(Basis::Powers(3), &temperatures, &rates).finish().unwrap();
     let mut single = Fit::new(scale(), Basis::Powers(3), 1);
-    temperatures
-        .iter()
-        .zip(&rates)
-        .for_each(|(t, r)| single.push(*t, &[*r]));
+    temperatures.iter().zip(&rates).for_each(|(t, r)| single.push(*t, &[*r]));
     assert_eq!(single.finish().unwrap(), columns);
 }
 
@@ -171,10 +140,7 @@ fn several_responses_give_what_each_gives_alone() {
     both.push_rows(&temperatures, &[&x, &y]);
     let both = both.finish().unwrap();
     for (joint, rates) in both.iter().zip([&x, &y]) {
-        let alone = fit(Basis::Powers(4), &temperatures, rates)
-            .finish()
-            .unwrap()
-            .remove(0);
+        let alone = fit(Basis::Powers(4), &temperatures, rates).finish().unwrap().remove(0);
         assert!(distance(&alone, joint) < 1e-13);
         assert!((joint.rms / alone.rms - 1.0).abs() < 1e-10);
     }
@@ -183,22 +149,13 @@ fn several_responses_give_what_each_gives_alone() {
 #[test]
 fn the_held_out_sum_of_squares_is_that_of_a_second_pass() {
     let (temperatures, rates) = rows(1000, 3.0);
-    let trained = fit(Basis::Powers(2), &temperatures[..600], &rates[..600])
-        .finish()
-        .unwrap()
-        .remove(0);
+    let trained = fit(Basis::Powers(2), &temperatures[..600], &rates[..600]).finish().unwrap().remove(0);
     let held_out = fit(Basis::Powers(2), &temperatures[600..], &rates[600..]);
     let shape = trained.shape().unwrap();
-    let second_pass: f64 = temperatures[600..]
-        .iter()
-        .zip(&rates[600..])
-        .map(|(t, r)| (r - evaluate(&shape, *t)).powi(2))
-        .sum();
+    let second_pass: f64 =
+        temperatures[600..].iter().zip(&rates[600..]).map(|(t, r)| (r - evaluate(&shape, *t)).powi(2)).sum();
     let from_factor = held_out.sum_of_squares_of(0, &trained.coefficients);
-    assert!(
-        (from_factor / second_pass - 1.0).abs() < 1e-11,
-        "{from_factor} {second_pass}"
-    );
+    assert!((from_factor / second_pass - 1.0).abs() < 1e-11, "{from_factor} {second_pass}");
 }
 
 #[test]
@@ -207,10 +164,7 @@ fn a_lowered_fit_is_the_fit_of_the_lower_order() {
     let fifth = fit(Basis::Powers(5), &temperatures, &rates);
     for order in 1..=5 {
         let lowered = fifth.lowered(order).unwrap().finish().unwrap().remove(0);
-        let direct = fit(Basis::Powers(order), &temperatures, &rates)
-            .finish()
-            .unwrap()
-            .remove(0);
+        let direct = fit(Basis::Powers(order), &temperatures, &rates).finish().unwrap().remove(0);
         assert!(distance(&direct, &lowered) < 1e-12);
         assert!((lowered.rms / direct.rms - 1.0).abs() < 1e-10);
     }
@@ -219,15 +173,9 @@ fn a_lowered_fit_is_the_fit_of_the_lower_order() {
 
 #[test]
 fn a_table_goes_straight_over_a_gap_in_the_data() {
-    let temperatures: Vec<f64> = (-40..=60)
-        .filter(|t| !(0..30).contains(t))
-        .map(f64::from)
-        .collect();
+    let temperatures: Vec<f64> = (-40..=60).filter(|t| !(0..30).contains(t)).map(f64::from).collect();
     let rates: Vec<f64> = temperatures.iter().map(|t| 2.0 + 0.1 * t).collect();
-    let table = fit(Basis::Hats(10), &temperatures, &rates)
-        .finish()
-        .unwrap()
-        .remove(0);
+    let table = fit(Basis::Hats(10), &temperatures, &rates).finish().unwrap().remove(0);
     let shape = table.shape().unwrap();
     for t in -40..=60 {
         assert!((evaluate(&shape, f64::from(t)) - 2.0 - 0.1 * f64::from(t)).abs() < 1e-6);
@@ -238,18 +186,9 @@ fn a_table_goes_straight_over_a_gap_in_the_data() {
 fn what_cannot_be_fitted_says_why() {
     let mut fit = Fit::new(scale(), Basis::Powers(3), 1);
     fit.push(1.0, &[1.0]);
-    assert_eq!(
-        fit.finish(),
-        Err(FitError::TooFewRows {
-            rows: 1,
-            coefficients: 4
-        })
-    );
+    assert_eq!(fit.finish(), Err(FitError::TooFewRows { rows: 1, coefficients: 4 }));
     (0..600).for_each(|i| fit.push(f64::from(i % 2), &[1.0]));
-    assert_eq!(
-        fit.finish(),
-        Err(FitError::Undetermined { coefficients: 4 })
-    );
+    assert_eq!(fit.finish(), Err(FitError::Undetermined { coefficients: 4 }));
     fit.push(f64::NAN, &[1.0]);
     assert_eq!(fit.finish(), Err(FitError::NotFinite));
 }

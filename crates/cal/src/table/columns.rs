@@ -40,9 +40,7 @@ impl TimeUnit {
     /// 1000 apart, so at most one fits. `None` where none does.
     #[must_use]
     pub fn by_duration(duration: f64) -> Option<Self> {
-        Self::ALL
-            .into_iter()
-            .find(|unit| (100.0..100_000.0).contains(&(duration * unit.seconds())))
+        Self::ALL.into_iter().find(|unit| (100.0..100_000.0).contains(&(duration * unit.seconds())))
     }
 }
 
@@ -72,10 +70,7 @@ impl FromStr for TimeUnit {
     type Err = UnitError;
     fn from_str(text: &str) -> Result<Self, UnitError> {
         let known = Self::ALL.into_iter().find(|unit| unit.to_string() == text);
-        known.ok_or_else(|| UnitError {
-            text: text.to_owned(),
-            known: "s, ms, us or ns",
-        })
+        known.ok_or_else(|| UnitError { text: text.to_owned(), known: "s, ms, us or ns" })
     }
 }
 
@@ -93,13 +88,8 @@ impl fmt::Display for TimeUnit {
 impl FromStr for RateUnit {
     type Err = UnitError;
     fn from_str(text: &str) -> Result<Self, UnitError> {
-        let known = [Self::Dps, Self::RadPerS, Self::Counts]
-            .into_iter()
-            .find(|unit| unit.to_string() == text);
-        known.ok_or_else(|| UnitError {
-            text: text.to_owned(),
-            known: "dps, rad/s or counts",
-        })
+        let known = [Self::Dps, Self::RadPerS, Self::Counts].into_iter().find(|unit| unit.to_string() == text);
+        known.ok_or_else(|| UnitError { text: text.to_owned(), known: "dps, rad/s or counts" })
     }
 }
 
@@ -158,9 +148,7 @@ impl Columns {
     pub fn resolve(&self, table: &TableFile) -> Result<Resolved, TableError> {
         let words: Vec<Vec<String>> = table.names().iter().map(|name| words(name)).collect();
         let places = |is: fn(&[String]) -> bool| -> Vec<usize> {
-            (0..words.len())
-                .filter(|&column| is(&words[column]))
-                .collect()
+            (0..words.len()).filter(|&column| is(&words[column])).collect()
         };
         let temperature = match &self.temperature {
             Some(name) => table.column(name)?,
@@ -175,40 +163,25 @@ impl Columns {
                 Err(several) => return Err(unclear(table, "rate", &several, "--rate")),
             }
         } else {
-            self.rates
-                .iter()
-                .map(|name| table.column(name))
-                .collect::<Result<_, _>>()?
+            self.rates.iter().map(|name| table.column(name)).collect::<Result<_, _>>()?
         };
         let time = match &self.time {
             Some(name) => Some(table.column(name)?),
             // Of `timestamp` and `timestamp_sample` the one with fewer words; a log may also have none.
-            None => places(is_time)
-                .into_iter()
-                .min_by_key(|&column| words[column].len()),
+            None => places(is_time).into_iter().min_by_key(|&column| words[column].len()),
         };
         let mut notes = Vec::new();
-        let rate_unit = self
-            .rate_unit
-            .or_else(|| rate_unit(&words[rates[0]]))
-            .unwrap_or_else(|| {
-                let name = &table.names()[rates[0]];
-                notes.push(format!(
-                    "'{name}' names no unit: taken as rad/s (--rate-unit says otherwise)"
-                ));
-                RateUnit::RadPerS
-            });
+        let rate_unit = self.rate_unit.or_else(|| rate_unit(&words[rates[0]])).unwrap_or_else(|| {
+            let name = &table.names()[rates[0]];
+            notes.push(format!("'{name}' names no unit: taken as rad/s (--rate-unit says otherwise)"));
+            RateUnit::RadPerS
+        });
         Ok(Resolved {
             time,
             temperature,
-            rate_names: rates
-                .iter()
-                .map(|&rate| table.names()[rate].clone())
-                .collect(),
+            rate_names: rates.iter().map(|&rate| table.names()[rate].clone()).collect(),
             rates,
-            time_unit: self
-                .time_unit
-                .or_else(|| time.and_then(|time| time_unit(&words[time]))),
+            time_unit: self.time_unit.or_else(|| time.and_then(|time| time_unit(&words[time]))),
             rate_unit,
             temperature_unit: if has(&words[temperature], &COUNTS_WORDS) {
                 TemperatureUnit::Counts
@@ -220,20 +193,11 @@ impl Columns {
     }
 }
 
-fn unclear(
-    table: &TableFile,
-    what: &'static str,
-    found: &[usize],
-    option: &'static str,
-) -> TableError {
+fn unclear(table: &TableFile, what: &'static str, found: &[usize], option: &'static str) -> TableError {
     TableError::Unclear {
         path: table.path().to_owned(),
         what,
-        found: if found.is_empty() {
-            "no column"
-        } else {
-            "more than one column"
-        },
+        found: if found.is_empty() { "no column" } else { "more than one column" },
         option,
         columns: table.names().join(", "),
     }
@@ -250,10 +214,7 @@ fn words(name: &str) -> Vec<String> {
             words.push(String::new());
         }
         if letter.is_alphanumeric() {
-            words
-                .last_mut()
-                .expect("never empty")
-                .extend(letter.to_lowercase());
+            words.last_mut().expect("never empty").extend(letter.to_lowercase());
         }
         was_lower = letter.is_lowercase();
     }
@@ -266,9 +227,7 @@ fn has(words: &[String], any: &[&str]) -> bool {
 }
 
 fn is_time(words: &[String]) -> bool {
-    words
-        .first()
-        .is_some_and(|word| ["t", "time", "timestamp", "seconds"].contains(&word.as_str()))
+    words.first().is_some_and(|word| ["t", "time", "timestamp", "seconds"].contains(&word.as_str()))
         && !is_temperature(words)
 }
 
@@ -278,11 +237,8 @@ fn is_temperature(words: &[String]) -> bool {
 
 /// Names a rate by the sensor's name or by its unit, and no other sensor.
 fn is_rate(words: &[String]) -> bool {
-    let sensor = words.iter().any(|word| word.starts_with("gyr"))
-        || has(words, &["rate", "omega", "zro", "angular"]);
-    let other = words
-        .iter()
-        .any(|word| word.starts_with("acc") || word.starts_with("mag"));
+    let sensor = words.iter().any(|word| word.starts_with("gyr")) || has(words, &["rate", "omega", "zro", "angular"]);
+    let other = words.iter().any(|word| word.starts_with("acc") || word.starts_with("mag"));
     (sensor || has(words, &["dps", "rad"])) && !other && !is_temperature(words) && !is_time(words)
 }
 
@@ -292,30 +248,15 @@ fn names_axis(words: &[String]) -> bool {
 
 /// One to three rate columns, or what was found instead.
 fn guess_rates(words: &[Vec<String>]) -> Result<Vec<usize>, Vec<usize>> {
-    let all: Vec<usize> = (0..words.len())
-        .filter(|&column| is_rate(&words[column]))
-        .collect();
+    let all: Vec<usize> = (0..words.len()).filter(|&column| is_rate(&words[column])).collect();
     // `gyro_status` is beside `gyro_x`, not of its kind.
-    let with_axis: Vec<usize> = all
-        .iter()
-        .copied()
-        .filter(|&column| names_axis(&words[column]))
-        .collect();
+    let with_axis: Vec<usize> = all.iter().copied().filter(|&column| names_axis(&words[column])).collect();
     // PX4's own topics name them x, y, z and nothing else.
     let bare: Vec<usize> = (0..words.len())
-        .filter(|&column| {
-            words[column].len() == 1 && ["x", "y", "z"].contains(&words[column][0].as_str())
-        })
+        .filter(|&column| words[column].len() == 1 && ["x", "y", "z"].contains(&words[column][0].as_str()))
         .collect();
-    let found = [with_axis, all, bare]
-        .into_iter()
-        .find(|columns| !columns.is_empty())
-        .unwrap_or_default();
-    if (1..=3).contains(&found.len()) {
-        Ok(found)
-    } else {
-        Err(found)
-    }
+    let found = [with_axis, all, bare].into_iter().find(|columns| !columns.is_empty()).unwrap_or_default();
+    if (1..=3).contains(&found.len()) { Ok(found) } else { Err(found) }
 }
 
 fn rate_unit(words: &[String]) -> Option<RateUnit> {

@@ -22,50 +22,34 @@ pub(super) struct Dialect {
 
 /// The dialect and the column names.
 pub(super) fn detect(path: &Path, start: &[u8]) -> Result<(Dialect, Vec<String>), TableError> {
-    let not_a_table = || TableError::NotATable {
-        path: path.to_owned(),
-    };
+    let not_a_table = || TableError::NotATable { path: path.to_owned() };
     if start.contains(&0) {
         return Err(not_a_table());
     }
     let text = String::from_utf8_lossy(start);
-    let mut lines: Vec<&str> = text
-        .lines()
-        .filter(|line| !line.trim().is_empty())
-        .collect();
+    let mut lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
     // The sample ends in the middle of a line, unless the file ends with it.
     if start.len() as u64 == SAMPLE_BYTES && lines.len() > 1 {
         lines.pop();
     }
     let Some(first) = lines.first() else {
-        return Err(TableError::Empty {
-            path: path.to_owned(),
-        });
+        return Err(TableError::Empty { path: path.to_owned() });
     };
     // The first two lines decide: a later line of another length is an error with its number, not another delimiter.
     let delimiter = DELIMITERS
         .into_iter()
         .find(|&delimiter| {
             let cells = split(first, delimiter).len();
-            cells > 1
-                && lines
-                    .get(1)
-                    .is_none_or(|second| split(second, delimiter).len() == cells)
+            cells > 1 && lines.get(1).is_none_or(|second| split(second, delimiter).len() == cells)
         })
-        .or_else(|| {
-            DELIMITERS
-                .into_iter()
-                .find(|&delimiter| split(first, delimiter).len() > 1)
-        })
+        .or_else(|| DELIMITERS.into_iter().find(|&delimiter| split(first, delimiter).len() > 1))
         .ok_or_else(not_a_table)?;
     let cells = split(first, delimiter);
     let header = cells.iter().any(|cell| number(cell).is_none());
     let names = if header {
         cells.iter().map(|cell| name(cell)).collect()
     } else {
-        (1..=cells.len())
-            .map(|place| format!("column_{place}"))
-            .collect()
+        (1..=cells.len()).map(|place| format!("column_{place}")).collect()
     };
     Ok((Dialect { delimiter, header }, names))
 }
@@ -76,31 +60,19 @@ pub(super) fn number(cell: &str) -> Option<f64> {
     if let Ok(number) = cell.parse() {
         return Some(number);
     }
-    ["", "na", "n/a", "null", "none"]
-        .iter()
-        .any(|missing| cell.eq_ignore_ascii_case(missing))
-        .then_some(f64::NAN)
+    ["", "na", "n/a", "null", "none"].iter().any(|missing| cell.eq_ignore_ascii_case(missing)).then_some(f64::NAN)
 }
 
 /// The cells of a line.
 fn split(line: &str, delimiter: u8) -> Vec<String> {
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .delimiter(delimiter)
-        .from_reader(line.as_bytes());
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).delimiter(delimiter).from_reader(line.as_bytes());
     let Some(Ok(record)) = reader.records().next() else {
         return Vec::new();
     };
-    record
-        .iter()
-        .filter(|cell| delimiter != b' ' || !cell.is_empty())
-        .map(str::to_owned)
-        .collect()
+    record.iter().filter(|cell| delimiter != b' ' || !cell.is_empty()).map(str::to_owned).collect()
 }
 
 /// A header's cell without the marks that other programs put before it: a byte-order mark, a comment sign, spaces.
 fn name(cell: &str) -> String {
-    cell.trim_start_matches(['\u{feff}', '#', ' '])
-        .trim()
-        .to_owned()
+    cell.trim_start_matches(['\u{feff}', '#', ' ']).trim().to_owned()
 }

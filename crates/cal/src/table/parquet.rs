@@ -17,16 +17,9 @@ use super::{BATCH_ROWS, Batch, TableError};
 pub(super) fn names(path: &Path, file: File) -> Result<Vec<String>, TableError> {
     let builder = builder(path, file)?;
     if builder.metadata().file_metadata().num_rows() == 0 {
-        return Err(TableError::Empty {
-            path: path.to_owned(),
-        });
+        return Err(TableError::Empty { path: path.to_owned() });
     }
-    Ok(builder
-        .schema()
-        .fields()
-        .iter()
-        .map(|field| field.name().clone())
-        .collect())
+    Ok(builder.schema().fields().iter().map(|field| field.name().clone()).collect())
 }
 
 fn builder(path: &Path, file: File) -> Result<ParquetRecordBatchReaderBuilder<File>, TableError> {
@@ -34,10 +27,7 @@ fn builder(path: &Path, file: File) -> Result<ParquetRecordBatchReaderBuilder<Fi
 }
 
 fn damaged(path: &Path, error: &dyn std::error::Error) -> TableError {
-    TableError::Parquet {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    }
+    TableError::Parquet { path: path.to_owned(), reason: error.to_string() }
 }
 
 /// A stream of batches from a Parquet file.
@@ -51,12 +41,7 @@ pub(super) struct ParquetBatches {
 }
 
 impl ParquetBatches {
-    pub(super) fn open(
-        path: &Path,
-        file: File,
-        columns: &[usize],
-        cells: bool,
-    ) -> Result<Self, TableError> {
+    pub(super) fn open(path: &Path, file: File, columns: &[usize], cells: bool) -> Result<Self, TableError> {
         let builder = builder(path, file)?;
         for &column in columns {
             let field = builder.schema().field(column);
@@ -69,53 +54,24 @@ impl ParquetBatches {
             }
         }
         // Columns come in the file's order, whatever the order asked for.
-        let mut read: Vec<usize> = if cells {
-            (0..builder.schema().fields().len()).collect()
-        } else {
-            columns.to_vec()
-        };
+        let mut read: Vec<usize> =
+            if cells { (0..builder.schema().fields().len()).collect() } else { columns.to_vec() };
         read.sort_unstable();
         read.dedup();
-        let places = columns
-            .iter()
-            .map(|column| {
-                read.binary_search(column)
-                    .expect("every column asked for is read")
-            })
-            .collect();
+        let places =
+            columns.iter().map(|column| read.binary_search(column).expect("every column asked for is read")).collect();
         let mask = ProjectionMask::roots(builder.parquet_schema(), read);
-        let reader = builder
-            .with_projection(mask)
-            .with_batch_size(BATCH_ROWS)
-            .build()
-            .map_err(|error| damaged(path, &error))?;
-        Ok(Self {
-            path: path.to_owned(),
-            reader,
-            places,
-            cells,
-            row: 0,
-        })
+        let reader =
+            builder.with_projection(mask).with_batch_size(BATCH_ROWS).build().map_err(|error| damaged(path, &error))?;
+        Ok(Self { path: path.to_owned(), reader, places, cells, row: 0 })
     }
 
     fn convert(&mut self, record: &RecordBatch) -> Result<Batch, ArrowError> {
-        let columns = self
-            .places
-            .iter()
-            .map(|&place| numbers(record.column(place)))
-            .collect::<Result<_, _>>()?;
-        let cells = if self.cells {
-            cells(record)?
-        } else {
-            Vec::new()
-        };
+        let columns = self.places.iter().map(|&place| numbers(record.column(place))).collect::<Result<_, _>>()?;
+        let cells = if self.cells { cells(record)? } else { Vec::new() };
         let first_row = self.row;
         self.row += record.num_rows() as u64;
-        Ok(Batch {
-            first_row,
-            columns,
-            cells,
-        })
+        Ok(Batch { first_row, columns, cells })
     }
 }
 
@@ -137,9 +93,7 @@ fn is_numeric(kind: &DataType) -> bool {
 /// A column as f64, a null as NaN.
 fn numbers(column: &ArrayRef) -> Result<Vec<f64>, ArrowError> {
     let plain = match column.data_type() {
-        DataType::Timestamp(..) | DataType::Duration(_) => {
-            arrow_cast::cast(column, &DataType::Int64)?
-        }
+        DataType::Timestamp(..) | DataType::Duration(_) => arrow_cast::cast(column, &DataType::Int64)?,
         _ => column.clone(),
     };
     let floats = arrow_cast::cast(&plain, &DataType::Float64)?;
@@ -147,26 +101,13 @@ fn numbers(column: &ArrayRef) -> Result<Vec<f64>, ArrowError> {
     if floats.null_count() == 0 {
         return Ok(floats.values().to_vec());
     }
-    Ok(floats
-        .iter()
-        .map(|value| value.unwrap_or(f64::NAN))
-        .collect())
+    Ok(floats.iter().map(|value| value.unwrap_or(f64::NAN)).collect())
 }
 
 /// The text of every cell, a vector a row.
 fn cells(record: &RecordBatch) -> Result<Vec<Vec<String>>, ArrowError> {
     let options = FormatOptions::default();
-    let columns: Vec<ArrayFormatter<'_>> = record
-        .columns()
-        .iter()
-        .map(|column| ArrayFormatter::try_new(column, &options))
-        .collect::<Result<_, _>>()?;
-    (0..record.num_rows())
-        .map(|row| {
-            columns
-                .iter()
-                .map(|column| column.value(row).try_to_string())
-                .collect()
-        })
-        .collect()
+    let columns: Vec<ArrayFormatter<'_>> =
+        record.columns().iter().map(|column| ArrayFormatter::try_new(column, &options)).collect::<Result<_, _>>()?;
+    (0..record.num_rows()).map(|row| columns.iter().map(|column| column.value(row).try_to_string()).collect()).collect()
 }

@@ -23,10 +23,7 @@ fn read(content: &str) -> Result<(Vec<String>, Vec<Vec<f64>>), TableError> {
     let mut columns = vec![Vec::new(); all.len()];
     for batch in table.batches(&all)? {
         let batch = batch?;
-        columns
-            .iter_mut()
-            .zip(&batch.columns)
-            .for_each(|(all, some)| all.extend(some));
+        columns.iter_mut().zip(&batch.columns).for_each(|(all, some)| all.extend(some));
     }
     Ok((table.names().to_vec(), columns))
 }
@@ -38,20 +35,9 @@ fn resolve(header: &str, columns: &Columns) -> Result<Resolved, TableError> {
 
 #[test]
 fn every_delimiter_is_found_by_content() {
-    for content in [
-        "t,r\n1,2\n3,4\n",
-        "t;r\n1;2\n3;4",
-        "t\tr\r\n1\t2\r\n3\t4\r\n",
-        "  t   r\n 1 2\n3    4\n",
-    ] {
+    for content in ["t,r\n1,2\n3,4\n", "t;r\n1;2\n3;4", "t\tr\r\n1\t2\r\n3\t4\r\n", "  t   r\n 1 2\n3    4\n"] {
         let (names, columns) = read(content).unwrap();
-        assert_eq!(
-            (names, columns),
-            (
-                vec!["t".into(), "r".into()],
-                vec![vec![1.0, 3.0], vec![2.0, 4.0]]
-            )
-        );
+        assert_eq!((names, columns), (vec!["t".into(), "r".into()], vec![vec![1.0, 3.0], vec![2.0, 4.0]]));
     }
 }
 
@@ -79,10 +65,7 @@ fn text_for_a_number_is_named_by_line_and_column() {
 #[test]
 fn a_line_cut_short_is_named() {
     let error = read("a,b\n1,2\n3\n").unwrap_err().to_string();
-    assert!(
-        error.contains("log:3: 1 cells where the first line has 2"),
-        "{error}"
-    );
+    assert!(error.contains("log:3: 1 cells where the first line has 2"), "{error}");
 }
 
 #[test]
@@ -91,17 +74,9 @@ fn what_is_no_table_says_so() {
     assert!(matches!(read("\n\n"), Err(TableError::Empty { .. })));
     assert!(matches!(read("hello\n"), Err(TableError::NotATable { .. })));
     assert!(matches!(read("a\0b"), Err(TableError::NotATable { .. })));
-    assert!(matches!(
-        read("PAR1 and then nothing"),
-        Err(TableError::Parquet { .. })
-    ));
-    let missing = TableFile::open(Path::new("/nowhere/log.csv"))
-        .unwrap_err()
-        .to_string();
-    assert!(
-        missing.starts_with("/nowhere/log.csv: cannot be read"),
-        "{missing}"
-    );
+    assert!(matches!(read("PAR1 and then nothing"), Err(TableError::Parquet { .. })));
+    let missing = TableFile::open(Path::new("/nowhere/log.csv")).unwrap_err().to_string();
+    assert!(missing.starts_with("/nowhere/log.csv: cannot be read"), "{missing}");
 }
 
 #[test]
@@ -124,83 +99,37 @@ fn parquet_gives_only_the_columns_asked_for_with_nulls_as_nan() {
     let columns: Vec<(&str, ArrayRef)> = vec![
         ("time_us", Arc::new(Int64Array::from(vec![1, 2, 3]))),
         ("note", Arc::new(StringArray::from(vec!["a", "b", "c"]))),
-        (
-            "temperature",
-            Arc::new(Float32Array::from(vec![20.5, 21.0, 21.5])),
-        ),
-        (
-            "gyro_x",
-            Arc::new(Float64Array::from(vec![Some(0.1), None, Some(0.3)])),
-        ),
+        ("temperature", Arc::new(Float32Array::from(vec![20.5, 21.0, 21.5]))),
+        ("gyro_x", Arc::new(Float64Array::from(vec![Some(0.1), None, Some(0.3)]))),
     ];
     let batch = RecordBatch::try_from_iter(columns).unwrap();
-    let mut writer =
-        ArrowWriter::try_new(File::create(&path).unwrap(), batch.schema(), None).unwrap();
+    let mut writer = ArrowWriter::try_new(File::create(&path).unwrap(), batch.schema(), None).unwrap();
     writer.write(&batch).unwrap();
     writer.close().unwrap();
 
     let table = TableFile::open(&path).unwrap();
-    let batches: Vec<Batch> = table
-        .batches(&[3, 0])
-        .unwrap()
-        .collect::<Result<_, _>>()
-        .unwrap();
+    let batches: Vec<Batch> = table.batches(&[3, 0]).unwrap().collect::<Result<_, _>>().unwrap();
     assert_eq!(batches[0].columns[1], [1.0, 2.0, 3.0]);
     assert!(batches[0].columns[0][1].is_nan());
-    let with_cells = table
-        .batches_with_cells(&[2])
-        .unwrap()
-        .next()
-        .unwrap()
-        .unwrap();
+    let with_cells = table.batches_with_cells(&[2]).unwrap().next().unwrap().unwrap();
     assert_eq!(with_cells.cells[1], ["2", "b", "21.0", ""]);
-    assert!(matches!(
-        table.batches(&[1]),
-        Err(TableError::NotNumeric { .. })
-    ));
+    assert!(matches!(table.batches(&[1]), Err(TableError::NotNumeric { .. })));
 }
 
 #[test]
 fn columns_are_guessed_where_the_names_make_it_plain() {
     for (header, time, temperature, rates) in [
-        (
-            "t_s,temperature_c,x_rad_s,y_rad_s,z_rad_s",
-            Some(0),
-            1,
-            vec![2, 3, 4],
-        ),
-        (
-            "timestamp,imu.gyro.x,imu.gyro.y,imu.gyro.z,imu.acc.x,imu.status,imu.temperature",
-            Some(0),
-            6,
-            vec![1, 2, 3],
-        ),
-        (
-            "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T",
-            Some(0),
-            usize::MAX,
-            vec![],
-        ),
-        (
-            "timestamp,timestamp_sample,device_id,x,y,z,temperature",
-            Some(0),
-            6,
-            vec![3, 4, 5],
-        ),
+        ("t_s,temperature_c,x_rad_s,y_rad_s,z_rad_s", Some(0), 1, vec![2, 3, 4]),
+        ("timestamp,imu.gyro.x,imu.gyro.y,imu.gyro.z,imu.acc.x,imu.status,imu.temperature", Some(0), 6, vec![1, 2, 3]),
+        ("TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T", Some(0), usize::MAX, vec![]),
+        ("timestamp,timestamp_sample,device_id,x,y,z,temperature", Some(0), 6, vec![3, 4, 5]),
         ("temp,rate_dps", None, 0, vec![1]),
     ] {
         match resolve(header, &Columns::default()) {
-            Ok(found) => assert_eq!(
-                (found.time, found.temperature, found.rates),
-                (time, temperature, rates)
-            ),
+            Ok(found) => assert_eq!((found.time, found.temperature, found.rates), (time, temperature, rates)),
             Err(error) => {
                 assert_eq!(temperature, usize::MAX, "{error}");
-                assert!(
-                    error
-                        .to_string()
-                        .contains("say which with --temperature; the columns are TimeUS, I,")
-                );
+                assert!(error.to_string().contains("say which with --temperature; the columns are TimeUS, I,"));
             }
         }
     }
@@ -227,27 +156,12 @@ fn a_time_without_a_unit_is_read_by_how_long_the_log_lasts() {
 
 #[test]
 fn a_column_asked_for_wins_and_a_wrong_one_lists_those_there_are() {
-    let asked = Columns {
-        rates: vec!["b".into()],
-        temperature: Some("a".into()),
-        ..Columns::default()
-    };
+    let asked = Columns { rates: vec!["b".into()], temperature: Some("a".into()), ..Columns::default() };
     let found = resolve("a,b,gyro_x", &asked).unwrap();
     assert_eq!((found.temperature, found.rates), (0, vec![1]));
-    let wrong = Columns {
-        temperature: Some("heat".into()),
-        ..Columns::default()
-    };
+    let wrong = Columns { temperature: Some("heat".into()), ..Columns::default() };
     let error = resolve("a,b", &wrong).unwrap_err().to_string();
-    assert!(
-        error.ends_with("there is no column 'heat'; the columns are a, b"),
-        "{error}"
-    );
-    let two = resolve("temp_1,temp_2,gyro_x", &Columns::default())
-        .unwrap_err()
-        .to_string();
-    assert!(
-        two.contains("more than one column could be the temperature"),
-        "{two}"
-    );
+    assert!(error.ends_with("there is no column 'heat'; the columns are a, b"), "{error}");
+    let two = resolve("temp_1,temp_2,gyro_x", &Columns::default()).unwrap_err().to_string();
+    assert!(two.contains("more than one column could be the temperature"), "{two}");
 }

@@ -56,12 +56,7 @@ impl TextBatches {
         };
         let mut record = StringRecord::new();
         let mut rows = 0;
-        while rows < BATCH_ROWS
-            && self
-                .reader
-                .read_record(&mut record)
-                .map_err(|error| self.error(error))?
-        {
+        while rows < BATCH_ROWS && self.reader.read_record(&mut record).map_err(|error| self.error(error))? {
             if self.joined_delimiters {
                 let position = record.position().cloned();
                 record = record.iter().filter(|cell| !cell.is_empty()).collect();
@@ -85,13 +80,12 @@ impl TextBatches {
             });
         }
         for (&column, numbers) in self.columns.iter().zip(&mut batch.columns) {
-            let number =
-                dialect::number(&record[column]).ok_or_else(|| TableError::NotANumber {
-                    path: self.path.clone(),
-                    line: line(),
-                    column: self.names[column].clone(),
-                    text: record[column].to_owned(),
-                })?;
+            let number = dialect::number(&record[column]).ok_or_else(|| TableError::NotANumber {
+                path: self.path.clone(),
+                line: line(),
+                column: self.names[column].clone(),
+                text: record[column].to_owned(),
+            })?;
             numbers.push(number);
         }
         if self.cells {
@@ -102,20 +96,14 @@ impl TextBatches {
 
     fn error(&self, error: csv::Error) -> TableError {
         match error.into_kind() {
-            ErrorKind::Io(source) => TableError::Read {
-                path: self.path.clone(),
-                source,
-            },
+            ErrorKind::Io(source) => TableError::Read { path: self.path.clone(), source },
             ErrorKind::Utf8 { pos, .. } => TableError::NotANumber {
                 path: self.path.clone(),
                 line: pos.map_or(0, |pos| pos.line()),
                 column: self.names[0].clone(),
                 text: "bytes that are not text".to_owned(),
             },
-            other => TableError::Read {
-                path: self.path.clone(),
-                source: std::io::Error::other(format!("{other:?}")),
-            },
+            other => TableError::Read { path: self.path.clone(), source: std::io::Error::other(format!("{other:?}")) },
         }
     }
 }

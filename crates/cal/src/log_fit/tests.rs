@@ -1,0 +1,167 @@
+use std::fmt::Write;
+use std::fs;
+
+use tempfile::TempDir;
+
+use super::*;
+use crate::condition::DropReason;
+use crate::condition::tests::cycle;
+use crate::quality::Verdict;
+
+/// Writes columns as the log encoder does, fits them, and gives the fit.
+fn fit(temperatures: &[f64], rates: &[Vec<f64>], options: &FitOptions) -> LogFit {
+    let (_folder, path) = write(temperatures, rates);
+    fit_log(&path, options).unwrap()
+}
+
+fn write(temperatures: &[f64], rates: &[Vec<f64>]) -> (TempDir, PathBuf) {
+    let mut text = String::from("t_s,temperature_c,x_rad_s,y_rad_s\n");
+    for (row, temperature) in temperatures.iter().enumerate() {
+        let time = 0.5 * row as f64;
+        writeln!(text, "{time},{temperature},{},{}", rates[0][row], rates[1][row]).unwrap();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    fs::write(&path, text).unwrap();
+    (folder, path)
+}
+
+fn plain(model: Model) -> FitOptions {
+    FitOptions { model, plain: true, ..FitOptions::default() }
+}
+
+fn kinds(fit: &LogFit) -> Vec<ReasonKind> {
+    fit.judgement.reasons.iter().map(|reason| reason.kind).collect()
+}
+
+#[test]
+fn a_clean_cycle_is_good_and_its_curve_is_found() {
+    let (temperatures, rates) = cycle();
+    let fit = fit(&temperatures, &rates, &FitOptions::default());
+    assert_eq!((fit.judgement.verdict, fit.axes.len()), (Verdict::Good, 2));
+    let [x, y] = &fit.axes[..] else { panic!() };
+    assert_eq!((x.choice.model, x.samples_used), (Model::Poly(2), 8400));
+    for (got, truth) in x.choice.solution.raw_coefficients().iter().zip([0.01, 3e-4, -2e-6]) {
+        assert!((got / truth - 1.0).abs() < 0.01, "{got} {truth}");
+    }
+    assert!(y.in_sample.rms < 1e-4 && y.held_out.rms < 1.2 * y.in_sample.rms);
+    assert_eq!(x.trace.len(), 400);
+}
+
+#[test]
+fn plain_counts_every_numeric_row_of_each_axis_once() {
+    let (mut temperatures, mut rates) = cycle();
+    (0..8400).step_by(50).for_each(|row| temperatures[row] = f64::NAN);
+    rates[1][77] = f64::NAN;
+    rates[0][4001] += 1.0;
+    let fit = fit(&temperatures, &rates, &plain(Model::Poly(2)));
+    assert_eq!((fit.axes[0].samples_used, fit.axes[1].samples_used), (8232, 8231));
+    assert_eq!(
+        fit.axes[1].samples_rejected,
+        [
+            Rejected { reason: DropReason::MissingTemperature, count: 168 },
+            Rejected { reason: DropReason::MissingRate, count: 1 },
+        ]
+    );
+    assert!(fit.axes[0].in_sample.pp > 0.9, "the spike is fitted too");
+    assert_eq!(kinds(&fit), [ReasonKind::MissingValues; 2]);
+    let [candidate] = fit.axes[1].choice.candidates[..] else { panic!() };
+    assert!((candidate.held_out_rms / fit.axes[1].held_out.rms - 1.0).abs() < 1e-9, "the factor's equals a pass's");
+    assert!((candidate.in_sample_rms / fit.axes[1].in_sample.rms - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_narrow_span_is_rejected_unless_allowed() {
+    let (temperatures, rates) = cycle();
+    let near = 1000..1400;
+    let rates = rates.map(|rate| rate[near.clone()].to_vec());
+    let temperatures: Vec<f64> = temperatures[near].iter().map(|t| 20.0 + (t - 20.0) / 4.0).collect();
+    let refused = fit(&temperatures, &rates, &FitOptions::default());
+    assert_eq!((refused.judgement.verdict, kinds(&refused)), (Verdict::Rejected, vec![ReasonKind::NarrowSpan]));
+    assert!(refused.axes.is_empty());
+    let allowed = FitOptions { allow_narrow: true, ..FitOptions::default() };
+    let allowed = fit(&temperatures, &rates, &allowed);
+    assert_eq!((allowed.judgement.verdict, kinds(&allowed)), (Verdict::Warning, vec![ReasonKind::NarrowSpan]));
+    let valid = allowed.axes[0].drift.valid;
+    assert!(valid.max() - valid.min() < 10.0);
+}
+
+#[test]
+fn a_stuck_temperature_is_rejected_in_both_modes() {
+    let (_, rates) = cycle();
+    for options in [FitOptions::default(), plain(Model::Poly(3))] {
+        let fit = fit(&[25.0; 2000], &rates, &options);
+        assert_eq!((fit.judgement.verdict, kinds(&fit)), (Verdict::Rejected, vec![ReasonKind::StuckTemperature]));
+    }
+}
+
+#[test]
+fn spikes_rotation_and_a_step_are_reported_and_leave_the_curve_alone() {
+    let (temperatures, clean) = cycle();
+    let reference = fit(&temperatures, &clean, &FitOptions::default());
+    let spike = |rates: &mut [Vec<f64>; 2]| (60..8400).step_by(105).for_each(|row| rates[0][row] += 0.8);
+    let rotate = |rates: &mut [Vec<f64>; 2]| (5000..5060).for_each(|row| rates[0][row] += 2.0);
+    let step = |rates: &mut [Vec<f64>; 2]| (4000..8400).for_each(|row| rates[0][row] += 0.02);
+    type Fault<'a> = &'a dyn Fn(&mut [Vec<f64>; 2]);
+    let faults: [(Fault, ReasonKind); 3] =
+        [(&spike, ReasonKind::Spikes), (&rotate, ReasonKind::Rotation), (&step, ReasonKind::Step)];
+    for (fault, kind) in faults {
+        let mut rates = clean.clone();
+        fault(&mut rates);
+        let fit = fit(&temperatures, &rates, &FitOptions::default());
+        assert!(kinds(&fit).contains(&kind), "{kind:?}: {:?}", fit.judgement);
+        assert_eq!(fit.judgement.verdict, Verdict::Warning);
+        for t in [-15.0, 0.0, 30.0, 70.0] {
+            let difference = fit.axes[0].drift.evaluate(t).0 - reference.axes[0].drift.evaluate(t).0;
+            assert!(difference.abs() < 3e-4, "{kind:?} at {t}: {difference}");
+        }
+    }
+}
+
+#[test]
+fn too_little_is_rejected_with_a_reason() {
+    let (temperatures, rates) = cycle();
+    let few = [0, 1000, 2000].map(|row| temperatures[row]);
+    let few_rates = rates.clone().map(|rate| [0, 1000, 2000].map(|row| rate[row]).to_vec());
+    let fit_few = fit(&few, &few_rates, &plain(Model::Poly(3)));
+    assert_eq!((fit_few.judgement.verdict, kinds(&fit_few)[0]), (Verdict::Rejected, ReasonKind::TooFewGroups));
+    let none = vec![f64::NAN; 100];
+    let nothing = fit(&temperatures[..100], &[none.clone(), none], &FitOptions::default());
+    assert_eq!(kinds(&nothing).last(), Some(&ReasonKind::NoFiniteRows));
+}
+
+#[test]
+fn time_running_backwards_is_an_error_that_names_the_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    fs::write(&path, "t_s,temperature_c,x_dps\n1,20,0\n3,21,0\n2,22,0\n").unwrap();
+    let error = fit_log(&path, &FitOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("row 3: column 't_s' runs backwards, from 3 to 2"), "{error}");
+}
+
+#[test]
+fn the_json_is_the_documented_one() {
+    let (temperatures, rates) = cycle();
+    let fit = fit(&temperatures, &rates, &plain(Model::Poly(3)));
+    let json = serde_json::to_value(&fit).unwrap();
+    assert_eq!((json["schema"].as_u64(), json["verdict"].as_str()), (Some(1), Some("good")));
+    let axis = json["axes"]["x_rad_s"].as_object().unwrap();
+    let keys: Vec<&str> = axis.keys().map(String::as_str).collect();
+    assert_eq!(
+        keys,
+        [
+            "model",
+            "raw_coefficients",
+            "rate_unit",
+            "temperature_unit",
+            "temperature",
+            "in_sample",
+            "held_out",
+            "samples_used",
+            "samples_rejected",
+        ]
+    );
+    assert_eq!((axis["model"].as_str(), axis["rate_unit"].as_str()), (Some("poly:3"), Some("rad/s")));
+    assert_eq!(axis["raw_coefficients"].as_array().unwrap().len(), 4);
+    assert!(axis["held_out"]["pp"].as_f64().unwrap() > axis["held_out"]["rms"].as_f64().unwrap());
+}
