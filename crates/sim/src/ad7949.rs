@@ -1,0 +1,148 @@
+//! The AD7949's serial side, for a processor that drives the A/D itself (data sheet Rev. E, table 9 and "Reading/writing
+//! after conversion, any speed hosts").
+//!
+//! A frame is 16 clocks. In: the 14-bit configuration, most significant bit first, and two bits that do not matter. Out: a
+//! result of 14 bits, straight binary, most significant bit first, and two zeros. The rise of chip select samples the
+//! input and converts it by the configuration of the frame before, so the result in frame k belongs to the configuration of
+//! frame k - 2: six frames read the four channels of a scan, the first two results being left over from before.
+
+/// The part's registers.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Ad7949 {
+    /// The configuration in force; none before the first one after power-up, when the sheet calls it undefined.
+    configuration: Option<Configuration>,
+    /// What the frame being clocked sends.
+    sending: u16,
+    /// What the conversion since the last frame gave.
+    converted: u16,
+    shift: u32,
+    clocks: u32,
+    refused: u32,
+}
+
+/// A configuration that this part of the bench can do.
+#[derive(Debug, Clone, Copy)]
+struct Configuration {
+    channel: usize,
+}
+
+impl Configuration {
+    /// Single-ended unipolar inputs (INCC 11x), an external reference (REF 01x or 11x), no sequencer (SEQ 00), no readback
+    /// (RB 1). The input filter (BW) is far above the board's own low-pass: either setting does.
+    fn checked(word: u16) -> Option<Self> {
+        let field = |lowest: u32, bits: u32| word >> lowest & ((1 << bits) - 1);
+        let (input, reference, sequencer, no_readback) = (field(10, 3), field(3, 3), field(1, 2), field(0, 1));
+        let possible = input >= 0b110 && reference & 0b010 != 0 && sequencer == 0 && no_readback == 1;
+        possible.then_some(Self { channel: usize::from(field(7, 3)) })
+    }
+}
+
+impl Ad7949 {
+    /// Frames whose configuration was refused: a length other than 16 clocks, or a mode the bench does not have.
+    pub(crate) fn refused(&self) -> u32 {
+        self.refused
+    }
+
+    /// Chip select falls: the last conversion's result goes to the shift register.
+    pub(crate) fn select(&mut self) {
+        self.sending = self.converted;
+        self.shift = 0;
+        self.clocks = 0;
+    }
+
+    pub(crate) fn exchange(&mut self, byte: u8) -> u8 {
+        let sent = match self.clocks {
+            0 => (self.sending << 2).to_be_bytes()[0],
+            8 => (self.sending << 2).to_be_bytes()[1],
+            _ => 0,
+        };
+        self.shift = self.shift << 8 | u32::from(byte);
+        self.clocks += 8;
+        sent
+    }
+
+    /// Chip select rises: the inputs, as they are held, are converted by the configuration so far; then the new one is
+    /// taken over, if its bit 13 says so.
+    pub(crate) fn deselect(&mut self, held: &[u16; 4]) {
+        // Inputs 4 to 7 are grounded.
+        self.converted = self.configuration.map_or(0, |cfg| held.get(cfg.channel).copied().unwrap_or(0));
+        if self.clocks != 16 {
+            self.refused += 1;
+            return;
+        }
+        let [_, _, high, low] = self.shift.to_be_bytes();
+        let word = u16::from_be_bytes([high, low]) >> 2;
+        if word >> 13 & 1 == 1 {
+            self.configuration = Configuration::checked(word);
+            self.refused += u32::from(self.configuration.is_none());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HELD: [u16; 4] = [0x1234, 0x0001, 0x3FFF, 0x2000];
+
+    /// Overwrite, single-ended, full bandwidth, external reference, no sequencer, no readback.
+    fn word(channel: u16) -> u16 {
+        1 << 13 | 0b111 << 10 | channel << 7 | 1 << 6 | 0b110 << 3 | 1
+    }
+
+    fn frame(part: &mut Ad7949, word: u16, held: &[u16; 4]) -> u16 {
+        part.select();
+        let result = (word << 2).to_be_bytes().map(|byte| part.exchange(byte));
+        part.deselect(held);
+        u16::from_be_bytes(result)
+    }
+
+    #[test]
+    fn a_result_belongs_to_the_configuration_two_frames_before() {
+        let mut part = Ad7949::default();
+        let results: Vec<u16> = [0, 1, 2, 3, 0, 0].map(|channel| frame(&mut part, word(channel), &HELD) >> 2).into();
+        assert_eq!(results[2..], HELD);
+        assert_eq!(part.refused(), 0);
+    }
+
+    #[test]
+    fn the_inputs_are_sampled_in_the_frame_between_the_configuration_and_its_result() {
+        let mut part = Ad7949::default();
+        frame(&mut part, word(0), &[1, 0, 0, 0]);
+        frame(&mut part, word(0), &[2, 0, 0, 0]);
+        assert_eq!(frame(&mut part, word(0), &[3, 0, 0, 0]) >> 2, 2);
+    }
+
+    #[test]
+    fn without_the_overwrite_bit_the_configuration_stays() {
+        let mut part = Ad7949::default();
+        frame(&mut part, word(2), &HELD);
+        frame(&mut part, 0, &HELD);
+        frame(&mut part, 0, &HELD);
+        assert_eq!(frame(&mut part, 0, &HELD) >> 2, HELD[2]);
+    }
+
+    #[test]
+    fn modes_and_lengths_it_does_not_have_are_counted_and_read_zero() {
+        let mut part = Ad7949::default();
+        for wrong in [word(1) & !(1 << 12), word(1) & !(1 << 4), word(1) | 0b110, word(1) & !1] {
+            for _ in 0..3 {
+                assert_eq!(frame(&mut part, wrong, &HELD), 0, "{wrong:#b}");
+            }
+        }
+        assert_eq!(part.refused(), 12);
+        part.select();
+        part.exchange(0xFF);
+        part.deselect(&HELD);
+        assert_eq!(part.refused(), 13);
+    }
+
+    #[test]
+    fn the_spare_inputs_are_grounded() {
+        let mut part = Ad7949::default();
+        for channel in 4..8 {
+            (0..2).for_each(|_| _ = frame(&mut part, word(channel), &HELD));
+            assert_eq!(frame(&mut part, word(channel), &HELD), 0);
+        }
+    }
+}

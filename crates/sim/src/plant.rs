@@ -1,0 +1,430 @@
+//! The bench as one thing: everything connected, on one timeline.
+//!
+//! Time moves only when it is asked to: by a set or a scan, by [`Plant::wait`], or by a delay of the processor
+//! ([`crate::PlantDelay`]). While the acquisition port runs, its scans happen on time whatever moves it. SPI transfers
+//! take no time.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use zerorate_core::units::{Axis, Celsius, DegreesPerSecond, Seconds, Taps, Volts};
+
+use crate::ad7949::Ad7949;
+use crate::chamber::{Chamber, SetPointOutside};
+use crate::channel::{Channel, Input, WiperVolts};
+use crate::converter::Converter;
+use crate::divider::Divider;
+use crate::fault::Fault;
+use crate::parameters::PlantParameters;
+use crate::port::Port;
+use crate::potentiometer::Potentiometer;
+use crate::supply::Supply;
+use crate::thermal::Lag;
+use crate::truth::{AxisTruth, Sums, Truth};
+
+/// A plant that SPI handles, a delay and a bench share.
+pub type SharedPlant = Rc<RefCell<Plant>>;
+
+/// While scanning, temperatures and slow noise move on once this has passed: on the steepest ramp of 2.5 K/min the
+/// temperature moves 0.14 count and the reading 0.04 count in it.
+const SLOW_STEP_NS: u64 = 100_000_000;
+
+/// In a wait they move on in steps of a second; each step is exact for air on a straight line.
+const WAIT_STEP_NS: u64 = 1_000_000_000;
+
+/// A wiper that has moved, and when.
+#[derive(Debug, Clone, Copy)]
+struct Moved {
+    at_ns: u64,
+    axis: Axis,
+    tap: Taps,
+}
+
+/// The bench.
+#[derive(Debug)]
+pub struct Plant {
+    parameters: PlantParameters,
+    now_ns: u64,
+    /// The instants to which slow things and the low-passes have been moved on, and of the last scan.
+    slow_ns: u64,
+    filtered_ns: u64,
+    scanned_ns: u64,
+    /// When the port scans next, while it runs.
+    port_scan_ns: u64,
+    chamber: Chamber,
+    board: Lag,
+    channels: [Channel; 2],
+    dividers: [Divider; 2],
+    /// Where the wipers are electrically: behind the registers by the latency.
+    taps: [Taps; 2],
+    moved: Vec<Moved>,
+    supply: Supply,
+    input: Input,
+    converter: Converter,
+    /// The last scan: temperature X, zero-rate X, temperature Y, zero-rate Y.
+    held: [u16; 4],
+    faults: Vec<Fault>,
+    sums: Sums,
+    takes: u32,
+    pub(crate) potentiometer: Potentiometer,
+    pub(crate) ad7949: Ad7949,
+    pub(crate) port: Port,
+}
+
+impl Plant {
+    /// A unit with the given parameters; all that is drawn, parts and noise, comes from the seed. The chamber has been at
+    /// its start temperature and the board powered for long; the port does not run.
+    #[must_use]
+    pub fn new(parameters: PlantParameters, seed: u64) -> Self {
+        let mut parameters = parameters;
+        let air_c = parameters.chamber.start_c;
+        let converter = Converter::new(parameters.converter.clone(), seed);
+        let dividers = Axis::BOTH.map(|axis| Divider::new(&parameters.potentiometer, seed, axis));
+        for (axis, divider) in parameters.axes.iter_mut().zip(&dividers) {
+            // The centre is adjusted on each board with its own wiper at N0.
+            let ideal_v = PlantParameters::ideal_wiper_v(parameters.potentiometer.supply_v, Taps::MIDDLE);
+            axis.circuit.centre_v += axis.circuit.gain * (ideal_v - divider.volts(Taps::MIDDLE, crate::gyro::ROOM_C));
+        }
+        let channels = Axis::BOTH
+            .map(|axis| Channel::new(parameters.axes[axis.index()].clone(), air_c, converter.noise_v(), seed, axis));
+        let potentiometer = Potentiometer::new(&parameters.potentiometer);
+        let mut plant = Self {
+            now_ns: 0,
+            slow_ns: 0,
+            filtered_ns: 0,
+            scanned_ns: 0,
+            port_scan_ns: 0,
+            chamber: Chamber::new(parameters.chamber.clone()),
+            board: Lag { temperature_c: air_c },
+            channels,
+            dividers,
+            taps: Axis::BOTH.map(|axis| potentiometer.wiper(axis)),
+            moved: Vec::new(),
+            supply: Supply::new(parameters.supply.clone(), seed),
+            input: Input::Gyro,
+            converter,
+            held: [0; 4],
+            faults: Vec::new(),
+            sums: Sums::default(),
+            takes: 0,
+            potentiometer,
+            ad7949: Ad7949::default(),
+            port: Port::new(),
+            parameters,
+        };
+        plant.converter.warm(air_c);
+        plant.refresh();
+        plant.channels.iter_mut().for_each(Channel::settle);
+        plant
+    }
+
+    /// The plant in the form that handles share.
+    #[must_use]
+    pub fn share(self) -> SharedPlant {
+        Rc::new(RefCell::new(self))
+    }
+
+    /// What the plant is made of. A circuit's centre is the adjusted one.
+    #[must_use]
+    pub fn parameters(&self) -> &PlantParameters {
+        &self.parameters
+    }
+
+    /// Time since the plant was made.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss)] // 2^53 ns are a hundred days.
+    pub fn time(&self) -> Seconds {
+        Seconds(self.now_ns as f64 * 1e-9)
+    }
+
+    /// The potentiometer's registers and counters.
+    #[must_use]
+    pub fn potentiometer(&self) -> &Potentiometer {
+        &self.potentiometer
+    }
+
+    /// The acquisition port's data ready line.
+    #[must_use]
+    pub fn data_ready(&self) -> bool {
+        self.port.data_ready()
+    }
+
+    /// Frames to the A/D that it could not do: a length other than 16 clocks, or a mode the bench does not have.
+    #[must_use]
+    pub fn converter_frames_refused(&self) -> u32 {
+        self.ad7949.refused()
+    }
+
+    /// Lets the acquisition port scan until a set is full, and tells that set's truth; `None` if the port does not run.
+    pub fn run_set(&mut self) -> Option<Truth> {
+        while self.port.running() {
+            let truth = self.port_scan();
+            if truth.is_some() {
+                return truth;
+            }
+        }
+        None
+    }
+
+    /// Goes to the next scan when the processor drives the A/D: its four inputs are held for [`crate::ConverterSpi`] until
+    /// the scan after it. The scans are [`PlantParameters::direct_scan_period_us`] apart; the port must not run (if it
+    /// does, this is the port's next scan).
+    ///
+    /// Noise is drawn at the scan, not at the conversion, so the port and a processor that drives the A/D itself see the
+    /// very same samples from the same seed.
+    pub fn next_scan(&mut self) {
+        if self.port.running() {
+            _ = self.port_scan();
+            return;
+        }
+        let period_ns = u64::from(self.parameters.direct_scan_period_us) * 1000;
+        let at_ns = match self.scanned_ns + period_ns {
+            missed_ns if missed_ns < self.now_ns => self.now_ns + period_ns,
+            at_ns => at_ns,
+        };
+        self.scan(at_ns);
+    }
+
+    /// The truth of all scans since the last take, when the processor drives the A/D; `None` if there were none.
+    pub fn take_truth(&mut self) -> Option<Truth> {
+        let number = self.takes;
+        let truth = (self.sums.scans > 0).then(|| self.truth(number));
+        self.takes += u32::from(truth.is_some());
+        self.sums = Sums::default();
+        truth
+    }
+
+    /// Lets time pass. With the port stopped, nothing is sampled and it is quick.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // A negative time is none, and 2^64 ns are centuries.
+    pub fn wait(&mut self, time: Seconds) {
+        self.pass_ns((time.0 * 1e9).round() as u64);
+    }
+
+    /// Lets time pass by whole nanoseconds.
+    pub(crate) fn pass_ns(&mut self, time_ns: u64) {
+        let until_ns = self.now_ns + time_ns;
+        while self.port.running() && self.port_scan_ns <= until_ns {
+            _ = self.port_scan();
+        }
+        if !self.port.running() {
+            while self.slow_ns + WAIT_STEP_NS <= until_ns {
+                self.move_slow(self.slow_ns + WAIT_STEP_NS);
+            }
+            if self.slow_ns + SLOW_STEP_NS <= until_ns {
+                self.move_slow(until_ns);
+            }
+        }
+        self.now_ns = until_ns;
+    }
+
+    /// Takes the board's power away and gives it back: wipers load their non-volatile registers, port and A/D are as after
+    /// reset, the gyros draw new turn-on offsets.
+    pub fn power_cycle(&mut self) {
+        self.potentiometer.power_cycle();
+        self.port = Port::new();
+        self.ad7949 = Ad7949::default();
+        self.moved.clear();
+        self.taps = Axis::BOTH.map(|axis| self.potentiometer.wiper(axis));
+        self.channels.iter_mut().for_each(|channel| channel.gyro.power_up());
+        self.refresh();
+        self.channels.iter_mut().for_each(Channel::settle);
+    }
+
+    /// Gives the chamber a new set point.
+    ///
+    /// # Errors
+    /// The set point is outside the chamber's limits; the old one stays.
+    pub fn chamber_set_point(&mut self, set_point: Celsius) -> Result<(), SetPointOutside> {
+        self.chamber.set_point(set_point)
+    }
+
+    /// The chamber's air.
+    #[must_use]
+    pub fn chamber_air(&self) -> Celsius {
+        Celsius(self.chamber.air_c())
+    }
+
+    /// Puts the fine supply in place of both gyros.
+    pub fn connect_supply(&mut self, volts: Volts) {
+        self.input = Input::Supply(self.supply.output_v(volts.0), self.supply.noise_v());
+        self.refresh();
+    }
+
+    /// Puts the gyros back.
+    pub fn connect_gyro(&mut self) {
+        self.input = Input::Gyro;
+        self.refresh();
+    }
+
+    /// What a voltmeter shows at a gyro's output.
+    #[must_use]
+    pub fn rate_volts(&self, axis: Axis) -> Volts {
+        Volts(self.channels[axis.index()].gyro_output_v())
+    }
+
+    /// Turns the platform at a constant rate about an axis.
+    pub fn turn(&mut self, axis: Axis, rate: DegreesPerSecond) {
+        self.channels[axis.index()].gyro.rate_dps = rate.0;
+        self.refresh();
+    }
+
+    /// Breaks something, until [`Self::clear_faults`].
+    pub fn inject(&mut self, fault: Fault) {
+        self.faults.push(fault);
+    }
+
+    /// Mends everything.
+    pub fn clear_faults(&mut self) {
+        self.faults.clear();
+    }
+
+    /// By how much a tap moves the settled, noise-free reading against N0, at the present temperature and input. In
+    /// counts.
+    #[must_use]
+    pub fn true_tap_counts(&self, axis: Axis, tap: Taps) -> f64 {
+        self.steady_counts(axis, tap) - self.steady_counts(axis, Taps::MIDDLE)
+    }
+
+    fn steady_counts(&self, axis: Axis, tap: Taps) -> f64 {
+        let board_c = self.board.temperature_c;
+        let wiper_v = self.dividers[axis.index()].volts(tap, board_c);
+        self.converter.stepless(self.channels[axis.index()].steady_v(wiper_v, self.input, board_c))
+    }
+
+    pub(crate) fn bus_is_dead(&self) -> bool {
+        self.faults.contains(&Fault::DeadSpi)
+    }
+
+    pub(crate) fn now_ns(&self) -> u64 {
+        self.now_ns
+    }
+
+    pub(crate) fn held(&self) -> [u16; 4] {
+        self.held
+    }
+
+    /// After a frame to the potentiometer: wipers that moved do so electrically after the latency.
+    pub(crate) fn wipers_written(&mut self) {
+        let at_ns = self.now_ns.max(self.scanned_ns + u64::from(self.parameters.wiper_latency_us) * 1000);
+        for axis in Axis::BOTH {
+            let tap = self.potentiometer.wiper(axis);
+            let last = self.moved.iter().rev().find(|moved| moved.axis == axis).map(|moved| moved.tap);
+            if tap != last.unwrap_or(self.taps[axis.index()]) {
+                self.moved.push(Moved { at_ns, axis, tap });
+            }
+        }
+    }
+
+    /// After a transfer with the port: if it started anew, its first scan is a period away.
+    pub(crate) fn port_written(&mut self) {
+        if self.port.take_changed() {
+            self.sums = Sums::default();
+            self.port_scan_ns = self.now_ns + self.port.scan_period_ns();
+        }
+    }
+
+    fn port_scan(&mut self) -> Option<Truth> {
+        self.scan(self.port_scan_ns);
+        let full = self.port.push(self.held);
+        self.port_scan_ns += self.port.scan_period_ns();
+        let truth = self.truth(full?);
+        self.sums = Sums::default();
+        Some(truth)
+    }
+
+    /// Holds the four inputs at an instant.
+    fn scan(&mut self, at_ns: u64) {
+        if at_ns - self.slow_ns >= SLOW_STEP_NS {
+            self.move_slow(at_ns);
+        }
+        self.move_wipers(at_ns);
+        let (dt_s, scan_dt_s) = (seconds(at_ns - self.filtered_ns), seconds(at_ns - self.scanned_ns));
+        self.sums.scans += 1;
+        self.sums.chamber_c += self.chamber.air_c();
+        for ((channel, sums), held) in
+            self.channels.iter_mut().zip(&mut self.sums.axes).zip(self.held.chunks_exact_mut(2))
+        {
+            let [temperature_v, zero_rate_v] = channel.scan(dt_s, scan_dt_s);
+            sums.package_c += channel.thermal.package_c();
+            sums.die_c += channel.thermal.die_c();
+            sums.signals_v.iter_mut().zip(channel.filtered_v()).for_each(|(sum, volts)| *sum += volts);
+            if !self.faults.contains(&Fault::StuckTemperature(channel.axis)) {
+                held[0] = self.converter.convert(temperature_v);
+            }
+            held[1] = if self.faults.contains(&Fault::SaturatedInput(channel.axis)) {
+                self.converter.convert(f64::MAX)
+            } else {
+                self.converter.convert(zero_rate_v)
+            };
+        }
+        self.now_ns = at_ns;
+        self.filtered_ns = at_ns;
+        self.scanned_ns = at_ns;
+    }
+
+    /// Moves the low-passes on to each wiper's move up to an instant, and the wiper.
+    fn move_wipers(&mut self, until_ns: u64) {
+        while let Some(moved) = self.moved.first().copied().filter(|moved| moved.at_ns <= until_ns) {
+            self.moved.remove(0);
+            let dt_s = seconds(moved.at_ns.saturating_sub(self.filtered_ns));
+            self.channels.iter_mut().for_each(|channel| channel.filter(dt_s));
+            self.filtered_ns = self.filtered_ns.max(moved.at_ns);
+            self.taps[moved.axis.index()] = moved.tap;
+            self.refresh();
+        }
+    }
+
+    /// Moves chamber, temperatures and slow noise on to an instant.
+    fn move_slow(&mut self, to_ns: u64) {
+        let dt_s = seconds(to_ns - self.slow_ns);
+        let from_c = self.chamber.air_c();
+        self.chamber.advance(dt_s);
+        let to_c = self.chamber.air_c();
+        self.board.follow(from_c, to_c, self.parameters.board_time_constant_s, dt_s);
+        self.converter.warm(self.board.temperature_c);
+        for channel in &mut self.channels {
+            channel.thermal.advance(from_c, to_c, dt_s);
+            channel.gyro.advance(dt_s);
+        }
+        self.slow_ns = to_ns;
+        self.refresh();
+    }
+
+    fn refresh(&mut self) {
+        let board_c = self.board.temperature_c;
+        for ((channel, divider), tap) in self.channels.iter_mut().zip(&self.dividers).zip(self.taps) {
+            let wiper =
+                WiperVolts { actual_v: divider.volts(tap, board_c), middle_v: divider.volts(Taps::MIDDLE, board_c) };
+            channel.refresh(wiper, self.input, board_c);
+        }
+    }
+
+    fn truth(&self, set: u32) -> Truth {
+        let scans = f64::from(self.sums.scans);
+        let axes = Axis::BOTH.map(|axis| {
+            let sums = &self.sums.axes[axis.index()];
+            let package_c = sums.package_c / scans;
+            let [drift, with_wiper, turning] = sums.signals_v.map(|sum| self.converter.stepless(sum / scans));
+            AxisTruth {
+                temperature_counts: self.converter.ideal(self.channels[axis.index()].sensor_v(package_c)),
+                drift_counts: drift,
+                wiper_counts: with_wiper - drift,
+                rotation_counts: turning - with_wiper,
+                package_c,
+                die_c: sums.die_c / scans,
+            }
+        });
+        Truth {
+            set,
+            scans: self.sums.scans,
+            chamber_c: self.sums.chamber_c / scans,
+            chamber_set_c: self.chamber.set_point_c(),
+            axes,
+        }
+    }
+}
+
+#[allow(clippy::cast_precision_loss)] // 2^53 ns are a hundred days.
+fn seconds(ns: u64) -> f64 {
+    ns as f64 * 1e-9
+}
