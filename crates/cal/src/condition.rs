@@ -6,7 +6,9 @@
 
 mod group;
 mod level;
+mod motion;
 mod robust;
+mod step;
 
 use serde::Serialize;
 
@@ -29,6 +31,8 @@ pub enum DropReason {
     Spike,
     /// In a stretch in which the unit was moved.
     Rotation,
+    /// In the group in which the rate stepped.
+    Step,
 }
 
 /// A count of rows left out for one reason.

@@ -25,3 +25,13 @@ pub(super) fn centre_and_sigma(values: &[f64]) -> (f64, f64) {
     let sigma = MAD_TO_SIGMA * median(&mut deviations);
     (centre, if sigma > 0.0 { sigma } else { MEAN_DEVIATION_TO_SIGMA * mean })
 }
+
+/// The standard deviation of white noise that successive values carry, whatever their trend: that of their second
+/// differences over sqrt(1 + 4 + 1). A trend leaves no deviation from a running median, so that alone would be too small.
+pub(super) fn noise(values: &[f64]) -> f64 {
+    let differences: Vec<f64> = values.windows(3).map(|v| v[0] - 2.0 * v[1] + v[2]).collect();
+    if differences.is_empty() {
+        return 0.0;
+    }
+    centre_and_sigma(&differences).1 / 6.0_f64.sqrt()
+}

@@ -87,7 +87,7 @@ fn report(judgement: &mut Judgement, log: &Log, tallies: &[Tally], levels: &Leve
         let what = "far from their neighbours; look for a loose connection or a disturbed bench";
         judgement.dropped(ReasonKind::Spikes, name, what, spikes, log.survey.rows);
     }
-    for stretch in &levels.stretches {
+    for stretch in levels.stretches.iter().filter(|stretch| stretch.reason == DropReason::Rotation) {
         let text = format!(
             "the unit was moved from {:.0} s to {:.0} s (rows {} to {}, {:.1} to {:.1} {unit}): these rows were left out",
             stretch.time_s.0,
