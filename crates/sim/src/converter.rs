@@ -73,11 +73,6 @@ impl Converter {
     pub(crate) fn convert(&self, volts: f64) -> u16 {
         (self.stepless(volts) + 0.5) as u16
     }
-
-    /// What a converter without any error reads, in counts.
-    pub(crate) fn ideal(&self, volts: f64) -> f64 {
-        volts * COUNTS / self.parameters.reference_v
-    }
 }
 
 #[cfg(test)]

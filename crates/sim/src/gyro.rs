@@ -23,7 +23,7 @@ pub struct GyroParameters {
     pub white_dps_per_root_hz: f64,
     /// Bias instability in deg/s: the floor of the Allan deviation over 0.664. Default 0.003 (assumed, 11 deg/h).
     pub flicker_dps: f64,
-    /// Rate random walk in deg/s per root second. Default 5e-5: 0.003 deg/s, 0.1 count, over an hour (assumed).
+    /// Rate random walk in deg/s per root second. Default 3e-5: 0.0018 deg/s, 0.07 count, over an hour (assumed).
     pub rate_walk_dps_per_root_s: f64,
     /// Standard deviation of the offset drawn anew at each power-up, in deg/s. Default 0.026: one count on the paper's
     /// board (assumed).
@@ -43,7 +43,7 @@ impl GyroParameters {
             scale_tempco_per_k: 3e-4,
             white_dps_per_root_hz: 0.015,
             flicker_dps: 0.003,
-            rate_walk_dps_per_root_s: 5e-5,
+            rate_walk_dps_per_root_s: 3e-5,
             turn_on_dps: 0.026,
             gradient_dps_per_k: 0.05,
         }

@@ -406,7 +406,7 @@ impl Plant {
             let package_c = sums.package_c / scans;
             let [drift, with_wiper, turning] = sums.signals_v.map(|sum| self.converter.stepless(sum / scans));
             AxisTruth {
-                temperature_counts: self.converter.ideal(self.channels[axis.index()].sensor_v(package_c)),
+                temperature_counts: self.converter.stepless(self.channels[axis.index()].sensor_v(package_c)),
                 drift_counts: drift,
                 wiper_counts: with_wiper - drift,
                 rotation_counts: turning - with_wiper,

@@ -18,7 +18,8 @@ pub struct Truth {
 /// One axis in a [`Truth`]. A reading is `drift + wiper + rotation + noise`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisTruth {
-    /// The temperature channel as an ideal converter reads it, in counts.
+    /// The temperature channel as a converter without steps or noise reads it, in counts: the mean that a group of
+    /// samples tends to.
     pub temperature_counts: f64,
     /// The reading at rest with the wiper at N0, in counts: null with lag, gradient and this power-up's offset (or the fine
     /// supply), circuit, low-pass and converter, without noise, flicker and random walk.
