@@ -1,5 +1,8 @@
 //! The paper's hour on the paper's board: what a fit can find, and what hysteresis there is.
 
+// Clippy knows tests by their attribute, and `hysteresis` is their helper.
+#![allow(clippy::unwrap_used)]
+
 mod support;
 
 use support::{Group, hour, parabola, peak_to_peak, ramp, run, running};
