@@ -184,6 +184,11 @@ impl Channel {
         self.sensor.volts(package_c)
     }
 
+    /// Where the amplifier stands when its input is broken, in volts.
+    pub(crate) fn high_rail_v(&self) -> f64 {
+        self.circuit.high_rail_v
+    }
+
     /// Lets the low-pass settle on its inputs.
     pub(crate) fn settle(&mut self) {
         self.filtered_v = self.inputs_v;

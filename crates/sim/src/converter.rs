@@ -62,7 +62,7 @@ impl Converter {
     /// What a converter without steps would read: the integral error and the range's ends are in it. In counts.
     #[inline]
     pub(crate) fn stepless(&self, volts: f64) -> f64 {
-        let counts = volts * self.counts_per_volt;
+        let counts = (volts * self.counts_per_volt).clamp(0.0, COUNTS - 1.0);
         let x = counts * (2.0 / COUNTS) - 1.0;
         (counts + (1.0 - x * x) * (self.even + self.odd * x)).clamp(0.0, COUNTS - 1.0)
     }
@@ -86,6 +86,10 @@ mod tests {
         assert_eq!(converter.convert(2.05), 8200);
         assert_eq!(converter.convert(2.05 + 250e-6), 8201);
         assert_eq!((converter.convert(-1.0), converter.convert(5.0)), (0, 16_383));
+        for seed in 0..20 {
+            let converter = Converter::new(ConverterParameters::default(), seed);
+            assert_eq!((converter.convert(f64::MIN), converter.convert(f64::MAX)), (0, 16_383), "seed {seed}");
+        }
     }
 
     #[test]

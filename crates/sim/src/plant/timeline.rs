@@ -93,7 +93,7 @@ impl Plant {
                 held[0] = self.converter.convert(temperature_v);
             }
             held[1] = if self.faults.contains(&Fault::SaturatedInput(channel.axis)) {
-                self.converter.convert(f64::MAX)
+                self.converter.convert(channel.high_rail_v())
             } else {
                 self.converter.convert(zero_rate_v)
             };
