@@ -16,8 +16,8 @@ const UNIPOLAR: u16 = 0b111 << 10;
 const CHANNEL_SHIFT: u32 = 7;
 /// CFG bit 6: full bandwidth; the circuit has its own low-pass.
 const FULL_BANDWIDTH: u16 = 1 << 6;
-/// CFG bits 5..3 = 111: external reference, internal buffer off, temperature sensor off.
-const EXTERNAL_REFERENCE: u16 = 0b111 << 3;
+/// CFG bits 5..3 = 110: external reference, internal buffer off, temperature sensor off.
+const EXTERNAL_REFERENCE: u16 = 0b110 << 3;
 /// CFG bit 0: no read-back of the configuration after the result.
 const NO_READ_BACK: u16 = 1;
 
@@ -75,9 +75,9 @@ mod tests {
 
     #[test]
     fn four_channels_come_through_a_pipeline_of_two() {
-        // By the data sheet's table: 11 1100 0111 1001b is channel 0, + 1 << 7 a channel; shifted up by two.
+        // By the data sheet's table: 11 1100 0111 0001b is channel 0, + 1 << 7 a channel; shifted up by two.
         let frames: [(u16, u16); 6] =
-            [(0xF1E4, 0x1111), (0xF3E4, 0x2222), (0xF5E4, 40), (0xF7E4, 44), (0xF1E4, 48), (0xF1E4, 65_532)];
+            [(0xF1C4, 0x1111), (0xF3C4, 0x2222), (0xF5C4, 40), (0xF7C4, 44), (0xF1C4, 48), (0xF1C4, 65_532)];
         let expected: Vec<Transaction<u8>> = frames
             .iter()
             .flat_map(|(out, back)| {

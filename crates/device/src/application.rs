@@ -40,6 +40,11 @@ impl<A: Acquisition, P: TrimPart, S: RecordStore> Application<A, P, S> {
         self.compensator.acquisition()
     }
 
+    /// Where the record is kept: what survives when power goes.
+    pub const fn store(&self) -> &S {
+        self.console.store()
+    }
+
     /// Data ready: closes the group and sends what there is to say.
     pub fn data_ready(&mut self, line: &mut impl Transmit) {
         self.service();

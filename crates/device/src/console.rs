@@ -73,6 +73,11 @@ impl<S: RecordStore> Console<S> {
         }
     }
 
+    /// Where the record is kept.
+    pub const fn store(&self) -> &S {
+        &self.store
+    }
+
     /// The laws that are to be taken into use, once.
     pub fn take_laws(&mut self) -> Option<Laws> {
         self.install.take()

@@ -21,12 +21,19 @@ pub struct DirectAcquisition<SPI> {
 }
 
 impl<SPI: SpiDevice> DirectAcquisition<SPI> {
-    /// An acquisition on an A/D, stopped.
+    /// An acquisition on the A/D's SPI device, stopped.
     #[must_use]
-    pub fn new(converter: Ad7949<SPI>) -> Self {
+    pub fn new(spi: SPI) -> Self {
+        let converter = Ad7949::new(spi);
         let set_length = usize::from(Timing::PAPER.set_length);
         let filling = Set::default();
         Self { converter, set_length, running: false, next_number: 0, lost: 0, filling, waiting: None }
+    }
+
+    /// Whether scans are being taken.
+    #[must_use]
+    pub const fn is_running(&self) -> bool {
+        self.running
     }
 
     /// Takes one scan; `true` when it filled a set.

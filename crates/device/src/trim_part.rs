@@ -30,10 +30,10 @@ pub struct Max5494Trim<SPI, D> {
 }
 
 impl<SPI: SpiDevice, D: DelayNs> Max5494Trim<SPI, D> {
-    /// A trim part on a potentiometer and a delay for its 12 ms stores.
+    /// A trim part on the potentiometer's SPI device and a delay for its 12 ms stores.
     #[must_use]
-    pub const fn new(potentiometer: Max5494<SPI>, delay: D) -> Self {
-        Self { potentiometer, delay }
+    pub const fn new(spi: SPI, delay: D) -> Self {
+        Self { potentiometer: Max5494::new(spi), delay }
     }
 }
 
