@@ -1,0 +1,65 @@
+//! The bench's own recordings: one row a group and axis, readable up to the last whole group however they end.
+//!
+//! While it is being written a recording is an Arrow IPC stream (`.arrows`), one batch a group; finished, it is Parquet.
+//! Both open in pandas, polars, DuckDB and MATLAB. Format version 1: readers take the versions they know and refuse
+//! others; a column is never removed or given another meaning within a version.
+
+mod error;
+mod header;
+mod reader;
+mod schema;
+mod writer;
+
+use zerorate_core::compensate::Mode;
+use zerorate_core::group::GroupSums;
+use zerorate_core::units::Axis;
+
+pub use error::RecordingError;
+pub use reader::Recording;
+pub use schema::SCHEMA_VERSION;
+pub use writer::RecordingWriter;
+
+/// What is true of a whole recording.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RecordingInfo {
+    /// The unit's serial number.
+    pub unit_serial: String,
+    /// The procedure, such as `full-temperature`.
+    pub procedure: String,
+    /// The set-up file's text.
+    pub set_up: String,
+    /// The device's firmware.
+    pub firmware: String,
+    /// The seed of a simulated bench.
+    pub seed: Option<u64>,
+}
+
+/// One axis of one group.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GroupRow {
+    /// The group's number.
+    pub group: u32,
+    /// Seconds from the first group.
+    pub t_s: f64,
+    /// The procedure's phase, such as `soak` or `ramp`.
+    pub phase: String,
+    /// The axis.
+    pub axis: Axis,
+    /// The exact sums; the columns `temperature_counts` and `zro_counts` are their means.
+    pub sums: GroupSums,
+    /// The zero-rate output after the digital correction, counts.
+    pub corrected_counts: f64,
+    /// The wiper's position, taps.
+    pub tap: u16,
+    /// The axis's mode.
+    pub mode: Mode,
+    /// The chamber's set point, degrees C; NaN if not known.
+    pub chamber_set_c: f64,
+    /// The chamber's air, degrees C; NaN if not known.
+    pub chamber_c: f64,
+    /// The device's flags.
+    pub flags: u16,
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,174 @@
+//! The columns and the metadata of a recording, from rows and back.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float64Type, UInt16Type, UInt32Type, UInt64Type};
+use arrow_array::{
+    ArrayRef, ArrowPrimitiveType, Float64Array, PrimitiveArray, RecordBatch, StringArray, UInt16Array, UInt32Array,
+    UInt64Array,
+};
+use arrow_schema::{ArrowError, DataType, Field, Schema};
+use zerorate_core::compensate::Mode;
+use zerorate_core::group::GroupSums;
+use zerorate_core::units::Axis;
+
+use super::{GroupRow, RecordingInfo};
+
+/// The version of the columns and metadata below.
+pub const SCHEMA_VERSION: u32 = 1;
+
+const VERSION_KEY: &str = "zerorate.schema_version";
+const SERIAL_KEY: &str = "zerorate.unit_serial";
+const PROCEDURE_KEY: &str = "zerorate.procedure";
+const SET_UP_KEY: &str = "zerorate.set_up";
+const FIRMWARE_KEY: &str = "zerorate.firmware";
+const SEED_KEY: &str = "zerorate.seed";
+
+/// Every mode, to find one by its name.
+const MODES: [Mode; 4] = [Mode::Off, Mode::Trim, Mode::Digital, Mode::Hybrid];
+
+/// The schema of a recording with its metadata.
+pub(super) fn schema(info: &RecordingInfo) -> Arc<Schema> {
+    let field = |(name, kind): (&str, DataType)| Field::new(name, kind, false);
+    let fields: Vec<Field> = [
+        ("group", DataType::UInt32),
+        ("t_s", DataType::Float64),
+        ("phase", DataType::Utf8),
+        ("axis", DataType::Utf8),
+        ("n", DataType::UInt32),
+        ("temperature_sum", DataType::UInt64),
+        ("temperature_sq_sum", DataType::UInt64),
+        ("zro_sum", DataType::UInt64),
+        ("zro_sq_sum", DataType::UInt64),
+        ("temperature_counts", DataType::Float64),
+        ("zro_counts", DataType::Float64),
+        ("corrected_counts", DataType::Float64),
+        ("tap", DataType::UInt16),
+        ("mode", DataType::Utf8),
+        ("chamber_set_c", DataType::Float64),
+        ("chamber_c", DataType::Float64),
+        ("flags", DataType::UInt16),
+    ]
+    .map(field)
+    .into();
+    let mut metadata = HashMap::from([
+        (VERSION_KEY.to_owned(), SCHEMA_VERSION.to_string()),
+        (SERIAL_KEY.to_owned(), info.unit_serial.clone()),
+        (PROCEDURE_KEY.to_owned(), info.procedure.clone()),
+        (SET_UP_KEY.to_owned(), info.set_up.clone()),
+        (FIRMWARE_KEY.to_owned(), info.firmware.clone()),
+    ]);
+    metadata.extend(info.seed.map(|seed| (SEED_KEY.to_owned(), seed.to_string())));
+    Arc::new(Schema::new_with_metadata(fields, metadata))
+}
+
+/// The schema version in a file's metadata, if it has one.
+pub(super) fn version(schema: &Schema) -> Option<&str> {
+    schema.metadata().get(VERSION_KEY).map(String::as_str)
+}
+
+/// The metadata of a file.
+pub(super) fn info(schema: &Schema) -> RecordingInfo {
+    let text = |key| schema.metadata().get(key).cloned().unwrap_or_default();
+    RecordingInfo {
+        unit_serial: text(SERIAL_KEY),
+        procedure: text(PROCEDURE_KEY),
+        set_up: text(SET_UP_KEY),
+        firmware: text(FIRMWARE_KEY),
+        seed: text(SEED_KEY).parse().ok(),
+    }
+}
+
+/// Rows as a batch of the schema's columns.
+pub(super) fn batch(schema: &Arc<Schema>, rows: &[GroupRow]) -> Result<RecordBatch, ArrowError> {
+    let float = |of: fn(&GroupRow) -> f64| -> ArrayRef { Arc::new(rows.iter().map(of).collect::<Float64Array>()) };
+    let sum = |of: fn(&GroupSums) -> u64| -> ArrayRef {
+        Arc::new(rows.iter().map(|row| of(&row.sums)).collect::<UInt64Array>())
+    };
+    let text = |of: fn(&GroupRow) -> &str| -> ArrayRef { Arc::new(StringArray::from_iter_values(rows.iter().map(of))) };
+    let columns: Vec<ArrayRef> = vec![
+        Arc::new(rows.iter().map(|row| row.group).collect::<UInt32Array>()),
+        float(|row| row.t_s),
+        text(|row| &row.phase),
+        text(|row| row.axis.name()),
+        Arc::new(rows.iter().map(|row| row.sums.n).collect::<UInt32Array>()),
+        sum(|sums| sums.temperature),
+        sum(|sums| sums.temperature_sq),
+        sum(|sums| sums.zro),
+        sum(|sums| sums.zro_sq),
+        float(|row| row.sums.mean_temperature().0),
+        float(|row| row.sums.mean_zro().0),
+        float(|row| row.corrected_counts),
+        Arc::new(rows.iter().map(|row| row.tap).collect::<UInt16Array>()),
+        text(|row| row.mode.name()),
+        float(|row| row.chamber_set_c),
+        float(|row| row.chamber_c),
+        Arc::new(rows.iter().map(|row| row.flags).collect::<UInt16Array>()),
+    ];
+    RecordBatch::try_new(Arc::clone(schema), columns)
+}
+
+/// The rows of a batch, or what does not fit in it.
+pub(super) fn rows(batch: &RecordBatch) -> Result<Vec<GroupRow>, String> {
+    let group = numbers::<UInt32Type>(batch, "group")?;
+    let t_s = numbers::<Float64Type>(batch, "t_s")?;
+    let phase = texts(batch, "phase")?;
+    let axis = texts(batch, "axis")?;
+    let n = numbers::<UInt32Type>(batch, "n")?;
+    let temperature = numbers::<UInt64Type>(batch, "temperature_sum")?;
+    let temperature_sq = numbers::<UInt64Type>(batch, "temperature_sq_sum")?;
+    let zro = numbers::<UInt64Type>(batch, "zro_sum")?;
+    let zro_sq = numbers::<UInt64Type>(batch, "zro_sq_sum")?;
+    let zro_counts = numbers::<Float64Type>(batch, "zro_counts")?;
+    let temperature_counts = numbers::<Float64Type>(batch, "temperature_counts")?;
+    let corrected_counts = numbers::<Float64Type>(batch, "corrected_counts")?;
+    let tap = numbers::<UInt16Type>(batch, "tap")?;
+    let mode = texts(batch, "mode")?;
+    let chamber_set_c = numbers::<Float64Type>(batch, "chamber_set_c")?;
+    let chamber_c = numbers::<Float64Type>(batch, "chamber_c")?;
+    let flags = numbers::<UInt16Type>(batch, "flags")?;
+    (0..batch.num_rows())
+        .map(|i| {
+            let sums = GroupSums {
+                n: n.value(i),
+                temperature: temperature.value(i),
+                temperature_sq: temperature_sq.value(i),
+                zro: zro.value(i),
+                zro_sq: zro_sq.value(i),
+            };
+            // The means are there for people; here they show whether the sums are as they were written.
+            let means =
+                [(sums.mean_temperature().0, temperature_counts.value(i)), (sums.mean_zro().0, zro_counts.value(i))];
+            if means.iter().any(|(sum, mean)| sum.to_bits() != mean.to_bits() && !(sum.is_nan() && mean.is_nan())) {
+                return Err(format!("group {}: its means are not those of its sums", group.value(i)));
+            }
+            let unknown = |what: &str, text: &str| format!("group {}: '{text}' is no {what}", group.value(i));
+            let (axis, mode) = (axis.value(i), mode.value(i));
+            Ok(GroupRow {
+                group: group.value(i),
+                t_s: t_s.value(i),
+                phase: phase.value(i).to_owned(),
+                axis: Axis::BOTH.into_iter().find(|known| known.name() == axis).ok_or_else(|| unknown("axis", axis))?,
+                sums,
+                corrected_counts: corrected_counts.value(i),
+                tap: tap.value(i),
+                mode: MODES.into_iter().find(|known| known.name() == mode).ok_or_else(|| unknown("mode", mode))?,
+                chamber_set_c: chamber_set_c.value(i),
+                chamber_c: chamber_c.value(i),
+                flags: flags.value(i),
+            })
+        })
+        .collect()
+}
+
+fn numbers<'a, T: ArrowPrimitiveType>(batch: &'a RecordBatch, name: &str) -> Result<&'a PrimitiveArray<T>, String> {
+    let column = batch.column_by_name(name).ok_or_else(|| format!("there is no column '{name}'"))?;
+    column.as_primitive_opt::<T>().ok_or_else(|| format!("column '{name}' is of type {}", column.data_type()))
+}
+
+fn texts<'a>(batch: &'a RecordBatch, name: &str) -> Result<&'a StringArray, String> {
+    let column = batch.column_by_name(name).ok_or_else(|| format!("there is no column '{name}'"))?;
+    column.as_string_opt::<i32>().ok_or_else(|| format!("column '{name}' is of type {}", column.data_type()))
+}

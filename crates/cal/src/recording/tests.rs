@@ -1,0 +1,161 @@
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use super::*;
+
+fn info() -> RecordingInfo {
+    RecordingInfo {
+        unit_serial: "G-0042".into(),
+        procedure: "full-temperature".into(),
+        set_up: "[bench]\ngroup_length = 500\n".into(),
+        firmware: "0.1.0".into(),
+        seed: Some(1),
+    }
+}
+
+fn group(number: u32) -> [GroupRow; 2] {
+    Axis::BOTH.map(|axis| {
+        let mut sums = GroupSums::default();
+        (0..500).for_each(|i| sums.push(9000 + (number + i) as u16 % 700, 8200 + (i * 7) as u16 % 90));
+        GroupRow {
+            group: number,
+            t_s: 1.5 * f64::from(number),
+            phase: if number < 5 { "soak".into() } else { "ramp".into() },
+            axis,
+            sums,
+            corrected_counts: 8200.25,
+            tap: 511,
+            mode: Mode::Hybrid,
+            chamber_set_c: -40.0,
+            chamber_c: f64::from(number) - 39.5,
+            flags: 3,
+        }
+    })
+}
+
+/// A recording of some groups that was not finished, and its bytes.
+fn unfinished(groups: u32) -> (TempDir, PathBuf, Vec<u8>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.parquet");
+    let mut writer = RecordingWriter::create(&path, &info()).unwrap();
+    (0..groups).for_each(|number| writer.write_group(&group(number)).unwrap());
+    let stream = writer.stream_path().to_owned();
+    let bytes = fs::read(&stream).unwrap();
+    (folder, stream, bytes)
+}
+
+fn rows(groups: u32) -> Vec<GroupRow> {
+    (0..groups).flat_map(group).collect()
+}
+
+#[test]
+fn a_finished_recording_is_parquet_and_reads_back_exactly() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.parquet");
+    let mut writer = RecordingWriter::create(&path, &info()).unwrap();
+    (0..40).for_each(|number| writer.write_group(&group(number)).unwrap());
+    assert_eq!(writer.finish().unwrap(), path);
+    assert!(fs::read(&path).unwrap().starts_with(b"PAR1"));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");
+    assert_eq!(Recording::read(&path).unwrap(), Recording { info: info(), rows: rows(40), cut: false });
+}
+
+#[test]
+fn an_unfinished_recording_has_every_group_that_was_written() {
+    let (_folder, stream, _) = unfinished(7);
+    let recording = Recording::read(&stream).unwrap();
+    assert_eq!((recording.groups(), recording.cut), (7, true));
+    assert_eq!(recording.rows, rows(7));
+}
+
+#[test]
+fn a_recording_cut_at_any_byte_keeps_every_whole_group() {
+    // Where each group ends: the length of the stream when it was written.
+    let ends: Vec<usize> = (0..=4).map(|groups| unfinished(groups).2.len()).collect();
+    let (folder, _, bytes) = unfinished(4);
+    let path = folder.path().join("cut.arrows");
+    for length in 0..bytes.len() {
+        fs::write(&path, &bytes[..length]).unwrap();
+        let whole = ends.iter().filter(|end| **end <= length).count();
+        match Recording::read(&path) {
+            Ok(recording) => {
+                assert!(recording.cut);
+                assert_eq!(recording.rows, rows(u32::try_from(whole).unwrap() - 1), "cut at {length}");
+            }
+            Err(error) => {
+                assert_eq!(whole, 0, "cut at {length}: {error}");
+                assert!(matches!(error, RecordingError::NothingWhole { .. }));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_damaged_byte_never_panics_and_never_changes_a_sum_unseen() {
+    let (folder, _, bytes) = unfinished(3);
+    let path = folder.path().join("damaged.arrows");
+    for place in (0..bytes.len()).step_by(7) {
+        let mut damaged = bytes.clone();
+        damaged[place] ^= 0x55;
+        fs::write(&path, &damaged).unwrap();
+        if let Ok(recording) = Recording::read(&path) {
+            for (row, original) in recording.rows.iter().zip(rows(3)) {
+                assert_eq!((row.sums.zro, row.sums.temperature), (original.sums.zro, original.sums.temperature));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cut_parquet_file_is_damaged() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.parquet");
+    let mut writer = RecordingWriter::create(&path, &info()).unwrap();
+    writer.write_group(&group(0)).unwrap();
+    writer.finish().unwrap();
+    let bytes = fs::read(&path).unwrap();
+    fs::write(&path, &bytes[..bytes.len() - 20]).unwrap();
+    assert!(matches!(Recording::read(&path), Err(RecordingError::Damaged { .. })));
+}
+
+#[test]
+fn another_file_is_no_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    fs::write(&path, "t,x\n1,2\n").unwrap();
+    assert!(matches!(Recording::read(&path), Err(RecordingError::NotARecording { .. })));
+    let missing = Recording::read(Path::new("/nowhere/run.parquet"));
+    assert!(matches!(missing, Err(RecordingError::Read { .. })));
+}
+
+#[test]
+fn starting_again_keeps_what_was_finished_and_what_was_cut() {
+    let (folder, stream, bytes) = unfinished(3);
+    let path = folder.path().join("run.parquet");
+    fs::write(&path, "finished earlier").unwrap();
+    let _writer = RecordingWriter::create(&path, &info()).unwrap();
+    assert_eq!(fs::read(stream.with_extension("cut.arrows")).unwrap(), bytes);
+    assert_eq!(fs::read(&path).unwrap(), b"finished earlier");
+}
+
+#[test]
+fn a_folder_that_is_not_there_is_named() {
+    let error = RecordingWriter::create(Path::new("/nowhere/run.parquet"), &info()).err().unwrap().to_string();
+    assert!(error.starts_with("/nowhere/run.arrows: the recording cannot be started"), "{error}");
+}
+
+/// `/dev/full` fails every write as a full disk does.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_says_what_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.parquet");
+    let mut writer = RecordingWriter::create(&path, &info()).unwrap();
+    writer.write_group(&group(0)).unwrap();
+    std::os::unix::fs::symlink("/dev/full", folder.path().join("run.parquet.partial")).unwrap();
+    let error = writer.finish().unwrap_err().to_string();
+    assert!(error.contains("all 1 groups are kept in") && error.contains("run.arrows"), "{error}");
+    assert_eq!(Recording::read(&folder.path().join("run.arrows")).unwrap().rows, rows(1));
+}

@@ -1,0 +1,115 @@
+//! The range of an axis, its ticks and their labels.
+
+/// Ticks wanted on an axis, about.
+const TICKS: f64 = 5.0;
+
+/// The part of the range left empty at each end.
+const MARGIN: f64 = 0.05;
+
+/// An axis: its range, where its ticks are, and how they are written.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Scale {
+    /// The least and the greatest value drawn.
+    pub(super) range: (f64, f64),
+    /// Values at the ticks, all within the range.
+    pub(super) ticks: Vec<f64>,
+    /// Labels are values divided by ten to this power, a multiple of three.
+    pub(super) exponent: i32,
+    decimals: usize,
+}
+
+impl Scale {
+    /// A scale on which all of `values` that are numbers have room; without any it spans 0 to 1.
+    pub(super) fn holding(values: impl Iterator<Item = f64>) -> Self {
+        let finite = values.filter(|value| value.is_finite());
+        let (min, max) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        if min > max {
+            return Self::over((0.0, 1.0));
+        }
+        let span = max - min;
+        // Equal values still need a span: a thousandth of them, or one.
+        let room = if span > 0.0 { span * MARGIN } else { (max.abs() * 1e-3).max(f64::MIN_POSITIVE.max(1e-12)) };
+        Self::over((min - room, max + room))
+    }
+
+    /// A scale over exactly this range.
+    pub(super) fn over((min, max): (f64, f64)) -> Self {
+        let step = nice_step((max - min) / TICKS);
+        let first = (min / step).ceil();
+        let last = (max / step).floor();
+        let mut ticks = Vec::new();
+        let mut number = first;
+        while number <= last {
+            // Adding 0 turns a negative zero into a plain one.
+            ticks.push(number * step + 0.0);
+            number += 1.0;
+        }
+        let largest = min.abs().max(max.abs());
+        // Below a hundredth or from ten million on, zeros would hide the digits.
+        let exponent = if (1e-2..1e7).contains(&largest) { 0 } else { thousands(largest) };
+        let decimals = decimals(step / 10_f64.powi(exponent));
+        Self { range: (min, max), ticks, exponent, decimals }
+    }
+
+    /// The label of a tick.
+    pub(super) fn label(&self, tick: f64) -> String {
+        super::super::number::fixed(tick / 10_f64.powi(self.exponent), self.decimals)
+    }
+}
+
+/// The power of a thousand below a value, as a power of ten.
+// A double's exponent is within 400.
+#[allow(clippy::cast_possible_truncation)]
+fn thousands(value: f64) -> i32 {
+    (value.log10() / 3.0).floor() as i32 * 3
+}
+
+/// The least of 1, 2, 5 times a power of ten that is not below `least`.
+fn nice_step(least: f64) -> f64 {
+    let power = 10_f64.powf(least.log10().floor());
+    let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= least * (1.0 - 1e-9));
+    factor.unwrap_or(10.0) * power
+}
+
+/// Decimals that a multiple of `step` needs.
+// Between 0 and 9.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn decimals(step: f64) -> usize {
+    (-(step * (1.0 + 1e-9)).log10().floor()).clamp(0.0, 9.0) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(scale: &Scale) -> Vec<String> {
+        scale.ticks.iter().map(|tick| scale.label(*tick)).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_numbers_within_the_range() {
+        let scale = Scale::holding([8512.0, 11_890.0].into_iter());
+        assert_eq!(labels(&scale), ["9000", "10\u{202f}000", "11\u{202f}000", "12\u{202f}000"]);
+        assert!(scale.range.0 < 8512.0 && scale.range.1 > 11_890.0);
+    }
+
+    #[test]
+    fn a_scale_through_zero_has_a_zero_without_a_sign() {
+        let scale = Scale::over((-0.5, 0.5));
+        assert_eq!(labels(&scale), ["\u{2212}0.4", "\u{2212}0.2", "0.0", "0.2", "0.4"]);
+    }
+
+    #[test]
+    fn small_values_are_written_by_a_power_of_a_thousand() {
+        let scale = Scale::over((0.0, 0.004));
+        assert_eq!((scale.exponent, labels(&scale)[1].as_str()), (-3, "1"));
+    }
+
+    #[test]
+    fn nothing_and_a_single_value_still_make_a_scale() {
+        assert_eq!(Scale::holding([f64::NAN].into_iter()).range, (0.0, 1.0));
+        let one = Scale::holding([8200.0].into_iter());
+        assert!(one.range.0 < 8200.0 && one.range.1 > 8200.0 && !one.ticks.is_empty());
+        assert!(!Scale::holding([0.0].into_iter()).ticks.is_empty());
+    }
+}
