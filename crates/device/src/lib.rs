@@ -4,6 +4,9 @@
 #[cfg(test)]
 extern crate std;
 
+#[cfg(test)]
+mod behaving_parts;
+
 pub mod acquisition;
 pub mod ad7949;
 pub mod application;

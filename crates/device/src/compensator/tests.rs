@@ -1,1 +1,166 @@
+use std::vec::Vec;
 
+use heapless::spsc::Queue;
+
+use super::*;
+use crate::behaving_parts::{Part, Sets, record};
+
+/// A compensator with its queues.
+struct Rig {
+    compensator: Compensator<Sets, Part>,
+    commands: Queue<Scheduled, 8>,
+    reports: Queue<Report, 64>,
+    sets: Sets,
+    part: Part,
+}
+
+impl Rig {
+    fn calibrated() -> Self {
+        let mut rig = Self::blank();
+        let record = record("u");
+        rig.compensator.install(Axis::BOTH.map(|axis| record.axis(axis).law(record.temperature_scale).unwrap()));
+        rig
+    }
+
+    fn blank() -> Self {
+        let (sets, part) = (Sets::default(), Part::default());
+        let compensator = Compensator::new(sets.clone(), part.clone(), Timing::PAPER);
+        part.writes.borrow_mut().clear();
+        Self { compensator, commands: Queue::new(), reports: Queue::new(), sets, part }
+    }
+
+    fn order(&mut self, at: Option<u32>, action: Action) -> Vec<Report> {
+        let command = Scheduled { sequence: 1, at: at.map(GroupNumber), action };
+        self.commands.enqueue(command).unwrap();
+        self.service()
+    }
+
+    fn set(&mut self, number: u32, temperature: u16, zro: u16) -> Vec<Report> {
+        self.sets.push(number, temperature, zro);
+        self.service()
+    }
+
+    fn service(&mut self) -> Vec<Report> {
+        let (mut reports, _) = self.reports.split();
+        self.compensator.service(&mut self.commands.split().1, &mut reports);
+        core::iter::from_fn(|| self.reports.dequeue()).collect()
+    }
+
+    fn writes(&self) -> Vec<(Axis, u16)> {
+        core::mem::take(&mut *self.part.writes.borrow_mut())
+    }
+}
+
+fn done(group: u32) -> Report {
+    Report::Done { sequence: 1, group: GroupNumber(group), result: Ok(()) }
+}
+
+fn refused(group: u32, refusal: Refusal) -> Report {
+    Report::Done { sequence: 1, group: GroupNumber(group), result: Err(refusal) }
+}
+
+#[test]
+fn at_start_up_both_wipers_are_commanded_to_the_middle_tap() {
+    let part = Part::default();
+    let _ = Compensator::new(Sets::default(), part.clone(), Timing::PAPER);
+    assert_eq!(*part.writes.borrow(), [(Axis::X, 511), (Axis::Y, 511)]);
+}
+
+#[test]
+fn the_wiper_is_written_only_when_the_tap_changes() {
+    let mut rig = Rig::calibrated();
+    assert_eq!(rig.order(None, Action::SetMode(Axis::X, Mode::Trim)), [done(0)]);
+    rig.order(None, Action::SetAcquisition(true));
+    rig.set(0, 8500, 8541);
+    assert_eq!(rig.writes(), [(Axis::X, 500)]);
+    rig.set(1, 8501, 8200);
+    assert_eq!(rig.writes(), []);
+    rig.set(2, 8700, 8200);
+    assert_eq!(rig.writes(), [(Axis::X, 502)]);
+}
+
+#[test]
+fn a_command_takes_effect_between_groups_and_says_from_which() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetAcquisition(true));
+    rig.set(0, 9000, 8400);
+    let tap = Action::SetTap(Axis::Y, Taps::new(600).unwrap());
+    assert_eq!(rig.order(Some(3), tap), [], "not yet");
+    assert_eq!(rig.set(1, 9000, 8400).len(), 1);
+    assert_eq!(rig.writes(), []);
+    let reports = rig.set(2, 9000, 8400);
+    assert_eq!(reports[1], done(3));
+    assert_eq!(rig.writes(), [(Axis::Y, 600)]);
+    let Report::Group(group) = &rig.set(3, 9000, 8400)[0] else { panic!("a group comes first") };
+    assert_eq!(group.axes[1].tap.get(), 600);
+    // Too late for group 2: it holds from the next.
+    rig.order(Some(2), tap);
+    assert_eq!(rig.set(4, 9000, 8400)[1], done(5));
+}
+
+#[test]
+fn without_a_calibration_nothing_but_off_is_accepted() {
+    let mut rig = Rig::blank();
+    for mode in [Mode::Trim, Mode::Digital, Mode::Hybrid] {
+        assert_eq!(rig.order(None, Action::SetMode(Axis::X, mode)), [refused(0, Refusal::NoCalibration)]);
+    }
+    assert_eq!(rig.order(None, Action::SetMode(Axis::X, Mode::Off)), [done(0)]);
+}
+
+#[test]
+fn an_unplugged_potentiometer_is_counted_and_written_again_at_the_next_group() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetMode(Axis::X, Mode::Trim));
+    rig.order(None, Action::SetAcquisition(true));
+    rig.part.unplugged.set(true);
+    let Report::Group(group) = &rig.set(0, 8500, 8541)[0] else { panic!("a group comes first") };
+    assert_eq!(group.axes[0].moved_to, None, "a write that failed is no move");
+    assert_eq!(rig.compensator.status().faults.trim_errors, 1);
+    assert_eq!(rig.order(None, Action::StorePowerUpTap), []);
+    assert_eq!(rig.set(1, 8500, 8541)[1], refused(2, Refusal::TrimPartFailed));
+    rig.part.unplugged.set(false);
+    rig.set(2, 8500, 8541);
+    assert_eq!(rig.writes(), [(Axis::X, 500)]);
+}
+
+#[test]
+fn lost_sets_are_counted_and_the_groups_keep_their_numbers() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetAcquisition(true));
+    rig.set(0, 9000, 8400);
+    let Report::Group(group) = &rig.set(4, 9000, 8400)[0] else { panic!("a group comes first") };
+    assert_eq!(group.group, GroupNumber(4));
+    assert_eq!(rig.compensator.status().faults.lost_sets, 3);
+    assert_eq!(rig.compensator.status().group, GroupNumber(5));
+}
+
+#[test]
+fn every_sample_is_reported_when_asked_for_with_its_correction() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetMode(Axis::X, Mode::Digital));
+    rig.order(None, Action::SetSamples(true));
+    rig.order(None, Action::SetAcquisition(true));
+    rig.set(0, 8500, 8541);
+    let reports = rig.set(1, 8500, 8541);
+    let corrected: Vec<f64> = reports
+        .iter()
+        .filter_map(|report| match report {
+            Report::Samples(block) if block.axis == Axis::X => Some(block),
+            _ => None,
+        })
+        .flat_map(|block| block.samples.iter().map(|s| f64::from(s.corrected_q16) / 65_536.0))
+        .collect();
+    assert_eq!(corrected.len(), 500);
+    assert!(corrected.iter().all(|c| (c - 8200.0).abs() < 1.0), "8541 is the drift at 8500");
+}
+
+#[test]
+fn a_full_report_queue_is_counted_not_waited_for() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetAcquisition(true));
+    while rig.reports.enqueue(done(0)).is_ok() {}
+    rig.sets.push(0, 9000, 8400);
+    let (mut reports, _) = rig.reports.split();
+    rig.compensator.service(&mut rig.commands.split().1, &mut reports);
+    assert_eq!(rig.compensator.status().faults.dropped_uploads, 1);
+}

@@ -1,0 +1,96 @@
+//! Parts that behave, and can fail, for the tests of compensator and console.
+
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::rc::Rc;
+use std::vec::Vec;
+
+use zerorate_core::compensate::{EdgeTable, LowPass, Mode};
+use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, ValidRange};
+use zerorate_core::group::GroupSums;
+use zerorate_core::record::{AxisRecord, DeviceRecord, UnitSerial};
+use zerorate_core::trim::{Trim, TrimLine};
+use zerorate_core::units::{Axis, Counts, Taps, TemperatureScale};
+
+use crate::acquisition::{Acquisition, Set, Timing};
+use crate::trim_part::TrimPart;
+
+/// Sets that wait to be read.
+#[derive(Clone, Default)]
+pub struct Sets(pub Rc<RefCell<VecDeque<Set>>>);
+
+impl Sets {
+    /// A set of equal samples on both axes.
+    pub fn push(&self, number: u32, temperature: u16, zro: u16) {
+        let mut sums = GroupSums::default();
+        (0..500).for_each(|_| sums.push(temperature, zro));
+        let scans = (0..500).map(|_| [temperature, zro, temperature, zro]).collect();
+        self.0.borrow_mut().push_back(Set { number, lost: 0, sums: [sums; 2], scans });
+    }
+}
+
+impl Acquisition for Sets {
+    type Error = ();
+
+    fn start(&mut self, _: Timing) -> Result<(), ()> {
+        Ok(())
+    }
+
+    fn stop(&mut self) -> Result<(), ()> {
+        Ok(())
+    }
+
+    fn read_set(&mut self, set: &mut Set, with_scans: bool) -> Result<bool, ()> {
+        let Some(waiting) = self.0.borrow_mut().pop_front() else { return Ok(false) };
+        *set = waiting;
+        if !with_scans {
+            set.scans.clear();
+        }
+        Ok(true)
+    }
+}
+
+/// A trim part that remembers what it was told, and can be unplugged.
+#[derive(Clone, Default)]
+pub struct Part {
+    pub writes: Rc<RefCell<Vec<(Axis, u16)>>>,
+    pub stores: Rc<Cell<u32>>,
+    pub unplugged: Rc<Cell<bool>>,
+}
+
+impl TrimPart for Part {
+    type Error = ();
+
+    fn write(&mut self, axis: Axis, tap: Taps) -> Result<(), ()> {
+        if self.unplugged.get() {
+            return Err(());
+        }
+        self.writes.borrow_mut().push((axis, tap.get()));
+        Ok(())
+    }
+
+    fn store_power_up(&mut self) -> Result<(), ()> {
+        self.stores.set(self.stores.get() + 1);
+        if self.unplugged.get() { Err(()) } else { Ok(()) }
+    }
+}
+
+/// Eq. (1), X, on both axes.
+pub fn record(unit: &str) -> DeviceRecord {
+    let scale = Scale::spanning(8500.0, 11_900.0).unwrap();
+    let curve = Polynomial::from_raw_coefficients(scale, &[13_435.7, -0.894_782, 0.375_298e-4]).unwrap();
+    let mut axis = AxisRecord {
+        drift: Drift { shape: Shape::Polynomial(curve), valid: ValidRange::new(8500.0, 11_900.0).unwrap() },
+        trim: Trim { line: TrimLine::new(-0.032, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap(), measured: None },
+        dead_band: 0.05,
+        low_pass: LowPass::NONE,
+        start_up_mode: Mode::Hybrid,
+        edges: None,
+    };
+    axis.edges = Some(EdgeTable::solve(&axis.static_law(TemperatureScale::QUARTER_COUNTS)).unwrap());
+    DeviceRecord {
+        unit: UnitSerial::try_from(unit).unwrap(),
+        temperature_scale: TemperatureScale::QUARTER_COUNTS,
+        axes: [axis.clone(), axis],
+    }
+}
