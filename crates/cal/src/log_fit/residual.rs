@@ -58,7 +58,7 @@ impl<'a> Residuals<'a> {
             in_sample: Running::EMPTY,
             held_out: Running::EMPTY,
             complete: true,
-            bins: vec![Bin::default(); rows.min(TRACE_POINTS).max(1) as usize],
+            bins: vec![Bin::default(); rows.clamp(1, TRACE_POINTS) as usize],
         }
     }
 

@@ -16,9 +16,10 @@ fn info() -> RecordingInfo {
 }
 
 fn group(number: u32) -> [GroupRow; 2] {
+    let offset = u16::try_from(number).unwrap();
     Axis::BOTH.map(|axis| {
         let mut sums = GroupSums::default();
-        (0..500).for_each(|i| sums.push(9000 + (number + i) as u16 % 700, 8200 + (i * 7) as u16 % 90));
+        (0..500_u16).for_each(|i| sums.push(9000 + (offset + i) % 700, 8200 + (i * 7) % 90));
         GroupRow {
             group: number,
             t_s: 1.5 * f64::from(number),

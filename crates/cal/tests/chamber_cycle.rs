@@ -1,0 +1,152 @@
+//! A real gyro in a chamber: the shared recording, fitted plain and with the faults of the shared encoder.
+//!
+//! The recording is no part of the project: the tests look for it in the folder named by `ZERORATE_DATA`, else in
+//! `../shared/data` from the project's root, and say so when they skip.
+
+// Helpers of tests may unwrap as tests do.
+#![allow(clippy::unwrap_used)]
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use zerorate_cal::choose::Model;
+use zerorate_cal::condition::DropReason;
+use zerorate_cal::log_fit::{FitOptions, LogFit, fit_log};
+use zerorate_cal::quality::{ReasonKind, Verdict};
+use zerorate_cal::table::TableFile;
+
+fn recording() -> Option<PathBuf> {
+    let folder = std::env::var_os("ZERORATE_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from);
+    let path = folder.join("imu-chamber-cycle/imu_raw_data.tsv");
+    if path.exists() {
+        return Some(path);
+    }
+    eprintln!("skipped: {} is not there (ZERORATE_DATA names the folder of shared data)", path.display());
+    None
+}
+
+/// Golden curves of numpy 2.4, rad/s at -15, 0, 30 and 70 C:
+///
+/// ```python
+/// d = np.genfromtxt("imu_raw_data.tsv", delimiter="\t", skip_header=1)
+/// np.polyval(np.polyfit(d[:, 8], d[:, axis], 3), [-15, 0, 30, 70])    # axis 1, 2, 3
+/// ```
+#[test]
+fn a_plain_cubic_is_that_of_numpy_to_a_billionth_of_the_curves_range() {
+    let Some(path) = recording() else { return };
+    let golden = [
+        [-0.061970952436253286, -0.06908658751315859, -0.069427336332939, -0.05665549017210137],
+        [-0.014420841340764035, -0.014969894544332958, -0.0008734499484907791, 0.03350781537191928],
+        [0.016988148109817188, 0.01634952711564554, 0.01570430671093869, 0.02030402170353232],
+    ];
+    let options = FitOptions { plain: true, model: Model::Poly(3), ..FitOptions::default() };
+    let fit = fit_log(&path, &options).unwrap();
+    assert_eq!(fit.axes.len(), 3);
+    for (axis, golden) in fit.axes.iter().zip(golden) {
+        assert_eq!((axis.samples_used, axis.samples_rejected.len()), (8400, 0));
+        let raw = axis.choice.solution.raw_coefficients();
+        let tolerance = 1e-9 * axis.drift.peak_to_peak();
+        for (t, golden) in [-15.0, 0.0, 30.0, 70.0].into_iter().zip(golden) {
+            let by_raw: f64 = raw.iter().rev().fold(0.0, |sum, c| sum * t + c);
+            assert!((by_raw - golden).abs() < tolerance, "{} at {t}: {by_raw} {golden}", axis.name);
+            assert!((axis.drift.evaluate(t).0 - golden).abs() < tolerance);
+        }
+    }
+}
+
+#[test]
+fn units_are_guessed_and_the_start_up_row_is_left_out() {
+    let Some(path) = recording() else { return };
+    let fit = fit_log(&path, &FitOptions::default()).unwrap();
+    assert!(
+        fit.notes.iter().any(|note| note.contains("taken as us, by which the log lasts 4245 s")),
+        "{:?}",
+        fit.notes
+    );
+    assert_eq!(fit.axes[0].samples_rejected[0].reason, DropReason::StartUp);
+    // The plain cubic's held-out figures in the recording are 6.01, 1.31 and 1.83 mrad/s by the same protocol.
+    for (axis, bar) in fit.axes.iter().zip([6.1e-3, 1.35e-3, 1.83e-3]) {
+        assert!(axis.held_out.rms < bar, "{} {:?}", axis.name, axis.held_out);
+    }
+}
+
+/// The columns of the recording without its first row: seconds, temperature, three rates.
+struct Log {
+    times: Vec<f64>,
+    temperatures: Vec<f64>,
+    rates: [Vec<f64>; 3],
+}
+
+fn log(path: &Path) -> Log {
+    let mut columns = vec![Vec::new(); 5];
+    for batch in TableFile::open(path).unwrap().batches(&[0, 8, 1, 2, 3]).unwrap() {
+        columns.iter_mut().zip(batch.unwrap().columns).for_each(|(all, some)| all.extend(some));
+    }
+    columns.iter_mut().for_each(|column| *column = column.split_off(1));
+    let [times, temperatures, x, y, z] = columns.try_into().unwrap();
+    let start = times[0];
+    Log { times: times.iter().map(|time| (time - start) / 1e6).collect(), temperatures, rates: [x, y, z] }
+}
+
+fn fit(log: &Log) -> LogFit {
+    let mut text = String::from("t_s,temperature_c,x_rad_s,y_rad_s,z_rad_s\n");
+    for row in 0..log.times.len() {
+        let [x, y, z] = [0, 1, 2].map(|axis: usize| log.rates[axis][row]);
+        writeln!(text, "{},{},{x},{y},{z}", log.times[row], log.temperatures[row]).unwrap();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("fault.csv");
+    fs::write(&path, text).unwrap();
+    fit_log(&path, &FitOptions::default()).unwrap()
+}
+
+/// Whether a reason of this kind was given.
+fn gives(fit: &LogFit, kind: ReasonKind) -> bool {
+    fit.judgement.reasons.iter().any(|reason| reason.kind == kind)
+}
+
+#[test]
+fn a_narrow_cut_and_a_stuck_sensor_are_rejected() {
+    let Some(path) = recording() else { return };
+    let whole = log(&path);
+    let coldest = (0..whole.times.len()).min_by(|a, b| whole.temperatures[*a].total_cmp(&whole.temperatures[*b]));
+    let cut = coldest.unwrap() - 100..coldest.unwrap() + 20;
+    let narrow = Log {
+        times: whole.times[cut.clone()].to_vec(),
+        temperatures: whole.temperatures[cut.clone()].to_vec(),
+        rates: [0, 1, 2].map(|axis: usize| whole.rates[axis][cut.clone()].to_vec()),
+    };
+    let narrow = fit(&narrow);
+    assert!(narrow.judgement.verdict == Verdict::Rejected && gives(&narrow, ReasonKind::NarrowSpan));
+    let mut stuck = log(&path);
+    stuck.temperatures.fill(25.0);
+    let stuck = fit(&stuck);
+    assert!(stuck.judgement.verdict == Verdict::Rejected && gives(&stuck, ReasonKind::StuckTemperature));
+}
+
+#[test]
+fn missing_temperatures_spikes_rotation_and_a_step_are_reported_and_left_out() {
+    let Some(path) = recording() else { return };
+    let reference = fit(&log(&path));
+    type Fault = fn(&mut Log);
+    let faults: [(Fault, ReasonKind); 4] = [
+        (|log| (0..8399).step_by(50).for_each(|row| log.temperatures[row] = f64::NAN), ReasonKind::MissingValues),
+        (|log| (30..8399).step_by(105).for_each(|row| log.rates[0][row] -= 0.7), ReasonKind::Spikes),
+        (|log| (5000..5060).for_each(|row| log.rates[0][row] += 2.0), ReasonKind::Rotation),
+        (|log| (4000..8399).for_each(|row| log.rates[0][row] += 0.02), ReasonKind::Step),
+    ];
+    for (fault, kind) in faults {
+        let mut log = log(&path);
+        fault(&mut log);
+        let fit = fit(&log);
+        assert!(gives(&fit, kind), "{kind:?}: {:?}", fit.judgement);
+        assert_eq!(fit.judgement.verdict, Verdict::Warning);
+        for t in [-15.0, 0.0, 30.0, 70.0] {
+            let moved = fit.axes[0].drift.evaluate(t).0 - reference.axes[0].drift.evaluate(t).0;
+            // A twentieth of the drift, of which hysteresis leaves half.
+            assert!(moved.abs() < 1e-3, "{kind:?} at {t}: {moved}");
+        }
+    }
+}
