@@ -1,0 +1,75 @@
+// The registers of docs/acquisition-port.md but the set's burst.
+module registers (
+    input  logic        clk,
+    input  logic        rst_n,
+
+    input  logic [3:0]  address,
+    input  logic        beyond,
+    input  logic        write,
+    input  logic [31:0] written,
+    output logic [31:0] read,
+
+    output logic        run,
+    // One clock: RESTART was written.
+    output logic        restart,
+    // One clock: the set being filled is dropped, and if RUN is 1 a new one starts. RUN has its new value in this clock.
+    output logic        abandon,
+    output logic [19:0] scan_period_us,
+    output logic [9:0]  set_length,
+
+    input  logic        ready,
+    input  logic        overrun,
+    input  logic [15:0] lost
+);
+    localparam logic [3:0] IDENTITY = 4'h0;
+    localparam logic [3:0] VERSION = 4'h1;
+    localparam logic [3:0] CONTROL = 4'h2;
+    localparam logic [3:0] SCAN_PERIOD = 4'h3;
+    localparam logic [3:0] SET_LENGTH = 4'h4;
+    localparam logic [3:0] STATUS = 4'h5;
+
+    localparam logic [31:0] ZRAQ = 32'h5A52_4151;
+    localparam logic [31:0] VERSION_1_0 = 32'h0001_0000;
+
+    logic writes_control;
+    assign writes_control = write && !beyond && address == CONTROL;
+
+    always_ff @(posedge clk) begin
+        restart <= rst_n && writes_control && written[1];
+        abandon <= rst_n && writes_control && (written[1] || written[0] != run);
+        if (!rst_n) begin
+            run            <= 1'b0;
+            scan_period_us <= 20'd3000;
+            set_length     <= 10'd500;
+        end else if (write && !beyond) begin
+            case (address)
+                CONTROL: run <= written[0];
+                SCAN_PERIOD:
+                    if (written >= 32'd100 && written <= 32'd1_000_000) scan_period_us <= written[19:0];
+                SET_LENGTH:
+                    if (written >= 32'd1 && written <= 32'd512) set_length <= written[9:0];
+                default: ;
+            endcase
+        end
+    end
+
+    always_comb begin
+        read = 32'd0;
+        if (!beyond) begin
+            case (address)
+                IDENTITY: read = ZRAQ;
+                VERSION: read = VERSION_1_0;
+                CONTROL: read = {31'd0, run};
+                SCAN_PERIOD: read = {12'd0, scan_period_us};
+                SET_LENGTH: read = {22'd0, set_length};
+                STATUS: read = {lost, 14'd0, overrun, ready};
+                default: ;
+            endcase
+        end
+    end
+
+`ifndef SYNTHESIS
+    assert property (@(posedge clk) disable iff (!rst_n) scan_period_us >= 20'd100 && scan_period_us <= 20'd1_000_000);
+    assert property (@(posedge clk) disable iff (!rst_n) set_length >= 10'd1 && set_length <= 10'd512);
+`endif
+endmodule
