@@ -1,7 +1,7 @@
 //! Conditioning: from the rows of a log to groups of which only drift is left.
 //!
-//! Rows without numbers, start-up rows and spikes are dropped within a group ([`group`]); groups in which the unit was
-//! moved are left out, and steps of the rate are found and taken out, on the groups ([`level`]). Everything found is
+//! Rows without numbers, start-up rows and spikes are dropped within a group; groups in which the unit was
+//! moved are left out, and steps of the rate are found and taken out, on the groups ([`level()`]). Everything found is
 //! counted and can be shown. What is kept in memory is groups.
 
 mod group;
