@@ -2,9 +2,13 @@
 
 pub mod apply;
 pub mod choose;
+pub mod compose;
 pub mod condition;
+pub mod drift_fit;
 pub mod fit;
 pub mod log_fit;
 pub mod quality;
 pub mod recording;
+pub mod report;
 pub mod table;
+pub mod trim_fit;

@@ -12,7 +12,7 @@ mod survey;
 
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use zerorate_core::drift::{Drift, Scale, ValidRange};
 
@@ -20,6 +20,7 @@ use crate::choose::{Choice, Model, Stretches};
 use crate::condition::{Rejected, Step, Stretch};
 use crate::quality::{Judgement, Reason, ReasonKind, TemperatureUnit};
 use crate::table::{Columns, RateUnit, Resolved, TableError, TableFile};
+pub(crate) use residual::Residuals;
 use survey::Survey;
 
 /// Points in a trace, at most: more than a figure can show.
@@ -64,7 +65,7 @@ pub enum LogFitError {
 }
 
 /// A residual's size, in the rate's unit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Root mean square about zero.
     pub rms: f64,

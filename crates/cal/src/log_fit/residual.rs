@@ -37,7 +37,7 @@ struct Bin {
 }
 
 /// The residuals of one axis, in-sample and held out, and its trace.
-pub(super) struct Residuals<'a> {
+pub(crate) struct Residuals<'a> {
     curve: &'a Shape,
     without: Vec<Option<Shape>>,
     rows: u64,
@@ -50,7 +50,7 @@ pub(super) struct Residuals<'a> {
 
 impl<'a> Residuals<'a> {
     /// For a record of `rows` rows or groups.
-    pub(super) fn new(choice: &Choice, drift: &'a Drift, rows: u64) -> Self {
+    pub(crate) fn new(choice: &Choice, drift: &'a Drift, rows: u64) -> Self {
         Self {
             curve: &drift.shape,
             without: choice.without.iter().map(|solution| solution.as_ref()?.shape()).collect(),
@@ -65,7 +65,7 @@ impl<'a> Residuals<'a> {
     /// Takes in one row or group of a stretch.
     // A bin's number is below 2000.
     #[allow(clippy::cast_possible_truncation)]
-    pub(super) fn push(&mut self, row: u64, stretch: usize, time_s: f64, temperature: f64, rate: f64) {
+    pub(crate) fn push(&mut self, row: u64, stretch: usize, time_s: f64, temperature: f64, rate: f64) {
         let residual = rate - evaluate(self.curve, temperature);
         self.in_sample.push(residual);
         match &self.without[stretch] {
@@ -82,7 +82,7 @@ impl<'a> Residuals<'a> {
     }
 
     /// In-sample, held out, trace.
-    pub(super) fn finish(self) -> (Spread, Spread, Vec<TracePoint>) {
+    pub(crate) fn finish(self) -> (Spread, Spread, Vec<TracePoint>) {
         let held_out = if self.complete { self.held_out.spread() } else { Spread { rms: f64::NAN, pp: f64::NAN } };
         let trace = self
             .bins
