@@ -1,0 +1,77 @@
+//! Why a procedure could not be carried through.
+
+use zerorate_cal::recording::RecordingError;
+use zerorate_core::units::{Axis, Taps};
+
+use crate::client::ClientError;
+use crate::instruments::InstrumentError;
+
+/// Why a procedure could not be carried through. What had been taken is in the recording.
+#[derive(Debug, thiserror::Error)]
+pub enum BenchError {
+    /// The device.
+    #[error(transparent)]
+    Device(#[from] ClientError),
+    /// An instrument.
+    #[error(transparent)]
+    Instrument(#[from] InstrumentError),
+    /// The recording.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// No tap brings the reading near the centre.
+    #[error(
+        "axis {}: at a supply of {supply_v:.4} V no tap brings the reading near the centre of {centre_counts:.0} counts: the search ended at tap {} with {reading_counts:.0} counts. Make trim.span_counts smaller, or check the zero-adjust circuit", axis.name(), tap.get()
+    )]
+    CentreOutOfReach {
+        /// The axis.
+        axis: Axis,
+        /// The supply, volts.
+        supply_v: f64,
+        /// The centre aimed at, counts.
+        centre_counts: f64,
+        /// Where the search ended.
+        tap: Taps,
+        /// The reading there, counts.
+        reading_counts: f64,
+    },
+    /// The A/D saturates.
+    #[error(
+        "axis {}: the A/D saturates {}: the reading is at the converter's end, and nothing can be measured there. {}", axis.name(), whence, remedy
+    )]
+    Saturated {
+        /// The axis.
+        axis: Axis,
+        /// When.
+        whence: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// Every tap moves the reading by nothing that can be seen.
+    #[error(
+        "axis {}: the wiper does not move the reading ({change_counts:.1} counts for {taps} taps): check the potentiometer's wiring and its SPI", axis.name()
+    )]
+    WiperDead {
+        /// The axis.
+        axis: Axis,
+        /// How far the reading moved, counts.
+        change_counts: f64,
+        /// For how many taps.
+        taps: u16,
+    },
+    /// The fit of the drift failed.
+    #[error("axis {}: {reason}", axis.name())]
+    Fit {
+        /// The axis.
+        axis: Axis,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// A file cannot be written.
+    #[error("cannot write {path}: {source}. Earlier results are untouched")]
+    Write {
+        /// The file.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+}

@@ -1,0 +1,123 @@
+//! What a compensation test shows, in numbers.
+
+use serde::Serialize;
+use zerorate_core::compensate::StaticLaw;
+use zerorate_core::units::{Axis, TemperatureCode};
+
+use crate::procedure::compensation_test::TestRun;
+use crate::run::{Phase, Taken};
+use crate::steps::largest_step;
+
+/// One direction of a compensation test. All figures are of group means over the hour of the ramp, on a run that no
+/// model has seen: held out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TestResult {
+    /// `trim` or `hybrid`.
+    pub mode: &'static str,
+    /// The compensated axis.
+    pub axis: &'static str,
+    /// The axis left alone.
+    pub control: &'static str,
+    /// `heating` or `cooling`.
+    pub direction: &'static str,
+    /// What is left on the compensated axis, counts peak to peak.
+    pub residual_pp_counts: f64,
+    /// The same, rms about its mean.
+    pub residual_rms_counts: f64,
+    /// The control, counts peak to peak.
+    pub control_pp_counts: f64,
+    /// What no compensation could beat: the same groups with the plant's own drift and wiper voltage removed, counts
+    /// peak to peak. Known on a simulated bench alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floor_pp_counts: Option<f64>,
+    /// Wiper writes after the first.
+    pub wiper_writes: u32,
+    /// Tap changes of the noise-free law with the same dead band along the plant's true temperature, from the tap of the
+    /// first write on. Known on a simulated bench alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub taps_crossed: Option<u32>,
+    /// Mean of the compensated axis, counts.
+    pub mean_counts: f64,
+    /// The largest jump of the corrected samples in the second after a tap change, less its size elsewhere, counts.
+    pub largest_step_counts: f64,
+}
+
+/// Largest less smallest.
+#[must_use]
+pub fn peak_to_peak(values: impl Iterator<Item = f64>) -> f64 {
+    let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (least.min(v), most.max(v)));
+    most - least
+}
+
+/// Mean and rms about it.
+#[must_use]
+pub fn mean_and_rms(values: &[f64]) -> (f64, f64) {
+    #[allow(clippy::cast_precision_loss)]
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+    (mean, (squares / n).sqrt())
+}
+
+/// A ramp's zero-rate output without compensation, counts peak to peak.
+#[must_use]
+pub fn drift_pp(ramp: &[Taken], axis: Axis) -> f64 {
+    peak_to_peak(ramp.iter().map(|taken| taken.zro(axis).0))
+}
+
+/// The results of a test's directions. `law` is the compensated axis's law in f64.
+#[must_use]
+pub fn evaluate(test: &TestRun, law: &StaticLaw) -> Vec<TestResult> {
+    [(&test.heating, Phase::Heating), (&test.cooling, Phase::Cooling)]
+        .into_iter()
+        .filter(|(ramp, _)| !ramp.is_empty())
+        .map(|(ramp, direction)| one_direction(test, ramp, direction, law))
+        .collect()
+}
+
+fn one_direction(test: &TestRun, ramp: &[Taken], direction: Phase, law: &StaticLaw) -> TestResult {
+    let axis = test.axis;
+    let corrected: Vec<f64> = ramp.iter().map(|taken| taken.corrected(axis).0).collect();
+    let (mean_counts, residual_rms_counts) = mean_and_rms(&corrected);
+    let jumps: Vec<f64> = ramp.iter().map(|taken| taken.jumps[axis.index()]).collect();
+    let moved: Vec<bool> = ramp.iter().map(|taken| taken.report.axes[axis.index()].moved_to.is_some()).collect();
+    TestResult {
+        mode: test.mode.name(),
+        axis: axis.name(),
+        control: axis.other().name(),
+        direction: direction.name(),
+        residual_pp_counts: peak_to_peak(corrected.iter().copied()),
+        residual_rms_counts,
+        control_pp_counts: drift_pp(ramp, axis.other()),
+        floor_pp_counts: floor(ramp, axis),
+        wiper_writes: u32::try_from(moved.iter().filter(|&&moved| moved).count()).unwrap_or(u32::MAX),
+        taps_crossed: taps_crossed(ramp, axis, law),
+        mean_counts,
+        largest_step_counts: largest_step(&jumps, &moved),
+    }
+}
+
+/// Group means less the plant's own drift and wiper, peak to peak.
+fn floor(ramp: &[Taken], axis: Axis) -> Option<f64> {
+    let unexplained = |taken: &Taken| {
+        let truth = &taken.truth.as_ref()?.axes[axis.index()];
+        Some(taken.zro(axis).0 - truth.drift_counts - truth.wiper_counts)
+    };
+    let left: Option<Vec<f64>> = ramp.iter().map(unexplained).collect();
+    left.map(|left| peak_to_peak(left.into_iter()))
+}
+
+/// How often the noise-free law changes the tap along the plant's true temperature, from the tap that the ramp's first
+/// group was taken at.
+fn taps_crossed(ramp: &[Taken], axis: Axis, law: &StaticLaw) -> Option<u32> {
+    let mut tap = ramp.first()?.report.axes[axis.index()].tap;
+    let mut crossed = 0;
+    for taken in ramp {
+        let truth = taken.truth.as_ref()?;
+        let code: TemperatureCode = law.temperature_scale.code(truth.axes[axis.index()].temperature_counts)?;
+        let next = law.next(tap, code);
+        crossed += u32::from(next != tap);
+        tap = next;
+    }
+    Some(crossed)
+}

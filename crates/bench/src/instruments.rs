@@ -1,0 +1,106 @@
+//! What stands on a bench beside the device: chamber, supply, power, and the time between them.
+
+use zerorate_core::units::{Axis, Celsius, Seconds, Volts};
+use zerorate_sim::Truth;
+
+use crate::client::DeviceClient;
+
+/// A temperature chamber.
+pub trait Chamber {
+    /// Sends the chamber to a temperature; it gets there in its own time.
+    ///
+    /// # Errors
+    /// [`InstrumentError`].
+    fn set(&mut self, set_point: Celsius) -> Result<(), InstrumentError>;
+
+    /// Where it was sent.
+    fn set_point(&self) -> Celsius;
+
+    /// Where its air is.
+    ///
+    /// # Errors
+    /// [`InstrumentError`].
+    fn air(&mut self) -> Result<Celsius, InstrumentError>;
+}
+
+/// A finely adjustable supply that can take the gyros' place, and a voltmeter on their outputs (paper, S8).
+pub trait Supply {
+    /// Takes the gyros off and feeds a voltage to both rate inputs.
+    ///
+    /// # Errors
+    /// [`InstrumentError`].
+    fn feed(&mut self, volts: Volts) -> Result<(), InstrumentError>;
+
+    /// Puts the gyros back.
+    ///
+    /// # Errors
+    /// [`InstrumentError`].
+    fn connect_gyros(&mut self) -> Result<(), InstrumentError>;
+
+    /// What a voltmeter shows at a gyro's rate output.
+    ///
+    /// # Errors
+    /// [`InstrumentError`].
+    fn gyro_output(&mut self, axis: Axis) -> Result<Volts, InstrumentError>;
+}
+
+/// Power and time.
+pub trait Surroundings {
+    /// Switches gyros and board off and on again.
+    ///
+    /// # Errors
+    /// [`InstrumentError`].
+    fn power_cycle(&mut self) -> Result<(), InstrumentError>;
+
+    /// Lets time pass while the acquisition stands still.
+    ///
+    /// # Errors
+    /// [`InstrumentError`].
+    fn wait(&mut self, time: Seconds) -> Result<(), InstrumentError>;
+}
+
+/// Someone who knows the plant's truth: the simulated bench. It speaks to reports only.
+pub trait Witness {
+    /// The truth of the sets taken since the last call, in order.
+    fn take(&mut self) -> Vec<Truth>;
+
+    /// What a tap really adds to the reading at the middle tap just now, counts.
+    fn tap_counts(&self, axis: Axis, tap: zerorate_core::units::Taps) -> f64;
+}
+
+/// An instrument that does not do as it is told.
+#[derive(Debug, thiserror::Error)]
+pub enum InstrumentError {
+    /// The chamber cannot go there.
+    #[error("the chamber cannot go to {set_point_c} C: {reason}")]
+    SetPoint {
+        /// Where it was sent, degrees C.
+        set_point_c: f64,
+        /// Why not.
+        reason: String,
+    },
+    /// The chamber has not got where it was sent.
+    #[error("the chamber was sent to {set_point_c} C and is still at {air_c:.1} C after {waited_min:.0} min: check its door, its power and its limits")]
+    NotReached {
+        /// Where it was sent, degrees C.
+        set_point_c: f64,
+        /// Where its air is, degrees C.
+        air_c: f64,
+        /// How long was waited, minutes.
+        waited_min: f64,
+    },
+}
+
+/// A device and the instruments about it.
+pub struct Bench {
+    /// The device.
+    pub device: DeviceClient,
+    /// The chamber.
+    pub chamber: Box<dyn Chamber>,
+    /// The supply.
+    pub supply: Box<dyn Supply>,
+    /// Power and time.
+    pub surroundings: Box<dyn Surroundings>,
+    /// The truth, on a simulated bench.
+    pub witness: Option<Box<dyn Witness>>,
+}

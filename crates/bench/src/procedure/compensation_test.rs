@@ -1,0 +1,60 @@
+//! The compensation test (paper, S11): the profile of the full-temperature test once more, one axis compensated, the
+//! other left alone as the control; and the cooling ramp after it, where hysteresis does not cancel.
+
+use zerorate_core::compensate::Mode;
+use zerorate_core::units::{Axis, Seconds};
+use zerorate_core::wire::Request;
+
+use crate::error::BenchError;
+use crate::run::{Phase, Recorder, Session, Taken};
+
+/// The groups of one test.
+#[derive(Debug, Clone)]
+pub struct TestRun {
+    /// The mode of the compensated axis.
+    pub mode: Mode,
+    /// The compensated axis; the other is the control.
+    pub axis: Axis,
+    /// The heating ramp.
+    pub heating: Vec<Taken>,
+    /// The cooling ramp; empty where none was asked for.
+    pub cooling: Vec<Taken>,
+}
+
+/// Runs the test on a device that has its calibration.
+///
+/// The compensated axis finds its tap at the end of the soak, before the ramp begins.
+///
+/// # Errors
+/// [`BenchError`].
+pub fn run(
+    session: &mut Session<'_>,
+    mode: Mode,
+    axis: Axis,
+    with_cooling: bool,
+    recorder: &mut Recorder,
+) -> Result<TestRun, BenchError> {
+    let [cold, hot] = session.setup.ends();
+    let chamber = &session.setup.chamber;
+    let (soak, soak_groups, ramp_groups) = (Seconds(chamber.soak_s), chamber.soak_groups, chamber.ramp_groups);
+    session.begin()?;
+    session.bench.device.order(Request::SetMode { axis, mode })?;
+    session.bench.device.order(Request::SetMode { axis: axis.other(), mode: Mode::Off })?;
+    session.soak("cold soak", cold, soak)?;
+    session.start(true)?;
+    let name = |direction: &str| format!("compensation test, {} {}, {direction}", axis.name().to_uppercase(), mode.name());
+    session.progress.phase(&name("heating"), ramp_groups);
+    session.until(soak_groups, Phase::Soak, recorder)?;
+    session.bench.chamber.set(hot)?;
+    let heated = soak_groups + ramp_groups;
+    let heating = session.until(heated, Phase::Heating, recorder)?;
+    let mut cooling = Vec::new();
+    if with_cooling {
+        session.progress.phase(&name("cooling"), ramp_groups);
+        session.bench.chamber.set(cold)?;
+        cooling = session.until(heated + ramp_groups, Phase::Cooling, recorder)?;
+    }
+    session.stop()?;
+    recorder.next_run();
+    Ok(TestRun { mode, axis, heating, cooling })
+}

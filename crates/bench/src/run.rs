@@ -1,0 +1,312 @@
+//! Taking groups: the one loop that every procedure records with.
+
+use zerorate_cal::recording::{GroupRow, RecordingWriter};
+use zerorate_core::drift::Coverage;
+use zerorate_core::units::{Axis, Celsius, Counts, Kelvins, Seconds};
+use zerorate_core::wire::{GroupReport, Request};
+use zerorate_sim::Truth;
+
+use crate::error::BenchError;
+use crate::instruments::{Bench, InstrumentError};
+use crate::setup::SetUp;
+use crate::steps::StepWatch;
+
+/// A chamber is where it was sent when its air is this close.
+const AT_SET_POINT: Kelvins = Kelvins(0.5);
+/// How often the chamber is looked at on the way to a soak.
+const LOOK_EVERY: Seconds = Seconds(10.0);
+/// A chamber slower than this on the way to a soak has failed: twenty hours a hundred kelvins.
+const SLOWEST_KELVINS_PER_SECOND: f64 = 100.0 / 72_000.0;
+
+/// What the chamber is doing while a group is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// Held at a temperature.
+    Soak,
+    /// On the way up.
+    Heating,
+    /// On the way down.
+    Cooling,
+    /// At room temperature, the supply in the gyros' place.
+    Supply,
+}
+
+impl Phase {
+    /// As in recordings.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Soak => "soak",
+            Self::Heating => "heating",
+            Self::Cooling => "cooling",
+            Self::Supply => "supply",
+        }
+    }
+}
+
+/// A group with what was about it.
+#[derive(Debug, Clone)]
+pub struct Taken {
+    /// The group as the device reported it.
+    pub report: GroupReport,
+    /// Time since the recording began, to the group's end.
+    pub time: Seconds,
+    /// What the chamber was doing.
+    pub phase: Phase,
+    /// The largest jump of X's and Y's corrected samples in the group's first second, counts; NaN without samples.
+    pub jumps: [f64; 2],
+    /// The truth, on a simulated bench.
+    pub truth: Option<Truth>,
+}
+
+impl Taken {
+    /// The corrected mean of an axis.
+    #[must_use]
+    pub fn corrected(&self, axis: Axis) -> Counts {
+        Counts(f64::from(self.report.axes[axis.index()].corrected_q16) / 65_536.0)
+    }
+
+    /// The mean zero-rate output of an axis as read.
+    #[must_use]
+    pub fn zro(&self, axis: Axis) -> Counts {
+        self.report.axes[axis.index()].sums.mean_zro()
+    }
+
+    /// The mean temperature reading of an axis.
+    #[must_use]
+    pub fn temperature(&self, axis: Axis) -> Counts {
+        self.report.axes[axis.index()].sums.mean_temperature()
+    }
+}
+
+/// Who is told how far things are.
+pub trait Progress {
+    /// A phase begins that will take so many groups (0: no groups are taken in it).
+    fn phase(&mut self, name: &str, groups: u32);
+
+    /// A group was taken, or time passed; the chamber's air is at a temperature.
+    fn step(&mut self, air: Celsius);
+}
+
+/// Nobody is told.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn phase(&mut self, _: &str, _: u32) {}
+    fn step(&mut self, _: Celsius) {}
+}
+
+/// A bench at work on one unit.
+pub struct Session<'b> {
+    /// The bench.
+    pub bench: &'b mut Bench,
+    /// The set-up.
+    pub setup: &'b SetUp,
+    /// Who is told.
+    pub progress: &'b mut dyn Progress,
+    /// Time since the session began, as the bench counts it.
+    pub elapsed: Seconds,
+    watches: [StepWatch; 2],
+    taken: u32,
+}
+
+impl<'b> Session<'b> {
+    /// A session on a bench.
+    pub fn new(bench: &'b mut Bench, setup: &'b SetUp, progress: &'b mut dyn Progress) -> Self {
+        Self { bench, setup, progress, elapsed: Seconds(0.0), watches: Default::default(), taken: 0 }
+    }
+
+    /// Power off and on, acquisition stopped, both wipers at the middle tap: how every run begins.
+    ///
+    /// # Errors
+    /// [`BenchError`].
+    pub fn begin(&mut self) -> Result<(), BenchError> {
+        self.bench.surroundings.power_cycle()?;
+        self.bench.device.identify()?;
+        let middle = self.setup.middle();
+        self.bench.device.set_taps([middle, middle])?;
+        Ok(())
+    }
+
+    /// Sends the chamber to a temperature and holds it there, the acquisition standing still.
+    ///
+    /// # Errors
+    /// [`InstrumentError::NotReached`] when it does not get there.
+    pub fn soak(&mut self, what: &str, set_point: Celsius, hold: Seconds) -> Result<(), BenchError> {
+        self.progress.phase(what, 0);
+        self.bench.chamber.set(set_point)?;
+        let mut air = self.bench.chamber.air()?;
+        let patience = 3600.0 + (set_point - air).0.abs() / SLOWEST_KELVINS_PER_SECOND;
+        let mut waited = 0.0;
+        while (air - set_point).0.abs() > AT_SET_POINT.0 {
+            if waited > patience {
+                return Err(InstrumentError::NotReached {
+                    set_point_c: set_point.0,
+                    air_c: air.0,
+                    waited_min: waited / 60.0,
+                }
+                .into());
+            }
+            self.wait(LOOK_EVERY)?;
+            waited += LOOK_EVERY.0;
+            air = self.bench.chamber.air()?;
+            self.progress.step(air);
+        }
+        self.wait(hold)?;
+        self.progress.step(self.bench.chamber.air()?);
+        Ok(())
+    }
+
+    fn wait(&mut self, time: Seconds) -> Result<(), BenchError> {
+        self.bench.surroundings.wait(time)?;
+        self.elapsed = self.elapsed + time;
+        Ok(())
+    }
+
+    /// Starts the acquisition at group 0.
+    ///
+    /// # Errors
+    /// [`BenchError`].
+    pub fn start(&mut self, samples: bool) -> Result<(), BenchError> {
+        self.bench.device.order(Request::SetStream { groups: true, samples })?;
+        self.bench.device.order(Request::SetAcquisition { run: true })?;
+        self.watches = Default::default();
+        self.taken = 0;
+        if let Some(witness) = &mut self.bench.witness {
+            witness.take();
+        }
+        Ok(())
+    }
+
+    /// Stops the acquisition.
+    ///
+    /// # Errors
+    /// [`BenchError`].
+    pub fn stop(&mut self) -> Result<(), BenchError> {
+        self.bench.device.order(Request::SetAcquisition { run: false })?;
+        self.bench.device.discard_groups();
+        Ok(())
+    }
+
+    /// Takes groups and records them, until so many have come since the acquisition started.
+    ///
+    /// # Errors
+    /// [`BenchError`]; what was taken is in the recording.
+    pub fn until(&mut self, groups: u32, phase: Phase, recorder: &mut Recorder) -> Result<Vec<Taken>, BenchError> {
+        let mut taken = Vec::with_capacity(groups.saturating_sub(self.taken) as usize);
+        while self.taken < groups {
+            taken.push(self.take(phase, recorder)?);
+        }
+        Ok(taken)
+    }
+
+    /// Takes one group and records it.
+    ///
+    /// # Errors
+    /// [`BenchError`]; what was taken is in the recording.
+    pub fn take(&mut self, phase: Phase, recorder: &mut Recorder) -> Result<Taken, BenchError> {
+        let group = self.bench.device.next_group()?;
+        self.taken = group.report.group.0 + 1;
+        let first_second = 1_000_000 / self.setup.acquisition.sample_period_us.max(1) as usize;
+        let jumps = Axis::BOTH.map(|axis| {
+            self.watches[axis.index()].largest_jump(&group.samples[axis.index()], first_second)
+        });
+        let truth = self.bench.witness.as_mut().and_then(|witness| {
+            witness.take().into_iter().find(|truth| truth.set == group.report.group.0)
+        });
+        let air = self.bench.chamber.air()?;
+        self.progress.step(air);
+        let period = self.setup.group_period();
+        self.elapsed = self.elapsed + period;
+        let time = period * f64::from(self.taken);
+        let taken = Taken { report: group.report, time, phase, jumps, truth };
+        recorder.record(&taken, self.bench.chamber.set_point(), air)?;
+        Ok(taken)
+    }
+}
+
+/// Writes groups into a recording.
+pub struct Recorder {
+    /// `None`: nobody wants the recording.
+    writer: Option<RecordingWriter>,
+    /// Where this run's groups begin in the recording: each acquisition counts from 0, a recording goes on.
+    offset: (u32, f64),
+    last: (u32, f64),
+}
+
+impl Recorder {
+    /// A recorder on a recording.
+    #[must_use]
+    pub const fn new(writer: RecordingWriter) -> Self {
+        Self { writer: Some(writer), offset: (0, 0.0), last: (0, 0.0) }
+    }
+
+    /// A recorder that keeps nothing, for a study of many units.
+    #[must_use]
+    pub const fn discarding() -> Self {
+        Self { writer: None, offset: (0, 0.0), last: (0, 0.0) }
+    }
+
+    /// The next groups belong to another run in the same recording.
+    pub const fn next_run(&mut self) {
+        self.offset = self.last;
+    }
+
+    /// Closes the recording: it becomes a Parquet file.
+    ///
+    /// # Errors
+    /// [`BenchError`], when the disk is full, say; what was recorded is kept.
+    pub fn finish(self) -> Result<(), BenchError> {
+        if let Some(writer) = self.writer {
+            writer.finish()?;
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, taken: &Taken, chamber_set: Celsius, air: Celsius) -> Result<(), BenchError> {
+        let group = self.offset.0 + taken.report.group.0;
+        let time = self.offset.1 + taken.time.0;
+        self.last = (group + 1, time);
+        if let Some(writer) = &mut self.writer {
+            writer.write_group(&Axis::BOTH.map(|axis| row(taken, axis, (group, time), chamber_set, air)))?;
+        }
+        Ok(())
+    }
+}
+
+/// Flag bits of a recording's rows.
+pub mod flags {
+    /// The temperature was below the calibrated range.
+    pub const BELOW: u16 = 1;
+    /// The temperature was above the calibrated range.
+    pub const ABOVE: u16 = 2;
+    /// The reading was at an end of the converter.
+    pub const SATURATED: u16 = 4;
+    /// The tap changed when the group closed.
+    pub const MOVED: u16 = 8;
+}
+
+fn row(taken: &Taken, axis: Axis, (group, t_s): (u32, f64), chamber_set: Celsius, air: Celsius) -> GroupRow {
+    let report = &taken.report.axes[axis.index()];
+    let mut flags = match report.coverage {
+        Coverage::Below => flags::BELOW,
+        Coverage::Above => flags::ABOVE,
+        Coverage::Inside | Coverage::Invalid => 0,
+    };
+    flags |= if report.saturated { flags::SATURATED } else { 0 };
+    flags |= if report.moved_to.is_some() { flags::MOVED } else { 0 };
+    GroupRow {
+        group,
+        t_s,
+        phase: taken.phase.name().into(),
+        axis,
+        sums: report.sums,
+        corrected_counts: taken.corrected(axis).0,
+        tap: report.tap.get(),
+        mode: report.mode,
+        chamber_set_c: chamber_set.0,
+        chamber_c: air.0,
+        flags,
+    }
+}

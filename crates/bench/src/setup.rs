@@ -1,0 +1,439 @@
+//! The set-up: one TOML file describes a board and its bench. The paper's is the default.
+//!
+//! Everything is checked when a set-up is read, so that a run of hours does not end in a contradiction.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use zerorate_cal::choose::Model;
+use zerorate_core::compensate::LowPass;
+use zerorate_core::drift::MAX_KNOTS;
+use zerorate_core::units::{Celsius, Counts, Seconds, Taps};
+
+/// A board and its bench.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SetUp {
+    /// The board.
+    pub board: Board,
+    /// How groups are taken.
+    pub acquisition: Acquisition,
+    /// The chamber's profile.
+    pub chamber: ChamberProfile,
+    /// The trim experiment and the law.
+    pub trim: TrimExperiment,
+    /// The drift model.
+    pub drift: DriftChoice,
+    /// What a unit must pass.
+    pub limits: Limits,
+}
+
+/// The board: what a newcomer reads off its schematic.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Board {
+    /// Bits of the A/D converter (paper: 14).
+    pub converter_bits: u32,
+    /// The zero-rate reading aimed at, counts (paper: 8200).
+    pub centre_counts: f64,
+    /// The middle tap N0 (paper: 511).
+    pub middle_tap: u16,
+    /// The trim part.
+    pub trim_part: String,
+    /// Counts a degree per second; negative where the reading falls with the rate.
+    pub counts_per_dps: f64,
+    /// Counts a degree of temperature reading.
+    pub counts_per_celsius: f64,
+    /// Volts at the rate input that move the reading by one count, without sign.
+    pub input_volts_per_count: f64,
+    /// Cut-off of the circuit's first-order low-pass, Hz.
+    pub low_pass_hz: f64,
+    /// From a set's last sample to the wiper's write, microseconds.
+    pub wiper_delay_us: f64,
+}
+
+/// How groups are taken.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Acquisition {
+    /// Samples a group (paper: 500).
+    pub group_length: u16,
+    /// Microseconds from sample to sample (paper: 3000, which makes 40 groups a minute).
+    pub sample_period_us: u32,
+}
+
+/// The chamber's profile.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ChamberProfile {
+    /// The cold end, degrees C (paper: -40).
+    pub cold_c: f64,
+    /// The hot end, degrees C (paper: +60).
+    pub hot_c: f64,
+    /// Room temperature, degrees C.
+    pub room_c: f64,
+    /// How long the chamber is held before a ramp once it is at its set point, seconds (paper: 1 h).
+    pub soak_s: f64,
+    /// Groups of a ramp that are used (paper: 2400, the first hour).
+    pub ramp_groups: u32,
+    /// Groups taken at the end of a soak, before the ramp begins.
+    pub soak_groups: u32,
+    /// The chamber's limits, degrees C (paper: -60 and +150).
+    pub limits_c: [f64; 2],
+    /// The soaks of the traditional test, degrees C.
+    pub soaks_c: Vec<f64>,
+}
+
+/// The trim experiment and the law made from it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TrimExperiment {
+    /// Supply voltages (paper: 21, ten each side of the room reading).
+    pub points: u32,
+    /// The reading's span each side of the room reading, counts (not in the paper; see READING.md).
+    pub span_counts: f64,
+    /// Groups averaged at each point.
+    pub groups_per_point: u32,
+    /// Taps swept beyond those that the drift needs, each side.
+    pub margin_taps: u16,
+    /// Dead band, taps. Each 0.05 tap costs 1.6 counts of residual each way where the drift turns round; the group
+    /// temperature's noise is some hundredths of that here. At 10 counts of noise the paper's law needs 0.15.
+    pub dead_band_taps: f64,
+}
+
+/// The drift model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DriftChoice {
+    /// `poly:1` to `poly:5`, `table:2` to `table:32`, or `auto`: chosen by held-out error (paper: quadratic).
+    pub model: String,
+}
+
+/// What a unit must pass, over the heating ramp.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Limits {
+    /// Residual of mode trim, counts peak to peak (paper: less than 40).
+    pub trim_residual_pp_counts: f64,
+    /// Residual of mode hybrid, in multiples of the floor peak to peak; used where the floor is known.
+    pub hybrid_residual_floors: f64,
+    /// Largest distance of the mean from the centre, counts.
+    pub mean_offset_counts: f64,
+}
+
+impl Default for SetUp {
+    fn default() -> Self {
+        Self::paper()
+    }
+}
+
+impl SetUp {
+    /// The paper's board and bench, with what READING.md takes where the paper is silent.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            board: Board::default(),
+            acquisition: Acquisition::default(),
+            chamber: ChamberProfile::default(),
+            trim: TrimExperiment::default(),
+            drift: DriftChoice::default(),
+            limits: Limits::default(),
+        }
+    }
+
+    /// The same bench for units whose drift is not known beforehand: the model is chosen by held-out error.
+    #[must_use]
+    pub fn typical() -> Self {
+        Self { drift: DriftChoice { model: "auto".into() }, ..Self::paper() }
+    }
+
+    /// Reads and checks a set-up file.
+    ///
+    /// # Errors
+    /// [`SetUpError`], naming the file and, where TOML is wrong, line and column.
+    pub fn read(path: &Path) -> Result<Self, SetUpError> {
+        let shown = path.display().to_string();
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| SetUpError::Read { path: shown.clone(), source })?;
+        Self::parse(&text, &shown)
+    }
+
+    /// Reads and checks a set-up from its text; `name` is what errors call it.
+    ///
+    /// # Errors
+    /// [`SetUpError`].
+    pub fn parse(text: &str, name: &str) -> Result<Self, SetUpError> {
+        let setup: Self = toml::from_str(text)
+            .map_err(|error| SetUpError::Toml { path: name.into(), reason: error.to_string().trim_end().into() })?;
+        let contradictions = setup.contradictions();
+        if contradictions.is_empty() {
+            Ok(setup)
+        } else {
+            Err(SetUpError::Contradicts { path: name.into(), reasons: contradictions.join("; ") })
+        }
+    }
+
+    /// The set-up as a TOML file.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        toml::to_string_pretty(self).unwrap_or_default()
+    }
+
+    /// What cannot be, in sentences; empty for a sound set-up.
+    #[must_use]
+    pub fn contradictions(&self) -> Vec<String> {
+        let Self { board, acquisition, chamber, trim, drift, limits } = self;
+        let mut found = Vec::new();
+        let mut must = |holds: bool, sentence: String| {
+            if !holds {
+                found.push(sentence);
+            }
+        };
+        must(
+            board.converter_bits == 14,
+            format!("board.converter_bits is {}: only 14 is supported so far", board.converter_bits),
+        );
+        must(
+            board.trim_part == "max5494",
+            format!("board.trim_part is \"{}\": only \"max5494\" is supported so far", board.trim_part),
+        );
+        must(
+            board.centre_counts > 0.0 && board.centre_counts < self.full_scale().0,
+            format!("board.centre_counts {} is outside the converter's 0 to {}", board.centre_counts, self.full_scale().0),
+        );
+        must(
+            Taps::new(board.middle_tap).is_some(),
+            format!("board.middle_tap {} is not a tap: the part has 0 to {}", board.middle_tap, Taps::LAST.get()),
+        );
+        must(
+            board.counts_per_dps != 0.0 && board.counts_per_dps.is_finite(),
+            "board.counts_per_dps must be a number other than 0".into(),
+        );
+        for (name, value) in [
+            ("board.counts_per_celsius", board.counts_per_celsius),
+            ("board.input_volts_per_count", board.input_volts_per_count),
+            ("board.low_pass_hz", board.low_pass_hz),
+            ("trim.span_counts", trim.span_counts),
+            ("chamber.soak_s", chamber.soak_s),
+            ("limits.trim_residual_pp_counts", limits.trim_residual_pp_counts),
+            ("limits.hybrid_residual_floors", limits.hybrid_residual_floors),
+            ("limits.mean_offset_counts", limits.mean_offset_counts),
+        ] {
+            must(value > 0.0 && value.is_finite(), format!("{name} is {value}: it must be above 0"));
+        }
+        must(
+            (0.0..f64::from(acquisition.sample_period_us)).contains(&board.wiper_delay_us),
+            "board.wiper_delay_us must be shorter than acquisition.sample_period_us".into(),
+        );
+        must(
+            (1..=512).contains(&acquisition.group_length),
+            format!("acquisition.group_length {} does not fit the port's banks of 1 to 512", acquisition.group_length),
+        );
+        must(
+            (100..=1_000_000).contains(&acquisition.sample_period_us),
+            format!("acquisition.sample_period_us {} is outside the port's 100 to 1000000", acquisition.sample_period_us),
+        );
+        let [low, high] = chamber.limits_c;
+        must(
+            chamber.cold_c < chamber.hot_c,
+            format!("chamber.cold_c {} is not below chamber.hot_c {}", chamber.cold_c, chamber.hot_c),
+        );
+        for (name, value) in [("cold_c", chamber.cold_c), ("hot_c", chamber.hot_c), ("room_c", chamber.room_c)]
+            .into_iter()
+            .chain(chamber.soaks_c.iter().map(|&soak| ("soaks_c", soak)))
+        {
+            must(
+                (low..=high).contains(&value),
+                format!("chamber.{name} {value} is outside the chamber's limits {low} to {high}"),
+            );
+        }
+        must(chamber.ramp_groups >= 40, format!("chamber.ramp_groups {} is too few to fit: at least 40", chamber.ramp_groups));
+        must(chamber.soak_groups >= 2, "chamber.soak_groups must be at least 2: the first sets the tap".into());
+        must(trim.points >= 3, format!("trim.points {} is too few for a line: at least 3", trim.points));
+        must(trim.groups_per_point >= 1, "trim.groups_per_point must be at least 1".into());
+        must(
+            (0.0..=0.45).contains(&trim.dead_band_taps),
+            format!("trim.dead_band_taps {} is outside 0 to 0.45", trim.dead_band_taps),
+        );
+        must(
+            board.centre_counts - trim.span_counts > 0.0
+                && board.centre_counts + trim.span_counts < self.full_scale().0,
+            format!("trim.span_counts {} about the centre leaves the converter", trim.span_counts),
+        );
+        match drift.model.parse::<Model>() {
+            Err(error) => must(false, format!("drift.model: {error}")),
+            Ok(Model::Table(pieces)) => must(
+                pieces < MAX_KNOTS,
+                format!("drift.model table:{pieces} has more pieces than the device's {}", MAX_KNOTS - 1),
+            ),
+            Ok(_) => {}
+        }
+        found
+    }
+
+    /// The converter's highest reading.
+    #[must_use]
+    pub fn full_scale(&self) -> Counts {
+        Counts(f64::from((1_u32 << self.board.converter_bits.min(16)) - 1))
+    }
+
+    /// The middle tap N0.
+    #[must_use]
+    pub fn middle(&self) -> Taps {
+        Taps::new(self.board.middle_tap).unwrap_or(Taps::MIDDLE)
+    }
+
+    /// The centre V0 aimed at.
+    #[must_use]
+    pub const fn centre(&self) -> Counts {
+        Counts(self.board.centre_counts)
+    }
+
+    /// How long a group takes.
+    #[must_use]
+    pub fn group_period(&self) -> Seconds {
+        Seconds(f64::from(self.acquisition.group_length) * f64::from(self.acquisition.sample_period_us) * 1e-6)
+    }
+
+    /// The circuit's low-pass as the device sees it.
+    #[must_use]
+    pub fn low_pass(&self) -> LowPass {
+        let period = f64::from(self.acquisition.sample_period_us) * 1e-6;
+        LowPass::first_order(self.board.low_pass_hz, period, self.board.wiper_delay_us * 1e-6)
+    }
+
+    /// The drift model asked for; `auto` where a set-up was never checked and its model makes no sense.
+    #[must_use]
+    pub fn model(&self) -> Model {
+        self.drift.model.parse().unwrap_or(Model::Auto)
+    }
+
+    /// The cold and the hot end.
+    #[must_use]
+    pub const fn ends(&self) -> [Celsius; 2] {
+        [Celsius(self.chamber.cold_c), Celsius(self.chamber.hot_c)]
+    }
+}
+
+impl Default for Board {
+    fn default() -> Self {
+        Self {
+            converter_bits: 14,
+            centre_counts: 8200.0,
+            middle_tap: 511,
+            trim_part: "max5494".into(),
+            // 6 mV a degree per second (ADXRS620) times the circuit's gain of -1.599, a count being 250 uV.
+            counts_per_dps: -38.4,
+            // 8500 to 11 900 counts over -40 to +60 C (READING.md, "What the paper leaves open").
+            counts_per_celsius: 34.0,
+            // 250 uV a count over the gain of 1.599.
+            input_volts_per_count: 250e-6 / 1.599,
+            low_pass_hz: 40.0,
+            wiper_delay_us: 100.0,
+        }
+    }
+}
+
+impl Default for Acquisition {
+    fn default() -> Self {
+        Self { group_length: 500, sample_period_us: 3000 }
+    }
+}
+
+impl Default for ChamberProfile {
+    fn default() -> Self {
+        Self {
+            cold_c: -40.0,
+            hot_c: 60.0,
+            room_c: 25.0,
+            soak_s: 3600.0,
+            ramp_groups: 2400,
+            soak_groups: 20,
+            limits_c: [-60.0, 150.0],
+            soaks_c: (0..=10).map(|k| -40.0 + 10.0 * f64::from(k)).collect(),
+        }
+    }
+}
+
+impl Default for TrimExperiment {
+    fn default() -> Self {
+        Self { points: 21, span_counts: 1000.0, groups_per_point: 4, margin_taps: 3, dead_band_taps: 0.05 }
+    }
+}
+
+impl Default for DriftChoice {
+    fn default() -> Self {
+        Self { model: "poly:2".into() }
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { trim_residual_pp_counts: 40.0, hybrid_residual_floors: 2.0, mean_offset_counts: 16.0 }
+    }
+}
+
+/// Why a set-up cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SetUpError {
+    /// The file cannot be read.
+    #[error("cannot read the set-up {path}: {source}")]
+    Read {
+        /// The file.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// It is not TOML, or has a field that no set-up has.
+    #[error("the set-up {path} cannot be read:\n{reason}\n(`zerorate setup` prints a whole one to start from)")]
+    Toml {
+        /// The file.
+        path: String,
+        /// Line, column and reason.
+        reason: String,
+    },
+    /// It contradicts itself.
+    #[error("the set-up {path} contradicts itself: {reasons}")]
+    Contradicts {
+        /// The file.
+        path: String,
+        /// The contradictions, in sentences.
+        reasons: String,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_papers_set_up_is_sound_and_survives_its_file() {
+        for setup in [SetUp::paper(), SetUp::typical()] {
+            assert_eq!(setup.contradictions(), Vec::<String>::new());
+            assert_eq!(SetUp::parse(&setup.to_toml(), "x").unwrap(), setup);
+        }
+        assert!((SetUp::paper().group_period().0 - 1.5).abs() < 1e-12, "40 groups a minute");
+    }
+
+    #[test]
+    fn a_part_of_a_file_keeps_the_papers_rest() {
+        let setup = SetUp::parse("[chamber]\ncold_c = -20.0\n", "x").unwrap();
+        assert!((setup.chamber.cold_c + 20.0).abs() < 1e-12);
+        assert_eq!(setup.board, Board::default());
+    }
+
+    #[test]
+    fn every_contradiction_is_named() {
+        let text = "[chamber]\ncold_c = 70.0\nhot_c = 200.0\n[trim]\npoints = 2\n[board]\nmiddle_tap = 2000\n[drift]\nmodel = \"poly:9\"";
+        let error = SetUp::parse(text, "bench.toml").unwrap_err().to_string();
+        for part in ["bench.toml", "hot_c 200", "trim.points 2", "middle_tap 2000", "drift.model"] {
+            assert!(error.contains(part), "{part} is missing from: {error}");
+        }
+    }
+
+    #[test]
+    fn a_misspelt_field_is_named_with_its_line() {
+        let error = SetUp::parse("[chamber]\ncold = -40.0\n", "bench.toml").unwrap_err().to_string();
+        assert!(error.contains("line 2") && error.contains("cold"), "{error}");
+    }
+}

@@ -1,0 +1,239 @@
+//! The simulated bench: the device's own application running natively against the plant, spoken to in wire bytes.
+//!
+//! Time passes only when the host waits: for a group (the plant runs until a set is full, the application is told that
+//! data are ready), or for the chamber with the acquisition stopped. So simulated time runs as fast as it can, and
+//! every run of the same seed is the same.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use zerorate_core::record::UnitSerial;
+use zerorate_core::units::{Axis, Celsius, Seconds, Taps, Volts};
+use zerorate_device::acquisition::{Acquisition, Timing};
+use zerorate_device::application::Application;
+use zerorate_device::compensator::Compensator;
+use zerorate_device::console::DeviceIdentity;
+use zerorate_device::direct::DirectAcquisition;
+use zerorate_device::port::PortAcquisition;
+use zerorate_device::store::MemoryStore;
+use zerorate_device::trim_part::Max5494Trim;
+use zerorate_sim::{ConverterSpi, Plant, PlantDelay, PortSpi, PotentiometerSpi, SharedPlant, Truth};
+
+use crate::client::DeviceClient;
+use crate::instruments::{Bench, Chamber, InstrumentError, Supply, Surroundings, Witness};
+use crate::link::{Link, LinkError};
+use crate::setup::SetUp;
+
+/// An acquisition that can be connected to the plant.
+pub trait OnPlant: Acquisition + Sized {
+    /// The acquisition on the plant's bus.
+    fn connect(plant: &SharedPlant) -> Self;
+
+    /// Lets the plant run until a set is full; `None` if the acquisition stands still.
+    fn run_set(&mut self, plant: &SharedPlant) -> Option<Truth>;
+}
+
+impl OnPlant for PortAcquisition<PortSpi> {
+    fn connect(plant: &SharedPlant) -> Self {
+        Self::new(PortSpi::new(plant))
+    }
+
+    fn run_set(&mut self, plant: &SharedPlant) -> Option<Truth> {
+        plant.borrow_mut().run_set()
+    }
+}
+
+impl OnPlant for DirectAcquisition<ConverterSpi> {
+    fn connect(plant: &SharedPlant) -> Self {
+        Self::new(ConverterSpi::new(plant))
+    }
+
+    fn run_set(&mut self, plant: &SharedPlant) -> Option<Truth> {
+        while self.is_running() {
+            plant.borrow_mut().next_scan();
+            if self.tick() == Ok(true) {
+                return plant.borrow_mut().take_truth();
+            }
+        }
+        None
+    }
+}
+
+type Potentiometer = Max5494Trim<PotentiometerSpi, PlantDelay>;
+
+/// The native device: the application, what it runs on, and the bytes on their way to the host.
+struct NativeDevice<A> {
+    plant: SharedPlant,
+    identity: DeviceIdentity,
+    timing: Timing,
+    application: Application<A, Potentiometer, MemoryStore>,
+    outgoing: Vec<u8>,
+    truths: Vec<Truth>,
+}
+
+impl<A: OnPlant> NativeDevice<A> {
+    fn new(plant: SharedPlant, identity: DeviceIdentity, timing: Timing) -> Self {
+        let application = start(&plant, &identity, timing, MemoryStore::default());
+        Self { plant, identity, timing, application, outgoing: Vec::new(), truths: Vec::new() }
+    }
+
+    fn power_cycle(&mut self) {
+        self.plant.borrow_mut().power_cycle();
+        let store = self.application.store().clone();
+        self.outgoing.clear();
+        self.application = start(&self.plant, &self.identity, self.timing, store);
+    }
+
+    fn run_set(&mut self) -> Result<(), LinkError> {
+        let truth = self.application.acquisition().run_set(&self.plant).ok_or(LinkError::Silent)?;
+        self.truths.push(truth);
+        let Self { application, outgoing, .. } = self;
+        application.data_ready(&mut |bytes: &[u8]| {
+            outgoing.extend_from_slice(bytes);
+            true
+        });
+        Ok(())
+    }
+
+    fn hear(&mut self, bytes: &[u8]) {
+        let Self { application, outgoing, .. } = self;
+        application.receive(bytes, &mut |bytes: &[u8]| {
+            outgoing.extend_from_slice(bytes);
+            true
+        });
+    }
+}
+
+/// The application as it starts when power comes.
+fn start<A: OnPlant>(
+    plant: &SharedPlant,
+    identity: &DeviceIdentity,
+    timing: Timing,
+    store: MemoryStore,
+) -> Application<A, Potentiometer, MemoryStore> {
+    let part = Max5494Trim::new(PotentiometerSpi::new(plant), PlantDelay::new(plant));
+    Application::new(Compensator::new(A::connect(plant), part, timing), identity.clone(), store)
+}
+
+/// The line to a native device.
+struct NativeLink<A>(Rc<RefCell<NativeDevice<A>>>);
+
+impl<A: OnPlant> Link for NativeLink<A> {
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.0.borrow_mut().hear(bytes);
+        Ok(())
+    }
+
+    fn receive(&mut self, into: &mut Vec<u8>) -> Result<(), LinkError> {
+        let mut device = self.0.borrow_mut();
+        while device.outgoing.is_empty() {
+            device.run_set()?;
+        }
+        into.append(&mut device.outgoing);
+        Ok(())
+    }
+}
+
+struct SimulatedSurroundings<A>(Rc<RefCell<NativeDevice<A>>>);
+
+impl<A: OnPlant> Surroundings for SimulatedSurroundings<A> {
+    fn power_cycle(&mut self) -> Result<(), InstrumentError> {
+        self.0.borrow_mut().power_cycle();
+        Ok(())
+    }
+
+    fn wait(&mut self, time: Seconds) -> Result<(), InstrumentError> {
+        self.0.borrow().plant.borrow_mut().wait(time);
+        Ok(())
+    }
+}
+
+struct SimulatedWitness<A>(Rc<RefCell<NativeDevice<A>>>);
+
+impl<A: OnPlant> Witness for SimulatedWitness<A> {
+    fn take(&mut self) -> Vec<Truth> {
+        core::mem::take(&mut self.0.borrow_mut().truths)
+    }
+
+    fn tap_counts(&self, axis: Axis, tap: Taps) -> f64 {
+        self.0.borrow().plant.borrow().true_tap_counts(axis, tap)
+    }
+}
+
+struct SimulatedChamber {
+    plant: SharedPlant,
+    set_point: Celsius,
+}
+
+impl Chamber for SimulatedChamber {
+    fn set(&mut self, set_point: Celsius) -> Result<(), InstrumentError> {
+        self.plant
+            .borrow_mut()
+            .chamber_set_point(set_point)
+            .map_err(|outside| InstrumentError::SetPoint { set_point_c: set_point.0, reason: outside.to_string() })?;
+        self.set_point = set_point;
+        Ok(())
+    }
+
+    fn set_point(&self) -> Celsius {
+        self.set_point
+    }
+
+    fn air(&mut self) -> Result<Celsius, InstrumentError> {
+        Ok(self.plant.borrow().chamber_air())
+    }
+}
+
+struct SimulatedSupply(SharedPlant);
+
+impl Supply for SimulatedSupply {
+    fn feed(&mut self, volts: Volts) -> Result<(), InstrumentError> {
+        self.0.borrow_mut().connect_supply(volts);
+        Ok(())
+    }
+
+    fn connect_gyros(&mut self) -> Result<(), InstrumentError> {
+        self.0.borrow_mut().connect_gyro();
+        Ok(())
+    }
+
+    fn gyro_output(&mut self, axis: Axis) -> Result<Volts, InstrumentError> {
+        Ok(self.0.borrow().rate_volts(axis))
+    }
+}
+
+/// The simulated bench about a plant, its device reading whole sets from the acquisition port.
+#[must_use]
+pub fn bench(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
+    assemble::<PortAcquisition<PortSpi>>(plant, setup, unit)
+}
+
+/// The simulated bench about a plant, its device driving the A/D itself.
+#[must_use]
+pub fn direct_bench(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
+    assemble::<DirectAcquisition<ConverterSpi>>(plant, setup, unit)
+}
+
+fn assemble<A: OnPlant + 'static>(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
+    let plant = plant.share();
+    let identity = DeviceIdentity { unit: unit.clone(), firmware: firmware_version() };
+    let timing = Timing {
+        scan_period_us: setup.acquisition.sample_period_us,
+        set_length: setup.acquisition.group_length,
+    };
+    let device = Rc::new(RefCell::new(NativeDevice::<A>::new(Rc::clone(&plant), identity, timing)));
+    let set_point = plant.borrow().chamber_air();
+    Bench {
+        device: DeviceClient::new(Box::new(NativeLink(Rc::clone(&device)))),
+        chamber: Box::new(SimulatedChamber { plant: Rc::clone(&plant), set_point }),
+        supply: Box::new(SimulatedSupply(plant)),
+        surroundings: Box::new(SimulatedSurroundings(Rc::clone(&device))),
+        witness: Some(Box::new(SimulatedWitness(device))),
+    }
+}
+
+/// This crate's version: the native device is built with it.
+fn firmware_version() -> [u16; 3] {
+    let part = |text: &str| text.parse().unwrap_or(0);
+    [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")].map(part)
+}
