@@ -5,6 +5,7 @@
 mod arrows;
 mod browser;
 mod cargo;
+mod circuit;
 mod devtools;
 mod house;
 mod no_std;
@@ -46,12 +47,25 @@ enum Chore {
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
+    /// Run the zero-adjust circuit in ngspice and compare it with what the simulated bench assumes
+    ///
+    /// Counts a tap, centre, corner and rails as drawn, then with every part off its value: the tables of
+    /// hardware/README.md. ngspice is installed if this runs as root on Debian, and named if it does not.
+    Circuit,
 }
 
 fn main() -> Result<ExitCode> {
-    let Chore::Test { fast, only } = Arguments::parse().chore;
+    let chore = Arguments::parse().chore;
     let workspace = Workspace::of_this_run()?;
-    Ok(steps::run(&steps::chosen(checks(&workspace, fast), &only)?))
+    Ok(match chore {
+        Chore::Test { fast, only } => steps::run(&steps::chosen(checks(&workspace, fast), &only)?),
+        Chore::Circuit => steps::run(&[circuit(&workspace)]),
+    })
+}
+
+/// Not among the checks of `cargo xtask test` yet.
+fn circuit(workspace: &Workspace) -> Step<'_> {
+    Step::new("circuit", "see hardware/README.md", || circuit::check(workspace))
 }
 
 /// Every check: cargo's, which say the most, then those that read, then those that need the built command.
