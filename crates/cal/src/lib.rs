@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod apply;
+pub mod calibration;
 pub mod choose;
 pub mod compose;
 pub mod condition;
@@ -12,3 +13,4 @@ pub mod recording;
 pub mod report;
 pub mod table;
 pub mod trim_fit;
+pub mod whole_file;

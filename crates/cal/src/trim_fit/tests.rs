@@ -79,7 +79,8 @@ fn points_on_the_papers_line_give_the_papers_numbers() {
 }
 
 /// Golden values by numpy 2.4, with V, T, N the columns below:
-/// `p, c = np.polyfit(dv, N - 511, 1, cov=True)` for `dv = V - T.mean()` and `dv = V - T`; errors `np.sqrt(np.diag(c))`.
+/// `p, c = np.polyfit(dv, N - 511, 1, cov=True)` for `dv = V - T.mean()` and `dv = V - T`; standard errors
+/// `np.sqrt(np.diag(c))`.
 #[test]
 fn both_lines_and_their_errors_agree_with_numpy() {
     let points = [

@@ -1,0 +1,172 @@
+//! The calibration file, `calibration.json`: what was fitted, from which recordings, and how well.
+//!
+//! It serves the analogue board, whose axes `x` and `y` have a trim model and become a device record, and a log of a
+//! digital gyro, whose axes have the names of the log's rate columns. Numbers are written so that they read back to the
+//! same bits: a calibration that was written and read makes the same device record, bit for bit.
+//!
+//! The schema's version ([`SCHEMA`]) changes when a field's meaning does or a field that is needed is added. Fields that
+//! a reader does not know it passes over, so that adding one needs no new version.
+
+mod axis;
+mod device;
+mod error;
+mod form;
+mod source;
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use zerorate_core::units::TemperatureScale;
+
+pub use axis::{AxisCalibration, CandidateStatistics, FitStatistics, ResidualOver, TrimCalibration};
+pub use device::{MadeRecord, NoDeviceRecord};
+pub use error::CalibrationError;
+pub use source::{Source, sha256_of_file};
+
+use crate::log_fit::LogFit;
+use crate::quality::TemperatureUnit;
+use crate::whole_file::write_whole;
+
+/// The version of the file that this code reads and writes.
+pub const SCHEMA: u32 = 1;
+
+/// This program and its version, as calibrations name their maker.
+pub const CREATED_BY: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));
+
+/// More bytes than a calibration has: a thousand times the paper's. A larger file is something else, and is not read.
+const MOST_BYTES: u64 = 16 << 20;
+
+/// What was calibrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// A board with two analogue gyros and a trim part; everything in counts.
+    AnalogueBoard,
+    /// A log of a digital gyro.
+    Log,
+}
+
+/// A calibration as it is kept in a file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Calibration {
+    /// What was calibrated.
+    pub kind: Kind,
+    /// The unit's serial; `None` where nobody gave one. A board's is needed for its device record.
+    pub unit_serial: Option<String>,
+    /// The program that made it, with its version: [`CREATED_BY`].
+    pub created_by: String,
+    /// The recordings that it rests on.
+    pub sources: Vec<Source>,
+    /// The unit of every temperature in it.
+    pub temperature_unit: TemperatureUnit,
+    /// What a temperature code stands for on the board, in the temperature's unit; `None` for a log.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_scale: Option<TemperatureScale>,
+    /// The axes by name: `x` and `y` of a board, the rate columns of a log.
+    pub axes: BTreeMap<String, AxisCalibration>,
+    /// What to look at, a sentence each.
+    #[serde(default)]
+    pub warnings: Vec<String>,
+    /// The set-up that it was made with, as it was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub setup: Option<serde_json::Value>,
+}
+
+/// A calibration as it is written: the schema's version first.
+#[derive(Serialize)]
+struct Versioned<'a> {
+    schema: u32,
+    #[serde(flatten)]
+    calibration: &'a Calibration,
+}
+
+/// What is read before anything else.
+#[derive(Deserialize)]
+struct Head {
+    schema: Option<serde_json::Value>,
+}
+
+impl Calibration {
+    /// The calibration of a log. `over` says what the fit was of: rows in plain mode, groups otherwise.
+    ///
+    /// # Errors
+    /// [`CalibrationError::Rejected`], when the log was rejected: no calibration comes of it.
+    pub fn of_log(
+        fit: &LogFit,
+        over: ResidualOver,
+        source: Source,
+        unit_serial: Option<String>,
+    ) -> Result<Self, CalibrationError> {
+        let reasons = || fit.judgement.reasons.iter().map(|reason| reason.text.clone());
+        let Some(first) = fit.axes.first() else {
+            return Err(CalibrationError::Rejected { reasons: reasons().collect::<Vec<_>>().join("; ") });
+        };
+        Ok(Self {
+            kind: Kind::Log,
+            unit_serial,
+            created_by: CREATED_BY.to_owned(),
+            sources: vec![source],
+            temperature_unit: first.temperature_unit,
+            temperature_scale: None,
+            axes: fit.axes.iter().map(|axis| (axis.name.clone(), AxisCalibration::of_log_axis(axis, over))).collect(),
+            warnings: reasons().collect(),
+            setup: None,
+        })
+    }
+
+    /// Reads a calibration.
+    ///
+    /// # Errors
+    /// [`CalibrationError`]: when the file cannot be read, is no calibration, has a schema that this code does not know,
+    /// or is malformed, with line and column.
+    pub fn read(path: &Path) -> Result<Self, CalibrationError> {
+        let cannot = |source| CalibrationError::Read { path: path.to_owned(), source };
+        let mut bytes = Vec::new();
+        File::open(path).map_err(cannot)?.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;
+        let text = String::from_utf8(bytes).ok().filter(|text| text.len() as u64 <= MOST_BYTES);
+        Self::from_json(&text.ok_or_else(|| CalibrationError::NotOne { path: path.to_owned() })?, path)
+    }
+
+    /// Reads a calibration from its text; `path` is for the error's words.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn from_json(text: &str, path: &Path) -> Result<Self, CalibrationError> {
+        let malformed = |error: serde_json::Error| CalibrationError::malformed(path, &error);
+        let head: Head = serde_json::from_str(text).map_err(malformed)?;
+        match head.schema.as_ref().map(serde_json::Value::as_u64) {
+            Some(Some(found)) if found == u64::from(SCHEMA) => serde_json::from_str(text).map_err(malformed),
+            Some(Some(found)) => Err(CalibrationError::UnknownSchema { path: path.to_owned(), found }),
+            Some(None) | None => Err(CalibrationError::NotOne { path: path.to_owned() }),
+        }
+    }
+
+    /// The file's text.
+    ///
+    /// # Errors
+    /// [`CalibrationError::Unwritable`], when the text would not read back: a number in it is not finite.
+    pub fn to_json(&self) -> Result<String, CalibrationError> {
+        let unwritable = |error: &dyn std::fmt::Display| CalibrationError::Unwritable { what: error.to_string() };
+        let versioned = Versioned { schema: SCHEMA, calibration: self };
+        let mut text = serde_json::to_string_pretty(&versioned).map_err(|error| unwritable(&error))?;
+        text.push('\n');
+        // JSON has no NaN: it is written as null, which only a reader notices.
+        Self::from_json(&text, Path::new("the new calibration")).map_err(|error| unwritable(&error))?;
+        Ok(text)
+    }
+
+    /// Writes the file whole or not at all; an error leaves an earlier one as it was.
+    ///
+    /// # Errors
+    /// [`CalibrationError::Unwritable`] and [`CalibrationError::Write`].
+    pub fn write(&self, path: &Path) -> Result<(), CalibrationError> {
+        let text = self.to_json()?;
+        write_whole(path, text.as_bytes()).map_err(|source| CalibrationError::Write { path: path.to_owned(), source })
+    }
+}
+
+#[cfg(test)]
+mod tests;

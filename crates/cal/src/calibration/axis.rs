@@ -1,0 +1,154 @@
+//! One axis of a calibration.
+
+use serde::{Deserialize, Serialize};
+use zerorate_core::compensate::{LowPass, Mode};
+use zerorate_core::drift::{Drift, Shape};
+use zerorate_core::trim::Trim;
+
+use super::form::{AxisForm, TrimForm};
+use crate::choose::{Choice, Model, STRETCHES};
+use crate::drift_fit::DriftFit;
+use crate::log_fit::{AxisFit, Spread};
+use crate::table::RateUnit;
+use crate::trim_fit::TrimEstimate;
+
+/// One axis: its drift, how well it was fitted, and its trim where it has one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "AxisForm", into = "AxisForm")]
+pub struct AxisCalibration {
+    /// Zero-rate output over temperature, in `rate_unit` and the calibration's temperature unit.
+    pub drift: Drift,
+    /// The unit of the drift and of every residual: counts on the analogue board.
+    pub rate_unit: RateUnit,
+    /// How well the drift was fitted; `None` where it was not fitted here.
+    pub fit: Option<FitStatistics>,
+    /// The trim part's model; `None` without one.
+    pub trim: Option<TrimCalibration>,
+    /// What to look at, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// What the residuals of a fit are residuals of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ResidualOver {
+    /// Single rows of a log.
+    Rows,
+    /// Means of groups.
+    Groups,
+}
+
+/// How well a drift was fitted. All numbers are in the axis's rate unit, or its square.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitStatistics {
+    /// What the residuals are of.
+    pub residual_over: ResidualOver,
+    /// How many of them there are.
+    pub residuals: u64,
+    /// Samples that were fitted, each counted once, in groups or not.
+    pub samples_used: u64,
+    /// Residual of the fit of everything.
+    pub in_sample: Spread,
+    /// Residual of contiguous stretches, each predicted by the fit of the others; `None` where the others do not settle
+    /// the model.
+    pub held_out: Option<Spread>,
+    /// How many stretches.
+    pub held_out_stretches: u64,
+    /// Covariance of the scaled coefficients (of a table: of its knots), a row a coefficient, rate units squared.
+    pub covariance: Vec<Vec<f64>>,
+    /// The models tried, simplest first.
+    pub candidates: Vec<CandidateStatistics>,
+}
+
+/// A model that was tried.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CandidateStatistics {
+    /// The model, as `poly:2`.
+    pub model: String,
+    /// Root mean square of the residual of the fit of everything.
+    pub in_sample_rms: f64,
+    /// Root mean square over the held-out stretches; `None` where one could not be predicted.
+    pub held_out_rms: Option<f64>,
+    /// Standard error of how much `held_out_rms` exceeds the best candidate's, stretch by stretch; 0 for the best.
+    pub held_out_excess_standard_error: Option<f64>,
+}
+
+/// The trim of one axis, and what the law makes of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "TrimForm", into = "TrimForm")]
+pub struct TrimCalibration {
+    /// The model that the law uses.
+    pub trim: Trim,
+    /// The line by each point's own trimmed reading.
+    pub better: Option<TrimEstimate>,
+    /// The line by the paper's formula.
+    pub paper: Option<TrimEstimate>,
+    /// Dead band, taps.
+    pub dead_band_taps: f64,
+    /// The circuit's low-pass at the board's sampling.
+    pub low_pass: LowPass,
+    /// What the axis is to do when the board starts.
+    pub start_up_mode: Mode,
+}
+
+impl AxisCalibration {
+    /// The axis of a log.
+    #[must_use]
+    pub fn of_log_axis(axis: &AxisFit, over: ResidualOver) -> Self {
+        Self {
+            drift: axis.drift.clone(),
+            rate_unit: axis.rate_unit,
+            fit: Some(FitStatistics::new(&axis.choice, over, axis.samples_used, axis.in_sample, axis.held_out)),
+            trim: None,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The axis of an analogue board, in counts; `samples_used` are those in all groups.
+    #[must_use]
+    pub fn of_board_axis(fit: &DriftFit, samples_used: u64, trim: Option<TrimCalibration>) -> Self {
+        let statistics =
+            FitStatistics::new(&fit.choice, ResidualOver::Groups, samples_used, fit.in_sample, fit.held_out);
+        Self {
+            drift: fit.drift.clone(),
+            rate_unit: RateUnit::Counts,
+            fit: Some(statistics),
+            trim,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The model: the drift's shape and size.
+    #[must_use]
+    pub fn model(&self) -> Model {
+        match &self.drift.shape {
+            Shape::Polynomial(polynomial) => Model::Poly(polynomial.order()),
+            Shape::Table(table) => Model::Table(table.knots().len() - 1),
+        }
+    }
+}
+
+impl FitStatistics {
+    fn new(choice: &Choice, over: ResidualOver, samples_used: u64, in_sample: Spread, held_out: Spread) -> Self {
+        let finite = |value: f64| value.is_finite().then_some(value);
+        Self {
+            residual_over: over,
+            residuals: choice.solution.rows,
+            samples_used,
+            in_sample,
+            held_out: held_out.rms.is_finite().then_some(held_out),
+            held_out_stretches: STRETCHES as u64,
+            covariance: choice.solution.covariance.clone(),
+            candidates: choice
+                .candidates
+                .iter()
+                .map(|candidate| CandidateStatistics {
+                    model: candidate.model.to_string(),
+                    in_sample_rms: candidate.in_sample_rms,
+                    held_out_rms: finite(candidate.held_out_rms),
+                    held_out_excess_standard_error: finite(candidate.standard_error),
+                })
+                .collect(),
+        }
+    }
+}

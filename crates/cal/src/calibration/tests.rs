@@ -1,0 +1,284 @@
+use std::fs;
+
+use proptest::prelude::*;
+use zerorate_core::compensate::{LowPass, Mode};
+use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, Table, ValidRange};
+use zerorate_core::record::MAX_RECORD_BYTES;
+use zerorate_core::trim::{TapEffects, Trim, TrimLine};
+use zerorate_core::units::{Axis, Counts, Taps};
+
+use super::*;
+use crate::choose::Model;
+use crate::drift_fit::fit_drift;
+use crate::log_fit::{FitOptions, fit_log};
+use crate::table::RateUnit;
+use crate::trim_fit::TrimEstimate;
+
+/// A board's axis: eq. (1), X, shifted, with noise; a trim with measured effects whose numbers have all their bits.
+fn board_axis(shift: f64) -> AxisCalibration {
+    let (temperatures, readings): (Vec<f64>, Vec<f64>) = (0..2400_i32)
+        .map(|group| {
+            let t = 8500.0 + 3400.0 * f64::from(group) / 2399.0;
+            let noise = f64::from((group * 617) % 1000) / 500.0 - 1.0;
+            (t, shift + 13_435.7 - 0.894_782 * t + 0.375_298e-4 * t * t + noise)
+        })
+        .unzip();
+    let estimate = TrimEstimate {
+        slope_taps_per_count: -0.1 / 3.13,
+        slope_standard_error_taps_per_count: 1e-5 / 3.0,
+        intercept_taps: -0.02 / 3.0,
+        intercept_standard_error_taps: 0.01,
+        centre_counts: 8200.0 + 1.0 / 3.0,
+        centre_standard_error_counts: 2.0,
+        residual_rms_taps: 0.1,
+    };
+    let line = TrimLine::new(
+        estimate.slope_taps_per_count,
+        estimate.intercept_taps,
+        Counts(estimate.centre_counts),
+        Taps::MIDDLE,
+    )
+    .unwrap();
+    let effects = (-16..=16).map(|k| Counts(f64::from(k) * 31.3 + f64::from(k % 5) / 7.0)).collect();
+    let trim = TrimCalibration {
+        trim: Trim { line, measured: Some(TapEffects { first: Taps::new(495).unwrap(), effects }) },
+        better: Some(estimate),
+        paper: Some(estimate),
+        dead_band_taps: 0.15,
+        low_pass: LowPass::first_order(40.0, 0.003, 0.0001),
+        start_up_mode: Mode::Hybrid,
+    };
+    let fit = fit_drift(&temperatures, &readings, Model::Auto).unwrap();
+    AxisCalibration::of_board_axis(&fit, 1_200_000, Some(trim))
+}
+
+fn board() -> Calibration {
+    let source = Source {
+        content: "full-temperature".to_owned(),
+        file: "full-temperature.parquet".to_owned(),
+        sha256: "00".repeat(32),
+    };
+    Calibration {
+        kind: Kind::AnalogueBoard,
+        unit_serial: Some("ZR-0001".to_owned()),
+        created_by: CREATED_BY.to_owned(),
+        sources: vec![source],
+        temperature_unit: TemperatureUnit::Counts,
+        temperature_scale: Some(TemperatureScale::QUARTER_COUNTS),
+        axes: [("x".to_owned(), board_axis(0.0)), ("y".to_owned(), board_axis(17.3))].into(),
+        warnings: vec!["look at this".to_owned()],
+        setup: Some(serde_json::json!({ "group": { "samples": 500 } })),
+    }
+}
+
+fn here() -> &'static Path {
+    Path::new("calibration.json")
+}
+
+fn bytes(calibration: &Calibration) -> Vec<u8> {
+    let made = calibration.to_device_record().unwrap();
+    made.record.encode(&mut [0; MAX_RECORD_BYTES]).unwrap().to_vec()
+}
+
+#[test]
+fn a_calibration_that_was_written_and_read_is_the_same_and_makes_the_same_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("calibration.json");
+    let board = board();
+    board.write(&path).unwrap();
+    let read = Calibration::read(&path).unwrap();
+    assert_eq!(read, board);
+    assert_eq!(bytes(&read), bytes(&board));
+    assert_eq!(read.to_json().unwrap(), fs::read_to_string(&path).unwrap());
+}
+
+#[test]
+fn the_file_names_its_units() {
+    let json: serde_json::Value = serde_json::from_str(&board().to_json().unwrap()).unwrap();
+    assert_eq!((&json["schema"], &json["kind"]), (&1.into(), &"analogue-board".into()));
+    assert_eq!((&json["temperature_unit"], &json["temperature_scale"]["step"]), (&"counts".into(), &0.25.into()));
+    let x = &json["axes"]["x"];
+    assert_eq!((&x["model"], &x["rate_unit"]), (&"poly:2".into(), &"counts".into()));
+    assert_eq!(x["drift"]["valid_temperature"], serde_json::json!([8500.0, 11_900.0]));
+    let raw = x["drift"]["raw_coefficients"][2].as_f64().unwrap();
+    assert!((raw / 0.375_298e-4 - 1.0).abs() < 1e-2, "{raw}");
+    assert_eq!((&x["fit"]["residual_over"], &x["fit"]["residuals"]), (&"groups".into(), &2400.into()));
+    assert_eq!(x["fit"]["candidates"].as_array().unwrap().len(), 5);
+    assert_eq!(x["fit"]["covariance"].as_array().unwrap().len(), 3);
+    assert_eq!((&x["trim"]["line"]["middle_tap"], &x["trim"]["start_up_mode"]), (&511.into(), &"hybrid".into()));
+    assert_eq!(x["trim"]["tap_effects"]["effects_counts"].as_array().unwrap().len(), 33);
+}
+
+#[test]
+fn a_log_becomes_a_calibration_of_its_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    let mut text = "time_s,temperature_c,gyro_x,gyro_y\n".to_owned();
+    for row in 0..2000_i32 {
+        let t = -20.0 + f64::from(row) * 0.03;
+        let noise = f64::from((row * 617) % 1000) * 1e-7;
+        text += &format!("{row},{t},{},{}\n", 1e-4 * t + noise, 2e-6 * t * t + noise);
+    }
+    fs::write(&path, text).unwrap();
+    let fit = fit_log(&path, &FitOptions { plain: true, ..FitOptions::default() }).unwrap();
+    let source = Source::of_file("log", &path).unwrap();
+    let calibration = Calibration::of_log(&fit, ResidualOver::Rows, source, None).unwrap();
+    assert_eq!(calibration.axes.keys().collect::<Vec<_>>(), ["gyro_x", "gyro_y"]);
+    assert_eq!(calibration.sources[0].file, "log.csv");
+    let y = &calibration.axes["gyro_y"];
+    assert_eq!((y.model(), y.fit.as_ref().unwrap().residuals), (Model::Poly(2), 2000));
+    let read = Calibration::from_json(&calibration.to_json().unwrap(), here()).unwrap();
+    assert_eq!(read, calibration);
+    assert_eq!(read.to_device_record(), Err(NoDeviceRecord::NotABoard));
+}
+
+#[test]
+fn a_rejected_log_makes_no_calibration() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    let rows: String = (0..500).map(|row| format!("{row},25.0,0.001\n")).collect();
+    fs::write(&path, format!("time_s,temperature_c,gyro_x\n{rows}")).unwrap();
+    let fit = fit_log(&path, &FitOptions { plain: true, ..FitOptions::default() }).unwrap();
+    let source = Source::of_file("log", &path).unwrap();
+    let refused = Calibration::of_log(&fit, ResidualOver::Rows, source, None).unwrap_err();
+    assert!(refused.to_string().contains("the temperature stays at 25.00"), "{refused}");
+}
+
+/// The hash of "abc": FIPS 180-4's own example.
+#[test]
+fn a_source_is_known_by_the_hash_of_its_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("abc.parquet");
+    fs::write(&path, "abc").unwrap();
+    let source = Source::of_file("trim-sweep", &path).unwrap();
+    assert_eq!(source.file, "abc.parquet");
+    assert_eq!(source.sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    let missing = Source::of_file("log", &folder.path().join("none.csv")).unwrap_err();
+    assert!(missing.to_string().contains("none.csv: cannot be read"), "{missing}");
+}
+
+#[test]
+fn an_unknown_schema_is_named_before_anything_else() {
+    let refused = |text: &str| Calibration::from_json(text, here()).unwrap_err().to_string();
+    let newer = refused(r#"{ "schema": 7, "axes": "in another form" }"#);
+    assert!(newer.starts_with("calibration.json: schema 7,") && newer.ends_with("use a newer zerorate"), "{newer}");
+    assert!(refused(r#"{ "schema": 0 }"#).ends_with("calibrate or fit again"));
+    for other in [r#"{ "plant": "paper" }"#, r#"{ "schema": "1" }"#, "{}"] {
+        assert!(refused(other).contains("this is not a calibration"), "{other}");
+    }
+}
+
+#[test]
+fn a_malformed_file_is_refused_with_line_and_column() {
+    let text = board().to_json().unwrap();
+    let place = |text: &str| match Calibration::from_json(text, here()).unwrap_err() {
+        CalibrationError::Malformed { line, column, what, .. } => (line, column, what),
+        other => panic!("{other}"),
+    };
+    let cut = &text[..text.len() / 2];
+    assert_eq!(place(cut).0, cut.lines().count());
+    let (line, column, what) = place(&text.replacen("\"kind\": \"analogue-board\"", "\"kind\": \"toaster\"", 1));
+    assert_eq!((line, column), (3, 19));
+    assert!(what.contains("unknown variant `toaster`") && !what.contains("line"), "{what}");
+    let refused = Calibration::from_json(&text.replacen("\"sources\"", "\"origins\"", 1), here()).unwrap_err();
+    assert!(refused.to_string().contains("missing field `sources`"), "{refused}");
+}
+
+#[test]
+fn contradictions_in_a_file_are_refused() {
+    let text = board().to_json().unwrap();
+    let refused = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        Calibration::from_json(&text.replacen(from, to, 1), here()).unwrap_err().to_string()
+    };
+    assert!(
+        refused("\"model\": \"poly:2\",\n      \"drift\"", "\"model\": \"poly:3\",\n      \"drift\"")
+            .contains("model poly:3")
+    );
+    let raw = "\"raw_coefficients\": [\n          1";
+    assert!(refused(raw, &raw.replace('1', "2")).contains("are not the same polynomial"));
+    assert!(refused("\"scaled_coefficients\"", "\"coefficients\"").contains("either scaled_coefficients or knots"));
+    assert!(refused("\"temperature_half_span\": ", "\"temperature_half_span\": -").contains("above zero"));
+    assert!(refused("\"slope_taps_per_count\": -", "\"slope_taps_per_count\": ").contains("below zero"));
+    assert!(refused("\"middle_tap\": 511", "\"middle_tap\": 1511").contains("0 to 1023"));
+    assert!(refused("\"first_tap\": 495", "\"first_tap\": 1000").contains("33 tap effects from tap 1000"));
+    assert!(refused("\"hybrid\"", "\"automatic\"").contains("'automatic' is no start_up_mode"));
+}
+
+#[test]
+fn files_that_are_something_else_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("device-record.bin");
+    fs::write(&path, [0x5a, 0x52, 0xff, 0x00]).unwrap();
+    assert!(matches!(Calibration::read(&path), Err(CalibrationError::NotOne { .. })));
+    assert!(matches!(Calibration::read(&folder.path().join("none")), Err(CalibrationError::Read { .. })));
+}
+
+#[test]
+fn what_would_not_read_back_is_not_written_and_the_earlier_file_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("calibration.json");
+    board().write(&path).unwrap();
+    let earlier = fs::read(&path).unwrap();
+    let mut bad = board();
+    if let Some(fit) = bad.axes.get_mut("x").and_then(|x| x.fit.as_mut()) {
+        fit.in_sample.rms = f64::NAN;
+    }
+    assert!(matches!(bad.write(&path), Err(CalibrationError::Unwritable { .. })));
+    assert_eq!(fs::read(&path).unwrap(), earlier);
+    let nowhere = folder.path().join("missing").join("calibration.json");
+    assert!(matches!(board().write(&nowhere), Err(CalibrationError::Write { .. })));
+}
+
+#[test]
+fn what_a_record_needs_and_is_missing_is_named() {
+    let refused = |change: fn(&mut Calibration)| {
+        let mut changed = board();
+        change(&mut changed);
+        changed.to_device_record().unwrap_err()
+    };
+    assert_eq!(refused(|c| c.unit_serial = None), NoDeviceRecord::NoSerial);
+    assert_eq!(refused(|c| c.temperature_scale = None), NoDeviceRecord::NoTemperatureScale);
+    assert_eq!(refused(|c| drop(c.axes.remove("y"))), NoDeviceRecord::NoAxis { axis: "y" });
+    assert_eq!(refused(|c| c.axes.values_mut().for_each(|a| a.trim = None)), NoDeviceRecord::NoTrim { axis: "x" });
+    let in_rates = refused(|c| c.axes.values_mut().for_each(|a| a.rate_unit = RateUnit::Dps));
+    assert_eq!(in_rates.to_string(), "axis x is in dps: a device works in counts");
+    let band = refused(|c| c.axes.values_mut().filter_map(|a| a.trim.as_mut()).for_each(|t| t.dead_band_taps = 2.0));
+    assert!(band.to_string().starts_with("axis x: a dead band of 2 taps"), "{band}");
+}
+
+#[test]
+fn an_axis_whose_wiper_cannot_follow_is_named_and_runs_digitally() {
+    let mut board = board();
+    let line = TrimLine::new(-0.3, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap();
+    if let Some(trim) = board.axes.get_mut("y").and_then(|y| y.trim.as_mut()) {
+        trim.trim.line = line;
+    }
+    let made = board.to_device_record().unwrap();
+    assert_eq!(made.digital_only.iter().map(|(axis, _)| *axis).collect::<Vec<_>>(), [Axis::Y]);
+    assert_eq!(made.record.axis(Axis::Y).start_up_mode, Mode::Digital);
+    assert!(made.record.axis(Axis::X).edges.is_some());
+}
+
+fn drifts() -> impl Strategy<Value = Drift> {
+    let scales = (-1e4_f64..1e4, 1e-3_f64..1e4).prop_map(|(centre, half)| Scale::new(centre, half).unwrap());
+    let values = |most| prop::collection::vec(-1e5_f64..1e5, 2..=most);
+    let polynomial = (scales.clone(), values(6))
+        .prop_map(|(scale, values)| (scale, Shape::Polynomial(Polynomial::new(scale, &values).unwrap())));
+    let table =
+        (scales, values(33)).prop_map(|(scale, values)| (scale, Shape::Table(Table::new(scale, &values).unwrap())));
+    prop_oneof![polynomial, table].prop_map(|(scale, shape)| {
+        let valid = ValidRange::new(scale.temperature(-1.0), scale.temperature(1.0)).unwrap();
+        Drift { shape, valid }
+    })
+}
+
+proptest! {
+    #[test]
+    fn every_drift_reads_back_to_the_same_bits(drift in drifts()) {
+        let mut calibration = board();
+        calibration.axes.get_mut("x").unwrap().drift = drift;
+        let read = Calibration::from_json(&calibration.to_json().unwrap(), here()).unwrap();
+        prop_assert_eq!(read, calibration);
+    }
+}
