@@ -81,10 +81,10 @@ module banks (
         $past(rst_n) && !$past(restart) |-> lost == $past(lost) || lost == $past(lost) + 32'd1);
     assert property (@(posedge clk) disable iff (!rst_n)
         $past(rst_n) && !$past(restart) |-> next_number == $past(next_number) + {31'd0, $past(set_full)});
-    // What is read does not change hands, and does not change.
+    // What is read does not change hands, and does not change; one burst may follow another at once.
     assert property (@(posedge clk) disable iff (!rst_n) reading |-> waiting);
     assert property (@(posedge clk) disable iff (!rst_n)
         $past(rst_n) && reading && $past(reading) |-> $stable(filling) && $stable(number) && $stable(length)
-        && $stable(lost_before) && $stable(lost_at_read));
+        && $stable(lost_before) && ($stable(lost_at_read) || $past(read_begins)));
 `endif
 endmodule
