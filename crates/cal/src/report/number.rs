@@ -70,6 +70,32 @@ fn exponent_of(value: f64, digits: usize) -> Option<i32> {
     exponent.parse().ok()
 }
 
+/// The power of a thousand in which values up to `largest` are best written, and the unit with it: tables of small rates
+/// are read more easily in 10⁻³ rad/s than with a power of ten in each cell.
+// A double's exponent is within 400.
+#[allow(clippy::cast_possible_truncation)]
+pub(super) fn thousandfold(largest: f64, unit: &str) -> (f64, String) {
+    if !largest.is_finite() || largest <= 0.0 || (0.1..1e6).contains(&largest) {
+        return (1.0, unit.to_owned());
+    }
+    let exponent = ((largest.log10() + 1.0) / 3.0).floor() as i32 * 3;
+    (10_f64.powi(exponent), format!("10{} {unit}", raised(exponent)))
+}
+
+/// A whole number in raised figures, for places without markup.
+pub(super) fn raised(number: i32) -> String {
+    let figures = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let digit = |c: char| c.to_digit(10).map_or('⁻', |digit| figures[digit as usize]);
+    number.to_string().chars().map(digit).collect()
+}
+
+/// Decimals with which a column whose smallest value is this shows three digits of it.
+// Between 0 and 9.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+pub(super) fn decimals_for(smallest: f64) -> usize {
+    if smallest.is_finite() && smallest > 0.0 { (2.0 - smallest.log10().floor()).clamp(0.0, 9.0) as usize } else { 3 }
+}
+
 /// A polynomial with raw coefficients, highest power first, as `0.894782 T² − ...`; digits are significant ones.
 pub(super) fn polynomial(coefficients: &[f64], variable: &str, digits: usize) -> Markup {
     let mut terms: Vec<(usize, f64)> = coefficients.iter().copied().enumerate().collect();
@@ -112,6 +138,14 @@ mod tests {
         assert_eq!(significant(0.0, 3).into_string(), "0");
         // Rounding may carry into the next power.
         assert_eq!(significant(9.999_99, 3).into_string(), "10.0");
+    }
+
+    #[test]
+    fn a_table_of_small_rates_shares_one_power_of_a_thousand() {
+        assert_eq!(thousandfold(4.1e-3, "rad/s"), (1e-3, "10⁻³ rad/s".to_owned()));
+        assert_eq!(thousandfold(0.9, "deg/s"), (1.0, "deg/s".to_owned()));
+        assert_eq!(thousandfold(0.02, "rad/s").1, "10⁻³ rad/s");
+        assert_eq!((decimals_for(0.234), decimals_for(24.1), decimals_for(f64::NAN)), (3, 1, 3));
     }
 
     #[test]

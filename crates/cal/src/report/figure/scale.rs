@@ -1,7 +1,8 @@
 //! The range of an axis, its ticks and their labels.
 
-/// Ticks wanted on an axis, about.
-const TICKS: f64 = 5.0;
+use std::ops::Range;
+
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
 /// The part of the range left empty at each end.
 const MARGIN: f64 = 0.05;
@@ -19,22 +20,22 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// A scale on which all of `values` that are numbers have room; without any it spans 0 to 1.
-    pub(super) fn holding(values: impl Iterator<Item = f64>) -> Self {
+    /// A scale of about so many ticks on which all of `values` that are numbers have room; without any it spans 0 to 1.
+    pub(super) fn holding(values: impl Iterator<Item = f64>, ticks: f64) -> Self {
         let finite = values.filter(|value| value.is_finite());
         let (min, max) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         if min > max {
-            return Self::over((0.0, 1.0));
+            return Self::over((0.0, 1.0), ticks);
         }
         let span = max - min;
         // Equal values still need a span: a thousandth of them, or one.
         let room = if span > 0.0 { span * MARGIN } else { (max.abs() * 1e-3).max(f64::MIN_POSITIVE.max(1e-12)) };
-        Self::over((min - room, max + room))
+        Self::over((min - room, max + room), ticks)
     }
 
-    /// A scale over exactly this range.
-    pub(super) fn over((min, max): (f64, f64)) -> Self {
-        let step = nice_step((max - min) / TICKS);
+    /// A scale over exactly this range, of about so many ticks.
+    pub(super) fn over((min, max): (f64, f64), ticks: f64) -> Self {
+        let step = nice_step((max - min) / ticks);
         let first = (min / step).ceil();
         let last = (max / step).floor();
         let mut ticks = Vec::new();
@@ -54,6 +55,33 @@ impl Scale {
     /// The label of a tick.
     pub(super) fn label(&self, tick: f64) -> String {
         super::super::number::fixed(tick / 10_f64.powi(self.exponent), self.decimals)
+    }
+}
+
+impl Ranged for Scale {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    // Within the drawing, which is a few thousand units wide; what lies outside is held at a distance that still fits.
+    #[allow(clippy::cast_possible_truncation)]
+    fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
+        let share = ((value - self.range.0) / (self.range.1 - self.range.0)).clamp(-2.0, 3.0);
+        start + (f64::from(end - start) * share).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        // No finer lines between those at the ticks.
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.range.0..self.range.1
+    }
+}
+
+impl ValueFormatter<f64> for Scale {
+    fn format_ext(&self, tick: &f64) -> String {
+        self.label(*tick)
     }
 }
 
@@ -88,28 +116,28 @@ mod tests {
 
     #[test]
     fn ticks_are_round_numbers_within_the_range() {
-        let scale = Scale::holding([8512.0, 11_890.0].into_iter());
+        let scale = Scale::holding([8512.0, 11_890.0].into_iter(), 5.0);
         assert_eq!(labels(&scale), ["9000", "10\u{202f}000", "11\u{202f}000", "12\u{202f}000"]);
         assert!(scale.range.0 < 8512.0 && scale.range.1 > 11_890.0);
     }
 
     #[test]
     fn a_scale_through_zero_has_a_zero_without_a_sign() {
-        let scale = Scale::over((-0.5, 0.5));
+        let scale = Scale::over((-0.5, 0.5), 5.0);
         assert_eq!(labels(&scale), ["\u{2212}0.4", "\u{2212}0.2", "0.0", "0.2", "0.4"]);
     }
 
     #[test]
     fn small_values_are_written_by_a_power_of_a_thousand() {
-        let scale = Scale::over((0.0, 0.004));
+        let scale = Scale::over((0.0, 0.004), 5.0);
         assert_eq!((scale.exponent, labels(&scale)[1].as_str()), (-3, "1"));
     }
 
     #[test]
     fn nothing_and_a_single_value_still_make_a_scale() {
-        assert_eq!(Scale::holding([f64::NAN].into_iter()).range, (0.0, 1.0));
-        let one = Scale::holding([8200.0].into_iter());
+        assert_eq!(Scale::holding([f64::NAN].into_iter(), 5.0).range, (0.0, 1.0));
+        let one = Scale::holding([8200.0].into_iter(), 5.0);
         assert!(one.range.0 < 8200.0 && one.range.1 > 8200.0 && !one.ticks.is_empty());
-        assert!(!Scale::holding([0.0].into_iter()).ticks.is_empty());
+        assert!(!Scale::holding([0.0].into_iter(), 5.0).ticks.is_empty());
     }
 }

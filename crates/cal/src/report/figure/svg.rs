@@ -14,14 +14,23 @@ use super::ink::{Ink, Marker};
 /// Units of the drawing in one unit of the panel: plotters' coordinates are whole numbers, and a tenth is fine enough.
 pub(super) const FINE: i32 = 10;
 
-/// Half the size of a marker, drawing units.
-const MARKER: i32 = 26;
+/// The radius of a marker where many crowd, drawing units. Larger ones are for points that stand alone.
+pub(super) const DENSE: i32 = 19;
+
+/// The radius of a marker that stands alone, drawing units.
+pub(super) const SPARSE: i32 = 34;
+
+/// The stroke width by which plotters is told to draw a line solid in every ink.
+pub(super) const STEM: u32 = 2;
 
 /// How a path is painted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Paint {
     Line,
-    Dots,
+    /// A line that is solid in every ink.
+    Stem,
+    /// Dots of this radius, drawing units.
+    Dots(i32),
     Marks,
     Area,
 }
@@ -30,7 +39,9 @@ impl Paint {
     fn class(self) -> &'static str {
         match self {
             Self::Line => "l",
-            Self::Dots => "d",
+            Self::Stem => "s",
+            Self::Dots(radius) if radius > DENSE => "d big",
+            Self::Dots(_) => "d",
             Self::Marks => "m",
             Self::Area => "a",
         }
@@ -81,19 +92,19 @@ impl<'a> ClassedSvg<'a> {
         self.at = to;
     }
 
-    fn marker(&mut self, centre: BackendCoord, marker: Marker) {
+    fn marker(&mut self, centre: BackendCoord, marker: Marker, radius: i32) {
         self.step('m', centre);
         let _ = match marker {
             // A line of no length with round caps.
             Marker::Dot => write!(self.path, "h0"),
             Marker::Ring => {
-                let (r, d) = (MARKER * 3 / 2, MARKER * 3);
+                let (r, d) = (radius, radius * 2);
                 write!(self.path, "m-{r} 0a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0-{d} 0zm{r} 0")
             }
             // Its weight is where the point is: two thirds from the tip.
             Marker::Triangle => {
-                let (up, down) = (MARKER * 4 / 3, MARKER * 2 / 3);
-                write!(self.path, "m0-{up}l{MARKER} {w}h-{d}zm0 {up}", w = up + down, d = MARKER * 2)
+                let (up, down) = (radius * 4 / 3, radius * 2 / 3);
+                write!(self.path, "m0-{up}l{radius} {w}h-{d}zm0 {up}", w = up + down, d = radius * 2)
             }
         };
     }
@@ -116,8 +127,8 @@ impl DrawingBackend for ClassedSvg<'_> {
     }
 
     fn draw_pixel(&mut self, point: BackendCoord, color: BackendColor) -> Drawn {
-        self.begin(Paint::Dots, color);
-        self.marker(point, Marker::Dot);
+        self.begin(Paint::Dots(DENSE), color);
+        self.marker(point, Marker::Dot, DENSE);
         Ok(())
     }
 
@@ -140,7 +151,7 @@ impl DrawingBackend for ClassedSvg<'_> {
         if style.color().alpha <= 0.0 {
             return Ok(());
         }
-        self.begin(Paint::Line, style.color());
+        self.begin(if style.stroke_width() == STEM { Paint::Stem } else { Paint::Line }, style.color());
         let mut command = 'm';
         for point in path {
             if command == 'm' || point != self.at {
@@ -151,10 +162,11 @@ impl DrawingBackend for ClassedSvg<'_> {
         Ok(())
     }
 
-    fn draw_circle<S: BackendStyle>(&mut self, center: BackendCoord, _: u32, style: &S, _fill: bool) -> Drawn {
+    fn draw_circle<S: BackendStyle>(&mut self, center: BackendCoord, radius: u32, style: &S, _fill: bool) -> Drawn {
         let marker = Ink::of(style.color().rgb).marker();
-        self.begin(if marker == Marker::Dot { Paint::Dots } else { Paint::Marks }, style.color());
-        self.marker(center, marker);
+        let radius = radius.cast_signed();
+        self.begin(if marker == Marker::Dot { Paint::Dots(radius) } else { Paint::Marks }, style.color());
+        self.marker(center, marker, radius);
         Ok(())
     }
 
@@ -207,8 +219,8 @@ mod tests {
     fn marks_of_one_ink_become_one_path_with_its_class() {
         let mut out = String::new();
         let mut svg = ClassedSvg::new(&mut out, (100, 100));
-        svg.draw_circle((5, 5), 1, &color(Ink::X), true).unwrap();
-        svg.draw_circle((7, 2), 1, &color(Ink::X), true).unwrap();
+        svg.draw_circle((5, 5), 19, &color(Ink::X), true).unwrap();
+        svg.draw_circle((7, 2), 19, &color(Ink::X), true).unwrap();
         svg.draw_line((0, 0), (10, 5), &color(Ink::Grid)).unwrap();
         svg.present().unwrap();
         assert_eq!(out, "<path class=\"d x\" d=\"m5 5h0m2-3h0\"/>\n<path class=\"l grid\" d=\"m0 0l10 5\"/>\n");
@@ -218,11 +230,11 @@ mod tests {
     fn after_a_marker_the_pen_is_at_its_centre_again() {
         let mut out = String::new();
         let mut svg = ClassedSvg::new(&mut out, (100, 100));
-        svg.draw_circle((50, 50), 1, &color(Ink::Y), true).unwrap();
-        svg.draw_circle((60, 50), 1, &color(Ink::Y), true).unwrap();
+        svg.draw_circle((50, 50), 30, &color(Ink::Y), true).unwrap();
+        svg.draw_circle((60, 50), 30, &color(Ink::Y), true).unwrap();
         svg.present().unwrap();
-        // Up 34, then back down by as much; the next starts from the first one's centre.
-        assert!(out.contains("m50 50m0-34") && out.contains("zm0 34m10 0m0-34"), "{out}");
+        // Up 40, then back down by as much; the next starts from the first one's centre.
+        assert!(out.contains("m50 50m0-40") && out.contains("zm0 40m10 0m0-40"), "{out}");
     }
 
     #[test]

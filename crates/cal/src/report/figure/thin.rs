@@ -34,6 +34,26 @@ pub(super) fn thin(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
     kept
 }
 
+/// Points to be drawn as dots: every so manieth, which keeps the look of a cloud, and of coarser bins the lowest and the
+/// highest, so that no outlier is lost. At most about `most`.
+pub(super) fn sample(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
+    if points.len() <= most {
+        return points.to_vec();
+    }
+    let even = most * 2 / 3;
+    let mut places: Vec<usize> = (0..even).map(|i| i * points.len() / even).collect();
+    let bins = ((most - even) / 2).max(1);
+    for bin in 0..bins {
+        let range = bin * points.len() / bins..(bin + 1) * points.len() / bins;
+        let by_height = |a: &usize, b: &usize| points[*a].1.total_cmp(&points[*b].1);
+        places.extend(range.clone().min_by(by_height));
+        places.extend(range.max_by(by_height));
+    }
+    places.sort_unstable();
+    places.dedup();
+    places.into_iter().map(|place| points[place]).collect()
+}
+
 /// The runs of finite points between those that are not.
 pub(super) fn runs(points: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
     let finite = |point: &(f64, f64)| point.0.is_finite() && point.1.is_finite();
@@ -54,6 +74,14 @@ mod tests {
         assert!(kept.contains(&points[6321]) && kept.contains(&points[17]));
         assert_eq!((kept.first(), kept.last()), (points.first(), points.last()));
         assert!(kept.windows(2).all(|pair| pair[0].0 < pair[1].0));
+    }
+
+    #[test]
+    fn an_outlier_in_a_cloud_is_drawn() {
+        let mut points: Vec<(f64, f64)> = (0..10_000).map(|i| (f64::from(i), f64::from(i % 7))).collect();
+        points[4321].1 = 99.0;
+        let kept = sample(&points, 600);
+        assert!(kept.len() <= 600 && kept.contains(&points[4321]));
     }
 
     #[test]

@@ -1,0 +1,304 @@
+//! One drawing: an x axis, a y axis, and marks.
+
+use std::convert::Infallible;
+use std::fmt::Write as _;
+
+use plotters::chart::ChartBuilder;
+use plotters::drawing::{DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::element::{Circle, PathElement, Rectangle};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, IntoFont, TextStyle};
+
+use super::ink::Ink;
+use super::scale::Scale;
+use super::svg::{ClassedSvg, DENSE, FINE, SPARSE, STEM, escaped};
+use super::thin::{MOST, runs, sample, thin};
+use crate::report::number::{raised, significant_text};
+
+/// Width of a panel: two of them side by side fill a desktop page, one fills a phone at two thirds of its size.
+const WIDTH: i32 = 560;
+
+/// Height of the type, which the style sheet sets to the same: on a phone 14 of 560 units are 9 pixels.
+const TYPE: i32 = 14;
+
+/// Room for the labels of the y axis: eight digits of a wide font.
+const LEFT: u32 = 70;
+
+/// Room for half a label at the right end of the x axis.
+const RIGHT: i32 = 24;
+
+/// Room for the labels of the x axis and its name.
+const BELOW: u32 = 48;
+
+/// Room for the name of the y axis, above the drawing where it needs no turning of the head.
+const ABOVE: i32 = 30;
+
+/// Ticks on an x axis, about: more, and labels of five digits would touch on a phone.
+const ACROSS: f64 = 6.0;
+
+/// Something drawn in a panel, in the units of its axes. Points that are no numbers part a line and are left out.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Mark {
+    /// A line through points.
+    Line(Ink, Vec<(f64, f64)>),
+    /// A marker at each point.
+    Dots(Ink, Vec<(f64, f64)>),
+    /// A line from zero to each point, and a marker there.
+    Stems(Ink, Vec<(f64, f64)>),
+    /// A line across at this height.
+    Level(Ink, f64),
+    /// A shaded stretch of the x axis, over the whole height.
+    Band(Ink, f64, f64),
+}
+
+impl Mark {
+    fn points(&self) -> &[(f64, f64)] {
+        match self {
+            Self::Line(_, points) | Self::Dots(_, points) | Self::Stems(_, points) => points,
+            Self::Level(..) | Self::Band(..) => &[],
+        }
+    }
+}
+
+/// A drawing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// What it shows, for those who cannot see it.
+    pub title: String,
+    /// The x axis: quantity and unit.
+    pub x_name: String,
+    /// The y axis: quantity and unit.
+    pub y_name: String,
+    /// Height in units of which the panel is 560 wide.
+    pub height: i32,
+    /// The x range, where panels above each other must agree; else what the marks need.
+    pub x_range: Option<(f64, f64)>,
+    /// The y range, where panels beside each other must agree; else what the marks need.
+    pub y_range: Option<(f64, f64)>,
+    /// What is drawn, the lowest first.
+    pub marks: Vec<Mark>,
+}
+
+impl Panel {
+    /// The usual height.
+    pub const TALL: i32 = 340;
+    /// The height of a panel of residuals below another.
+    pub const SHORT: i32 = 210;
+
+    /// An empty panel.
+    pub fn new(title: impl Into<String>, x_name: impl Into<String>, y_name: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            x_name: x_name.into(),
+            y_name: y_name.into(),
+            height: Self::TALL,
+            x_range: None,
+            y_range: None,
+            marks: Vec::new(),
+        }
+    }
+
+    /// The same with another height.
+    pub fn with_height(mut self, height: i32) -> Self {
+        self.height = height;
+        self
+    }
+
+    /// The same with one more mark on top.
+    pub fn with(mut self, mark: Mark) -> Self {
+        self.marks.push(mark);
+        self
+    }
+
+    /// The same over a given x range.
+    pub fn with_x_range(mut self, range: Option<(f64, f64)>) -> Self {
+        self.x_range = range;
+        self
+    }
+
+    /// The same over a given y range.
+    pub fn with_y_range(mut self, range: Option<(f64, f64)>) -> Self {
+        self.y_range = range;
+        self
+    }
+
+    fn scales(&self) -> (Scale, Scale) {
+        let points = || self.marks.iter().flat_map(Mark::points);
+        let x = self.x_range.map_or_else(
+            || {
+                let bands = self.marks.iter().filter_map(|mark| match mark {
+                    Mark::Band(_, from, to) => Some([*from, *to]),
+                    _ => None,
+                });
+                Scale::holding(points().map(|point| point.0).chain(bands.flatten()), ACROSS)
+            },
+            |range| Scale::over(range, ACROSS),
+        );
+        let levels = self.marks.iter().filter_map(|mark| match mark {
+            Mark::Level(_, at) => Some(*at),
+            Mark::Stems(..) => Some(0.0),
+            _ => None,
+        });
+        let up = if self.height > Self::SHORT + 40 { 6.5 } else { 4.5 };
+        let y = self.y_range.map_or_else(
+            || Scale::holding(points().map(|point| point.1).chain(levels), up),
+            |range| Scale::over(range, up),
+        );
+        (x, y)
+    }
+
+    /// The panel as an `svg` element; `id` must be the only one of its kind in the page.
+    pub fn svg(&self, id: &str) -> String {
+        let (x, y) = self.scales();
+        let (width, height) = (WIDTH * FINE, self.height * FINE);
+        let mut out = format!(
+            "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-labelledby=\"{id}-t {id}-d\">\n\
+             <title id=\"{id}-t\">{}</title>\n<desc id=\"{id}-d\">{}</desc>\n",
+            escaped(&self.title),
+            escaped(&self.description(&x, &y)),
+        );
+        // The backend cannot fail: it writes to memory.
+        let _ = self.draw(&x, &y, ClassedSvg::new(&mut out, (width.unsigned_abs(), height.unsigned_abs())));
+        let _ = writeln!(out, "</svg>");
+        out
+    }
+
+    fn description(&self, x: &Scale, y: &Scale) -> String {
+        let ends = |name: &str, scale: &Scale| {
+            let written = |value| significant_text(value, 4);
+            format!("{name}, from {} to {}", written(scale.range.0), written(scale.range.1))
+        };
+        format!("Across: {}. Up: {}.", ends(&self.x_name, x), ends(&self.y_name, y))
+    }
+
+    fn draw(&self, x: &Scale, y: &Scale, svg: ClassedSvg<'_>) -> Result<(), DrawingAreaErrorKind<Infallible>> {
+        let root = svg.into_drawing_area();
+        let mut chart = ChartBuilder::on(&root)
+            .margin_top(ABOVE * FINE)
+            .margin_right(RIGHT * FINE)
+            .x_label_area_size(BELOW * FINE.unsigned_abs())
+            .y_label_area_size(LEFT * FINE.unsigned_abs())
+            .build_cartesian_2d(x.clone(), y.clone())?;
+        let (top, bottom) = (y.range.1, y.range.0);
+        for mark in &self.marks {
+            if let Mark::Band(ink, from, to) = mark {
+                let (from, to) = (from.max(x.range.0), to.min(x.range.1));
+                chart.draw_series([Rectangle::new([(from, top), (to, bottom)], ink.style())])?;
+            }
+        }
+        chart
+            .configure_mesh()
+            .axis_style(Ink::Frame.style())
+            .bold_line_style(Ink::Grid.style())
+            .disable_x_mesh()
+            .label_style(words(Ink::Word))
+            .set_all_tick_mark_size(5 * FINE)
+            .draw()?;
+        let name = words(Ink::Word);
+        let (right, low) = (WIDTH - RIGHT, self.height - 5);
+        let at_end = name.pos(Pos::new(HPos::Right, VPos::Bottom));
+        root.draw_text(&named(&self.x_name, x), &at_end, (right * FINE, low * FINE))?;
+        let at_start = name.pos(Pos::new(HPos::Left, VPos::Top));
+        root.draw_text(&named(&self.y_name, y), &at_start, (0, 2 * FINE))?;
+
+        for mark in &self.marks {
+            match mark {
+                Mark::Band(..) => {}
+                Mark::Line(ink, points) => {
+                    let of = points.len().max(1);
+                    for run in runs(points) {
+                        // Each run has its share of the points drawn.
+                        let run = thin(&run, (MOST * run.len() / of).max(2));
+                        chart.draw_series([PathElement::new(run, ink.style())])?;
+                    }
+                }
+                Mark::Dots(ink, points) => {
+                    let points = sample(&runs(points).concat(), MOST);
+                    let radius = radius(points.len());
+                    chart.draw_series(points.into_iter().map(|point| Circle::new(point, radius, ink.style())))?;
+                }
+                Mark::Stems(ink, points) => {
+                    let stem_style = ink.style().stroke_width(STEM);
+                    let stem = |&(x, y): &(f64, f64)| PathElement::new([(x, 0.0), (x, y)], stem_style);
+                    chart.draw_series(points.iter().map(stem))?;
+                    chart.draw_series(points.iter().map(|point| Circle::new(*point, SPARSE, ink.style())))?;
+                }
+                Mark::Level(ink, at) => {
+                    chart.draw_series([PathElement::new([(x.range.0, *at), (x.range.1, *at)], ink.style())])?;
+                }
+            }
+        }
+        root.present()
+    }
+}
+
+/// The range that holds all values that are numbers, with a little room: for panels that must agree.
+pub fn holding(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let finite: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    (!finite.is_empty()).then(|| Scale::holding(finite.into_iter(), ACROSS).range)
+}
+
+/// The radius of so many markers: few can be large.
+fn radius(points: usize) -> i32 {
+    if points < 80 { SPARSE } else { DENSE }
+}
+
+/// Type of an ink.
+fn words(ink: Ink) -> TextStyle<'static> {
+    let mut style = TextStyle::from(("sans-serif", TYPE * FINE).into_font());
+    style.color = ink.color().to_backend_color();
+    style
+}
+
+/// The name of an axis, with the power of ten that its labels leave out.
+fn named(name: &str, scale: &Scale) -> String {
+    match scale.exponent {
+        0 => name.to_owned(),
+        exponent => match name.rsplit_once(", ") {
+            Some((quantity, unit)) => format!("{quantity}, 10{} {unit}", raised(exponent)),
+            None => format!("{name}, 10{}", raised(exponent)),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn panel() -> Panel {
+        let drift = (0..2400).map(|i| (f64::from(i), (f64::from(i) / 300.0).sin())).collect();
+        Panel::new("A < B", "time, s", "rate, rad/s").with(Mark::Dots(Ink::X, drift)).with(Mark::Level(Ink::Aim, 0.0))
+    }
+
+    #[test]
+    fn a_panel_is_an_image_with_a_title_and_a_description() {
+        let svg = panel().svg("f1");
+        assert!(svg.contains(r#"role="img" aria-labelledby="f1-t f1-d""#));
+        assert!(svg.contains(r#"<title id="f1-t">A &lt; B</title>"#));
+        assert!(svg.contains("Across: time, s, from "), "{svg}");
+    }
+
+    #[test]
+    fn thousands_of_points_are_a_few_kilobytes() {
+        assert!(panel().svg("f1").len() < 10_000, "{}", panel().svg("f1").len());
+    }
+
+    #[test]
+    fn colours_are_left_to_the_style_sheet() {
+        let svg = panel().svg("f1");
+        assert!(!svg.contains('#') && svg.contains(r#"class="d x""#) && svg.contains(r#"class="l aim""#));
+    }
+
+    #[test]
+    fn an_empty_panel_and_one_with_nothing_but_holes_are_drawn() {
+        let svg = Panel::new("", "", "").with(Mark::Line(Ink::X, vec![(f64::NAN, 1.0)])).svg("f");
+        assert!(svg.ends_with("</svg>\n"));
+    }
+
+    #[test]
+    fn small_rates_name_their_power_of_ten() {
+        let small =
+            Panel::new("", "temperature, °C", "rate, rad/s").with(Mark::Dots(Ink::X, vec![(0.0, 1e-3), (1.0, 4e-3)]));
+        assert!(small.svg("f").contains("rate, 10⁻³ rad/s"));
+    }
+}

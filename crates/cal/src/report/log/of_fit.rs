@@ -1,0 +1,125 @@
+//! From the fit of a log to its report.
+
+use super::{LeftOut, LogAxis, LogPoint, LogReport, RejectedSamples};
+use crate::choose::Candidate;
+use crate::condition::{DropReason, Stretch};
+use crate::fit::Basis;
+use crate::log_fit::{AxisFit, LogFit};
+use crate::quality::{ReasonKind, TemperatureUnit};
+use crate::report::CandidateRow;
+
+impl From<&LogFit> for LogReport {
+    fn from(fit: &LogFit) -> Self {
+        let first = fit.axes.first();
+        let mut advice: Vec<String> = Vec::new();
+        for reason in &fit.judgement.reasons {
+            let sentence = advice_for(reason.kind);
+            if !advice.iter().any(|given| given == sentence) {
+                advice.push(sentence.to_owned());
+            }
+        }
+        Self {
+            source: fit.source.clone(),
+            verdict: fit.judgement.verdict,
+            reasons: fit.judgement.reasons.clone(),
+            notes: fit.notes.clone(),
+            rate_unit: first.map(|axis| axis.rate_unit.to_string()).unwrap_or_default(),
+            temperature_unit: first.map_or("", |axis| unit_of(axis.temperature_unit)).to_owned(),
+            axes: fit.axes.iter().map(LogAxis::from).collect(),
+            left_out: fit.stretches.iter().map(LeftOut::from).collect(),
+            advice,
+            next_command: None,
+        }
+    }
+}
+
+fn unit_of(unit: TemperatureUnit) -> &'static str {
+    match unit {
+        TemperatureUnit::C => "°C",
+        TemperatureUnit::Counts => "counts",
+    }
+}
+
+impl From<&AxisFit> for LogAxis {
+    fn from(axis: &AxisFit) -> Self {
+        let choice = &axis.choice;
+        let row = |candidate: &Candidate| CandidateRow {
+            model: candidate.model.to_string(),
+            in_sample_rms: candidate.in_sample_rms,
+            held_out_rms: candidate.held_out_rms,
+            standard_error: candidate.standard_error,
+            chosen: candidate.model == choice.model,
+        };
+        let rejected = axis
+            .samples_rejected
+            .iter()
+            .map(|rejected| RejectedSamples { reason: words_for(rejected.reason).to_owned(), count: rejected.count });
+        let points = axis.trace.iter().map(|point| LogPoint {
+            elapsed_s: point.time_s,
+            temperature: point.temperature,
+            rate: point.rate,
+            corrected: point.residual,
+        });
+        Self {
+            name: axis.name.clone(),
+            model: choice.model.to_string(),
+            raw_coefficients: choice.solution.raw_coefficients(),
+            is_polynomial: matches!(choice.model.basis(), Basis::Powers(_)),
+            temperature: [axis.drift.valid.min(), axis.drift.valid.max()],
+            in_sample: axis.in_sample,
+            held_out: axis.held_out,
+            samples_used: axis.samples_used,
+            samples_rejected: rejected.collect(),
+            candidates: choice.candidates.iter().map(row).collect(),
+            points: points.collect(),
+        }
+    }
+}
+
+impl From<&Stretch> for LeftOut {
+    fn from(stretch: &Stretch) -> Self {
+        Self {
+            reason: words_for(stretch.reason).to_owned(),
+            start_s: stretch.time_s.0,
+            end_s: stretch.time_s.1,
+            temperature: [stretch.temperature.0, stretch.temperature.1],
+            rows: stretch.rows.1 - stretch.rows.0,
+        }
+    }
+}
+
+fn words_for(reason: DropReason) -> &'static str {
+    match reason {
+        DropReason::MissingTemperature => "no number for the temperature",
+        DropReason::MissingRate => "no number for the rate",
+        DropReason::StartUp => "start-up, before the readings settle",
+        DropReason::TemperatureSpike => "temperature far from its neighbours",
+        DropReason::Spike => "rate far from its neighbours",
+        DropReason::Rotation => "the unit was moved",
+        DropReason::Step => "the rate stepped",
+    }
+}
+
+fn advice_for(kind: ReasonKind) -> &'static str {
+    match kind {
+        ReasonKind::NarrowSpan => {
+            "Log over a wider span of temperature: cool the unit in a freezer, then log from power-on, at rest, until it is as \
+             warm as it gets. Ten degrees are the least; forty make a good curve."
+        }
+        ReasonKind::StuckTemperature => {
+            "Check that the temperature column is the gyro’s own sensor and that it is being updated; name another with \
+             --temperature."
+        }
+        ReasonKind::TooFewGroups => "Log for longer: half an hour of slow warming is a good log.",
+        ReasonKind::NoFiniteRows => "Check that the columns named hold numbers in the same rows.",
+        ReasonKind::MissingValues => {
+            "Look for lost messages: a slower card or link drops rows when the log rate is too high."
+        }
+        ReasonKind::Spikes => "Look for a loose connection or a disturbed bench, and log again with the unit on foam.",
+        ReasonKind::Rotation => "Leave the unit untouched while it logs: turn off motors, close the box, walk away.",
+        ReasonKind::Step => {
+            "Look for what changed when the rate stepped: a supply, a restart, a connector. The curve holds for the level \
+             before it."
+        }
+    }
+}

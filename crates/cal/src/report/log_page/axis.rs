@@ -1,0 +1,107 @@
+//! The figure of one axis: raw and corrected, over time and over temperature.
+
+use maud::html;
+
+use super::direction::warming;
+use super::figure::{Figure, Ink, Mark, Panel, Sample, holding};
+use crate::report::number::significant;
+use crate::report::{LogAxis, LogPoint, LogReport};
+
+/// Time in the unit that suits its span: its name and the seconds in it.
+fn time_unit(span_s: f64) -> (&'static str, f64) {
+    match span_s {
+        span if span < 300.0 => ("s", 1.0),
+        span if span < 4.0 * 3600.0 => ("min", 60.0),
+        _ => ("h", 3600.0),
+    }
+}
+
+/// How a point's place in time is drawn.
+struct Time {
+    name: String,
+    unit_s: Option<f64>,
+}
+
+impl Time {
+    fn of(points: &[LogPoint]) -> Self {
+        let last = points.iter().map(|point| point.elapsed_s).fold(0.0, f64::max);
+        // A log without times has none at all.
+        if points.iter().any(|point| point.elapsed_s.is_finite()) {
+            let (name, unit_s) = time_unit(last);
+            Self { name: format!("time, {name}"), unit_s: Some(unit_s) }
+        } else {
+            Self { name: "place in the log, points".to_owned(), unit_s: None }
+        }
+    }
+
+    fn at(&self, place: usize, point: &LogPoint) -> f64 {
+        self.unit_s.map_or(place as f64, |unit_s| point.elapsed_s / unit_s)
+    }
+}
+
+pub(super) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure {
+    let time = Time::of(&axis.points);
+    let warming = warming(&axis.points);
+    let temperature_name = format!("temperature, {}", report.temperature_unit);
+    let (raw_name, left_name) = (format!("rate, {}", report.rate_unit), format!("corrected, {}", report.rate_unit));
+    let over_time = |of: fn(&LogPoint) -> f64| -> Vec<(f64, f64)> {
+        axis.points.iter().enumerate().map(|(place, point)| (time.at(place, point), of(point))).collect()
+    };
+    let going = |up: bool, of: fn(&LogPoint) -> f64| -> Vec<(f64, f64)> {
+        let points = axis.points.iter().zip(&warming).filter(|(_, warming)| **warming == up);
+        points.map(|(point, _)| (point.temperature, of(point))).collect()
+    };
+    let shaded = |mut panel: Panel| {
+        if let Some(unit_s) = time.unit_s {
+            for stretch in &report.left_out {
+                panel = panel.with(Mark::Band(Ink::LeftOut, stretch.start_s / unit_s, stretch.end_s / unit_s));
+            }
+        }
+        panel
+    };
+    let ends = holding(over_time(|p| p.rate).into_iter().map(|point| point.0));
+    let mut curve: Vec<(f64, f64)> = axis.points.iter().map(|p| (p.temperature, p.rate - p.corrected)).collect();
+    curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let name = &axis.name;
+    let time_raw = shaded(Panel::new(format!("{name}: rate against time"), &time.name, &raw_name).with_x_range(ends))
+        .with(Mark::Dots(Ink::Raw, over_time(|p| p.rate)));
+    let time_left = shaded(
+        Panel::new(format!("{name}: corrected rate against time"), &time.name, &left_name)
+            .with_height(Panel::SHORT)
+            .with_x_range(ends),
+    )
+    .with(Mark::Dots(Ink::Corrected, over_time(|p| p.corrected)))
+    .with(Mark::Level(Ink::Aim, 0.0));
+    let warm_raw =
+        Panel::new(format!("{name}: rate against temperature, with the curve"), &temperature_name, &raw_name)
+            .with(Mark::Dots(Ink::Heating, going(true, |p| p.rate)))
+            .with(Mark::Dots(Ink::Cooling, going(false, |p| p.rate)))
+            .with(Mark::Line(Ink::Curve, curve));
+    let warm_left = Panel::new(format!("{name}: corrected rate against temperature"), &temperature_name, &left_name)
+        .with_height(Panel::SHORT)
+        .with(Mark::Dots(Ink::Heating, going(true, |p| p.corrected)))
+        .with(Mark::Dots(Ink::Cooling, going(false, |p| p.corrected)))
+        .with(Mark::Level(Ink::Aim, 0.0));
+    let mut key = vec![
+        (Ink::Raw, Sample::Dot, "recorded".to_owned()),
+        (Ink::Corrected, Sample::Dot, "corrected".to_owned()),
+        (Ink::Heating, Sample::Dot, "heating".to_owned()),
+    ];
+    if warming.contains(&false) {
+        key.push((Ink::Cooling, Sample::Dot, "cooling".to_owned()));
+    }
+    key.push((Ink::Curve, Sample::Line, "fitted curve".to_owned()));
+    if !report.left_out.is_empty() && time.unit_s.is_some() {
+        key.push((Ink::LeftOut, Sample::Patch, "left out".to_owned()));
+    }
+    Figure {
+        id: format!("axis-{}", place + 1),
+        name: format!("Figure {}", place + 1),
+        caption: html! {
+            (axis.name) ", " (axis.model) ": the rate against time and against temperature; below, less the fitted curve "
+            "(in-sample, " (significant(axis.in_sample.rms, 3)) " " (report.rate_unit) " rms)."
+        },
+        key,
+        columns: vec![vec![time_raw, time_left], vec![warm_raw, warm_left]],
+    }
+}
