@@ -96,40 +96,111 @@ impl TrimLine {
     }
 }
 
-/// What each tap of the working range really adds to the reading at the middle tap, as measured.
+/// What each tap of the working range really adds to the reading at the middle tap, as measured: rising from tap to
+/// tap, so that a reading has one nearest tap.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "RawTapEffects")]
 pub struct TapEffects {
-    /// The first tap measured.
-    pub first: Taps,
-    /// The reading at each tap from `first` on, less the reading at the middle tap.
-    pub effects: Vec<Counts, MAX_TAP_OFFSETS>,
+    first: Taps,
+    effects: Vec<Counts, MAX_TAP_OFFSETS>,
+}
+
+/// Tap effects as stored, before they are checked.
+#[derive(Deserialize)]
+struct RawTapEffects {
+    first: Taps,
+    effects: Vec<Counts, MAX_TAP_OFFSETS>,
+}
+
+impl TryFrom<RawTapEffects> for TapEffects {
+    type Error = &'static str;
+    fn try_from(raw: RawTapEffects) -> Result<Self, Self::Error> {
+        Self::new(raw.first, &raw.effects).ok_or("tap effects must be finite, rise from tap to tap and end at a tap")
+    }
 }
 
 impl TapEffects {
-    /// The measured effect of a tap; `None` outside the range that was swept.
+    /// The effects of the taps from `first` on: each tap's reading less the middle tap's, at one input. `None` unless
+    /// there are 1 to 96, they are finite and rise from tap to tap, and the last is a tap of the part.
     #[must_use]
-    pub fn get(&self, tap: Taps) -> Option<Counts> {
-        let index = tap.get().checked_sub(self.first.get())?;
-        self.effects.get(usize::from(index)).copied()
+    pub fn new(first: Taps, effects: &[Counts]) -> Option<Self> {
+        let last = u16::try_from(effects.len().checked_sub(1)?).ok()?;
+        Taps::new(first.get().checked_add(last)?)?;
+        let sound = effects.iter().all(|e| e.0.is_finite()) && effects.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        let effects = Vec::from_slice(effects).ok().filter(|_| sound)?;
+        Some(Self { first, effects })
     }
+
+    /// The first tap measured.
+    #[must_use]
+    pub const fn first(&self) -> Taps {
+        self.first
+    }
+
+    /// The reading at each tap from the first on, less the reading at the middle tap.
+    #[must_use]
+    pub fn effects(&self) -> &[Counts] {
+        &self.effects
+    }
+
+    /// The effect of a tap; beyond the taps measured it goes on from the nearer end by `per_tap` counts a tap.
+    #[must_use]
+    pub fn effect(&self, tap: Taps, per_tap: Counts) -> Counts {
+        let offset = usize::from(tap.get().saturating_sub(self.first.get()));
+        let nearest = offset.min(self.effects.len() - 1);
+        let measured = f64::from(self.first.get()) + as_f64(nearest);
+        self.effects[nearest] + per_tap * (f64::from(tap.get()) - measured)
+    }
+
+    /// The wiper position, a real number of taps, that has an effect: straight lines between the taps measured, and on
+    /// from the nearer end by `per_tap` counts a tap.
+    #[must_use]
+    pub fn position(&self, effect: Counts, per_tap: Counts) -> f64 {
+        let first = f64::from(self.first.get());
+        let above = self.effects.partition_point(|measured| measured.0 <= effect.0);
+        if above == 0 {
+            return first + (effect - self.effects[0]).0 / per_tap.0;
+        }
+        let below = self.effects[above - 1];
+        let step = self.effects.get(above).map_or(per_tap, |&next| next - below);
+        first + as_f64(above - 1) + (effect - below).0 / step.0
+    }
+}
+
+#[allow(clippy::cast_precision_loss)] // taps are few
+fn as_f64(index: usize) -> f64 {
+    index as f64
 }
 
 /// The trim model: the line, and the measured effects where there are any.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Trim {
-    /// Eq. (2): chooses the tap.
+    /// Eq. (2).
     pub line: TrimLine,
-    /// What each tap does, for the digital remainder; without them the line answers.
+    /// What each tap does, where every tap of the working range was measured. A part's taps are uneven: a line through
+    /// them is off by several counts here and there, and so would be a tap chosen by it.
     pub measured: Option<TapEffects>,
 }
 
 impl Trim {
-    /// What a tap adds to the reading at the middle tap: as measured where the tap was swept, else by the line's
-    /// slope (without its intercept: the middle tap adds nothing to itself).
+    /// The wiper position, a real number of taps, that brings a reading of `zro` at the middle tap to the centre: where
+    /// the measured effect is `V0 - V`, or by eq. (6) without measured effects.
+    #[must_use]
+    pub fn position(&self, zro: Counts) -> f64 {
+        match &self.measured {
+            Some(measured) => measured.position(self.line.centre - zro, self.line.counts_per_tap()),
+            None => self.line.position(zro),
+        }
+    }
+
+    /// What a tap adds to the reading at the middle tap: as measured, or by the line's slope (without its intercept: the
+    /// middle tap adds nothing to itself).
     #[must_use]
     pub fn effect(&self, tap: Taps) -> Counts {
-        let measured = self.measured.as_ref().and_then(|effects| effects.get(tap));
-        measured.unwrap_or_else(|| self.line.effect(tap) - self.line.effect(self.line.middle))
+        match &self.measured {
+            Some(measured) => measured.effect(tap, self.line.counts_per_tap()),
+            None => self.line.effect(tap) - self.line.effect(self.line.middle),
+        }
     }
 }
 
@@ -158,15 +229,42 @@ mod tests {
         assert!((left.0 - (500.0 - position) * line.counts_per_tap().0).abs() < 1e-9);
     }
 
+    fn uneven() -> Trim {
+        let first = Taps::new(510).unwrap();
+        let measured = TapEffects::new(first, &[Counts(-33.0), Counts(0.0), Counts(30.0)]);
+        Trim { line: paper_x(), measured }
+    }
+
     #[test]
     fn a_measured_tap_is_believed_before_the_line() {
-        let first = Taps::new(510).unwrap();
-        let effects = Vec::from_slice(&[Counts(-33.0), Counts(0.0)]).unwrap();
-        let trim = Trim { line: paper_x(), measured: Some(TapEffects { first, effects }) };
-        assert_eq!(trim.effect(first), Counts(-33.0));
-        assert_eq!(trim.effect(Taps::MIDDLE), Counts(0.0));
-        let outside = trim.effect(Taps::new(509).unwrap());
-        assert!((outside.0 + 2.0 * trim.line.counts_per_tap().0).abs() < 1e-9);
+        let trim = uneven();
+        let effect = |tap| trim.effect(Taps::new(tap).unwrap()).0;
+        let per_tap = trim.line.counts_per_tap().0;
+        assert!((effect(510) + 33.0).abs() < 1e-9 && effect(511).abs() < 1e-9);
+        assert!((effect(508) - (-33.0 - 2.0 * per_tap)).abs() < 1e-9, "on from the end");
+        assert!((effect(514) - (30.0 + 2.0 * per_tap)).abs() < 1e-9, "on from the end");
+    }
+
+    #[test]
+    fn the_position_is_where_the_effect_brings_the_reading_to_the_centre() {
+        let trim = uneven();
+        let position = |from_centre: f64| trim.position(trim.line.centre() + Counts(from_centre));
+        assert!((position(33.0) - 510.0).abs() < 1e-9);
+        assert!((position(16.5) - 510.5).abs() < 1e-9, "half way between two taps' effects");
+        assert!((position(-15.0) - 511.5).abs() < 1e-9);
+        for tap in (500..=520).filter_map(Taps::new) {
+            assert!((position(-trim.effect(tap).0) - f64::from(tap.get())).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn effects_that_do_not_rise_cannot_be_built() {
+        let first = Taps::new(1022).unwrap();
+        let build =
+            |effects: &[f64]| TapEffects::new(first, &effects.iter().map(|&e| Counts(e)).collect::<std::vec::Vec<_>>());
+        assert!(build(&[0.0, 31.0]).is_some());
+        assert!(build(&[]).is_none() && build(&[0.0, 0.0]).is_none() && build(&[0.0, f64::NAN]).is_none());
+        assert!(build(&[0.0, 31.0, 62.0]).is_none(), "there is no tap 1024");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use zerorate_core::compensate::{LowPass, Mode};
-use zerorate_core::drift::{Drift, Shape};
+use zerorate_core::drift::Drift;
 use zerorate_core::trim::Trim;
 
 use super::form::{AxisForm, TrimForm};
@@ -121,10 +121,7 @@ impl AxisCalibration {
     /// The model: the drift's shape and size.
     #[must_use]
     pub fn model(&self) -> Model {
-        match &self.drift.shape {
-            Shape::Polynomial(polynomial) => Model::Poly(polynomial.order()),
-            Shape::Table(table) => Model::Table(table.knots().len() - 1),
-        }
+        Model::of_shape(&self.drift.shape)
     }
 }
 

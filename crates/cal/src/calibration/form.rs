@@ -182,8 +182,8 @@ impl From<TrimCalibration> for TrimForm {
                 middle_tap: line.middle(),
             },
             tap_effects: measured.map(|measured| EffectsForm {
-                first_tap: measured.first,
-                effects_counts: measured.effects.iter().map(|effect| effect.0).collect(),
+                first_tap: measured.first(),
+                effects_counts: measured.effects().iter().map(|effect| effect.0).collect(),
             }),
             dead_band_taps,
             low_pass,
@@ -222,7 +222,9 @@ impl EffectsForm {
                 Taps::LAST.get()
             ));
         }
-        Ok(TapEffects { first: self.first_tap, effects: self.effects_counts.into_iter().map(Counts).collect() })
+        let effects: Vec<Counts> = self.effects_counts.into_iter().map(Counts).collect();
+        let unsound = || "the tap effects must be at least one, finite, and rise from tap to tap".to_owned();
+        TapEffects::new(self.first_tap, &effects).ok_or_else(unsound)
     }
 }
 

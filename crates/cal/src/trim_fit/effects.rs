@@ -47,8 +47,10 @@ pub fn tap_effects(sweep: &[TapReading], middle: Taps) -> Result<TapEffects, Tri
     if run.len() > MAX_TAP_OFFSETS {
         return Err(TrimFitError::TooManyTaps { found: run.len() });
     }
-    let effects = run.values().map(|reading| Counts(reading - reference)).collect();
-    Ok(TapEffects { first, effects })
+    let effects: Vec<Counts> = run.values().map(|reading| Counts(reading - reference)).collect();
+    let falls = effects.windows(2).position(|pair| pair[1].0 <= pair[0].0);
+    let tap = falls.map_or(first.get(), |place| first.get() + u16::try_from(place).unwrap_or(0));
+    TapEffects::new(first, &effects).ok_or(TrimFitError::NotRising { tap })
 }
 
 /// The mean reading of each tap, counts.

@@ -106,6 +106,14 @@ pub enum TrimFitError {
         /// The first tap missing.
         tap: u16,
     },
+    /// A higher tap does not raise the reading.
+    #[error(
+        "from tap {tap} to the next the reading does not rise: the part is not monotone there, or a reading was taken before it had settled; sweep again with more groups a point"
+    )]
+    NotRising {
+        /// The lower of the two taps.
+        tap: u16,
+    },
     /// More taps than a model holds.
     #[error(
         "{found} taps were swept, and a trim model holds {MAX_TAP_OFFSETS}: sweep only the taps that the drift crosses"

@@ -207,8 +207,8 @@ fn sweep(taps: impl IntoIterator<Item = u16>) -> Vec<TapReading> {
 #[test]
 fn each_tap_is_read_against_the_middle_one() {
     let effects = tap_effects(&sweep((495..=520).rev()), Taps::MIDDLE).unwrap();
-    assert_eq!(effects.first.get(), 495);
-    assert_eq!(effects.effects.len(), 26);
+    assert_eq!(effects.first().get(), 495);
+    assert_eq!(effects.effects().len(), 26);
     assert_eq!(effects.get(Taps::MIDDLE), Some(Counts(0.0)));
     assert_eq!(effects.get(Taps::new(512).unwrap()), Some(Counts(30.0)));
     assert_eq!(effects.get(Taps::new(521).unwrap()), None);
@@ -227,7 +227,7 @@ fn a_tap_read_twice_counts_by_its_mean() {
 #[test]
 fn a_working_range_far_from_the_middle_tap_needs_only_its_reading() {
     let effects = tap_effects(&sweep((400..=430).chain([511])), Taps::MIDDLE).unwrap();
-    assert_eq!((effects.first.get(), effects.effects.len()), (400, 31));
+    assert_eq!((effects.first().get(), effects.effects().len()), (400, 31));
     close(effects.get(Taps::new(401).unwrap()).unwrap().0, -110.0 * 31.0, 1e-9);
 }
 

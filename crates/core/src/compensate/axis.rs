@@ -91,12 +91,12 @@ impl AxisLaw {
     }
 }
 
-/// What each tap adds to the reading, in Q16: as measured, else by the line.
+/// What each tap adds to the reading, in Q16: as measured, and on from the nearer end of what was measured.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct FixedEffects {
     first: u16,
+    /// Without a measurement the middle tap alone, which adds nothing to itself.
     measured: Vec<i32, MAX_TAP_OFFSETS>,
-    middle: u16,
     per_tap: i32,
 }
 
@@ -107,20 +107,24 @@ impl FixedEffects {
             Q16::from_counts(trim.effect(end).0)?;
         }
         let (first, measured) = match &trim.measured {
-            None => (0, Vec::new()),
+            None => (trim.line.middle(), core::iter::once(0).collect()),
             Some(swept) => {
-                let fixed: Option<_> = swept.effects.iter().map(|e| Q16::from_counts(e.0).map(|q| q.0)).collect();
-                (swept.first.get(), fixed?)
+                let fixed = swept.effects().iter().map(|effect| Q16::from_counts(effect.0).map(|q| q.0));
+                (swept.first(), fixed.collect::<Option<_>>()?)
             }
         };
         let per_tap = Q16::from_counts(trim.line.counts_per_tap().0)?.0;
-        Some(Self { first, measured, middle: trim.line.middle().get(), per_tap })
+        Some(Self { first: first.get(), measured, per_tap })
     }
 
     fn get(&self, tap: Taps) -> Q16 {
-        let index = usize::from(tap.get().wrapping_sub(self.first));
-        let by_line = || (i32::from(tap.get()) - i32::from(self.middle)).saturating_mul(self.per_tap);
-        Q16(self.measured.get(index).copied().unwrap_or_else(by_line))
+        let offset = i32::from(tap.get()) - i32::from(self.first);
+        #[allow(clippy::cast_possible_wrap, clippy::cast_possible_truncation)] // at most 96
+        let last = self.measured.len() as i32 - 1;
+        let nearest = offset.clamp(0, last);
+        #[allow(clippy::cast_sign_loss)] // clamped to 0 and above
+        let measured = self.measured.get(nearest as usize).copied().unwrap_or(0);
+        Q16(measured.saturating_add((offset - nearest).saturating_mul(self.per_tap)))
     }
 }
 

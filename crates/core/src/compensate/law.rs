@@ -4,7 +4,8 @@ use crate::drift::{Coverage, Drift};
 use crate::trim::Trim;
 use crate::units::{Counts, Taps, TemperatureCode, TemperatureScale};
 
-/// The static law of one axis: `N = N0 + a (V(T) - V0) + b` (eq. 6), held to whole taps with a dead band.
+/// The static law of one axis: `N = N0 + a (V(T) - V0) + b` (eq. 6), held to whole taps with a dead band. Where the
+/// effect of every tap was measured, it takes the place of the line: the tap is the one that brings `V(T)` nearest `V0`.
 ///
 /// This is the reading that the integer law is compared with; the device does not run it in its loop.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +25,7 @@ impl StaticLaw {
     /// is held at the nearer end.
     #[must_use]
     pub fn position(&self, code: TemperatureCode) -> f64 {
-        self.trim.line.position(self.drift(code).0)
+        self.trim.position(self.drift(code).0)
     }
 
     /// The zero-rate output at the middle tap at a temperature code, and where the code lies against the calibrated

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::drift::{Coverage, Drift, Polynomial, Scale, Shape, Table, ValidRange};
 use crate::group::GroupSums;
-use crate::trim::{Trim, TrimLine};
+use crate::trim::{TapEffects, Trim, TrimLine};
 use crate::units::{Counts, Taps, TemperatureCode, TemperatureScale};
 
 fn codes() -> impl DoubleEndedIterator<Item = TemperatureCode> {
@@ -93,6 +93,32 @@ fn assert_correction_is_close(law: &StaticLaw) {
             let error = axis.correction(code, tap).to_counts() - law.correction(code, tap).0;
             assert!(error.abs() <= 0.5, "off by {error} counts at code {}", code.0);
         }
+    }
+}
+
+/// Eq. (1), X, on a part whose taps are uneven by several counts, every one of them measured.
+fn uneven(dead_band: f64) -> StaticLaw {
+    let mut law = paper_x(WORKING, dead_band);
+    let effects: Vec<Counts> =
+        (-14..=8_i32).map(|k| Counts(31.26 * f64::from(k) + 3.0 * (f64::from(k) * 1.3).sin())).collect();
+    law.trim.measured = TapEffects::new(Taps::new(497).unwrap(), &effects);
+    assert!(law.trim.measured.is_some());
+    law
+}
+
+#[test]
+fn measured_taps_are_chosen_and_corrected_by_the_same_table_and_integers() {
+    assert_table_is_the_law(&uneven(0.0));
+    assert_sweeps_agree(&uneven(0.05));
+    assert_sweeps_agree(&uneven(0.15));
+    assert_correction_is_close(&uneven(0.05));
+    // The tap is the one that brings the reading nearest to the centre, whatever the line says.
+    let law = uneven(0.0);
+    for code in (34_000..=47_600).map(TemperatureCode) {
+        let left = |tap: Taps| law.correction(code, tap).0.abs();
+        let best = (490..=530).filter_map(Taps::new).min_by(|&a, &b| left(a).total_cmp(&left(b))).unwrap();
+        let chosen = law.tap(code).unwrap();
+        assert!(left(chosen) - left(best) < 1e-6, "at {}", code.0);
     }
 }
 
