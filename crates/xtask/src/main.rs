@@ -7,6 +7,7 @@ mod browser;
 mod cargo;
 mod circuit;
 mod devtools;
+mod gateware;
 mod house;
 mod no_std;
 mod provide;
@@ -52,6 +53,11 @@ enum Chore {
     /// Counts a tap, centre, corner and rails as drawn, then with every part off its value: the tables of
     /// hardware/README.md. ngspice is installed if this runs as root on Debian, and named if it does not.
     Circuit,
+    /// Check the acquisition gateware and build it for the iCEBreaker
+    ///
+    /// Verilator's lint, a proof by yosys, the tests of the verilated block, synthesis and place-and-route: the table of
+    /// gateware/acquisition/README.md. What that needs is installed if this runs as root on Debian, and named if not.
+    Gateware,
 }
 
 fn main() -> Result<ExitCode> {
@@ -60,6 +66,7 @@ fn main() -> Result<ExitCode> {
     Ok(match chore {
         Chore::Test { fast, only } => steps::run(&steps::chosen(checks(&workspace, fast), &only)?),
         Chore::Circuit => steps::run(&[circuit(&workspace)]),
+        Chore::Gateware => steps::run(&gateware::steps(&workspace)),
     })
 }
 

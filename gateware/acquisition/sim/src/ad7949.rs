@@ -14,6 +14,7 @@ const WORD_BITS: u32 = 14;
 const CHANNEL: u32 = 0b111 << 7;
 /// The rest of it, by table 9: overwrite 1, INCC 111 (unipolar, to ground), BW 1 (full bandwidth), REF 111 (external), SEQ
 /// 00 (no sequencer), RB 1 (no read-back).
+#[allow(clippy::inconsistent_digit_grouping, clippy::unusual_byte_groupings)] // By fields.
 const THE_BOARDS: u32 = 0b1_111_000_1_111_00_1;
 
 /// The data sheet's limits that a master can break, in picoseconds.

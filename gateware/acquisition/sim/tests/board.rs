@@ -1,5 +1,7 @@
 //! At the board's own scale: real microseconds, and the A/D's data sheet.
 
+#![allow(clippy::unwrap_used)] // All of it is a test.
+
 use zerorate_gateware::{Bench, Head, Port, Random, Scale, Timing, head};
 
 fn port(seed: u32) -> Port {

@@ -1,5 +1,7 @@
 //! Resets and glitches at any moment: the block delivers the next whole set.
 
+#![allow(clippy::unwrap_used, clippy::cast_possible_truncation)] // All of it is a test, and its numbers are small.
+
 use zerorate_gateware::{Bench, Disturbance, Head, Port, Ps, Random, Scale, Timing, head, scans};
 
 const CONTROL: u8 = 0x02;
@@ -40,7 +42,7 @@ fn disturbed_read(port: &mut Port, address: u8, words: usize) -> Vec<u32> {
 fn after_a_glitch_on_any_spi_pin_at_any_moment_of_a_read_the_next_whole_set_comes() {
     const LENGTH: usize = 3;
     let mut random = Random::new(7);
-    let mut spoilt = 0;
+    let (mut spoilt, mut stopped) = (0, 0);
     for seed in 0..20 {
         let timing = [Timing::FASTEST, Timing::QUICK][seed as usize % 2];
         let mut port = Port::new(bench(seed), timing, u64::from(seed));
@@ -57,6 +59,14 @@ fn after_a_glitch_on_any_spi_pin_at_any_moment_of_a_read_the_next_whole_set_come
             spoilt += u32::from(status[0] & 1 == 0 || !whole);
             // Undisturbed, the next is whole.
             port.bench.pass(1_000_000);
+            if port.read(CONTROL, 3) != [1, 700, LENGTH as u32] {
+                // Chip select rose within the address byte 0x10, just before its 1: with the zeros after it that is a
+                // write of zeros from address 0 on, and CONTROL is among them. It is what the port's definition asks for;
+                // the master misses its sets and starts anew.
+                assert_eq!((what, port.read(CONTROL, 3)), (Disturbance::ChipSelect, vec![0, 700, LENGTH as u32]));
+                stopped += 1;
+                port.start(700, LENGTH as u32);
+            }
             assert!(port.wait_for_data_ready(5000));
             let burst = port.read(SET, 16 + 2 * LENGTH + 1);
             assert!(check(&port, &burst, LENGTH).is_some() && scans(&burst, LENGTH).is_some());
@@ -64,6 +74,8 @@ fn after_a_glitch_on_any_spi_pin_at_any_moment_of_a_read_the_next_whole_set_come
         assert_eq!(port.bench.converter_faults(), [""; 0]);
     }
     assert!(spoilt > 500, "{spoilt} reads were spoilt: too few for this to mean anything");
+    assert!(stopped < 30, "{stopped} of 3000 glitches stopped it");
+    println!("{spoilt} of 3000 reads were spoilt, {stopped} stopped the block");
 }
 
 #[test]
@@ -112,7 +124,7 @@ fn a_reset_at_any_clock_leaves_a_block_that_delivers_the_next_whole_set() {
         port.bench.disturb(Disturbance::Reset, clock * CLOCK_PS, random.between(1, 5) * CLOCK_PS);
         port.bench.pass(port.bench.period_ps(60));
         disturbed_read(&mut port, SET, 16 + 2 * LENGTH + 1);
-        port.bench.pass(12 * CLOCK_PS);
+        port.bench.pass(200 * CLOCK_PS);
         // Whatever was under way: the master's own start is all it takes.
         port.start(100, LENGTH as u32);
         assert!(port.wait_for_data_ready(1000), "reset at clock {clock}");
@@ -143,7 +155,8 @@ fn a_glitch_in_a_write_is_mended_by_writing_again() {
     let mut port = Port::new(bench(8), Timing::FASTEST, 8);
     for _ in 0..1500 {
         let what = [Disturbance::Sck, Disturbance::ChipSelect, Disturbance::Mosi][random.between(0, 2) as usize];
-        port.bench.disturb(what, random.between(0, 20_000_000), random.between(1_000, 300_000));
+        // Both writes take 16 us at 10 MHz.
+        port.bench.disturb(what, random.between(0, 16_000_000), random.between(1_000, 300_000));
         port.start(100, 3);
         port.bench.pass(1_000_000);
         port.start(100, 2);

@@ -1,5 +1,7 @@
 //! A master that reads when and how it likes: nothing torn, nothing silent.
 
+#![allow(clippy::unwrap_used)] // All of it is a test.
+
 use zerorate_gateware::{Bench, Head, Port, Random, Scale, Timing, head, scans};
 
 const SCAN_PERIOD: u8 = 0x03;

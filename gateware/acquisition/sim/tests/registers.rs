@@ -1,5 +1,7 @@
 //! Every register of docs/acquisition-port.md, and what transfers do.
 
+#![allow(clippy::unwrap_used)] // All of it is a test.
+
 use zerorate_gateware::{Bench, Disturbance, Head, Port, Random, Scale, Timing, checked, head, scans};
 
 const CONTROL: u8 = 0x02;

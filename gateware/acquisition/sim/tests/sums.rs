@@ -1,5 +1,7 @@
 //! Sums and samples against those that the A/D delivered.
 
+#![allow(clippy::unwrap_used)] // All of it is a test.
+
 use std::cell::Cell;
 use std::rc::Rc;
 
@@ -22,9 +24,11 @@ fn input(seed: u64) -> impl FnMut(usize) -> u16 {
     }
 }
 
+type Input = Box<dyn FnMut(usize) -> u16>;
+
 /// The processor's own acquisition on an A/D whose inputs are held at given scans, and which scan it is at.
 struct Direct {
-    acquisition: DirectAcquisition<ConverterSpi<Box<dyn FnMut(usize) -> u16>>>,
+    acquisition: DirectAcquisition<ConverterSpi<Input>>,
     held: Rc<Cell<[u16; 4]>>,
 }
 
@@ -32,7 +36,7 @@ impl Direct {
     fn new() -> Self {
         let held = Rc::new(Cell::new([0; 4]));
         let inputs = Rc::clone(&held);
-        let input: Box<dyn FnMut(usize) -> u16> = Box::new(move |channel| inputs.get()[channel]);
+        let input: Input = Box::new(move |channel| inputs.get()[channel]);
         let spi = ConverterSpi::new(Ad7949::new(Limits::DATA_SHEET), input);
         Self { acquisition: DirectAcquisition::new(spi), held }
     }
@@ -73,17 +77,18 @@ fn sums_of_1000_sets_of_random_lengths_and_rates_are_the_direct_acquisition_s_bi
         master.start(timing).unwrap();
         board.borrow_mut().bench.count_scans();
         let mut set = Set::default();
-        assert_eq!(master.read_set(&mut set, true), Ok(false));
         assert!(board.borrow_mut().wait_for_data_ready(period_us * (length + 1)));
         let with_scans = random.one_in(4);
         assert_eq!(master.read_set(&mut set, with_scans), Ok(true));
 
+        // Sets of a few scans may be full more than once before a slow master has asked for STATUS and begun to read.
         let bench = &board.borrow().bench;
-        let taken = &bench.scans()[..usize::from(timing.set_length)];
+        let first = set.number as usize * usize::from(timing.set_length);
+        let taken = &bench.scans()[first..first + usize::from(timing.set_length)];
         let samples: Vec<[u16; 4]> = taken.iter().map(|scan| scan.samples).collect();
         let expected = direct.set(timing, &samples);
         assert_eq!(expected.scans[..], samples);
-        assert_eq!((set.number, set.lost, set.sums), (0, 0, expected.sums), "set {index}");
+        assert_eq!((set.lost, set.sums), (set.number, expected.sums), "set {index}");
         assert!(!with_scans && set.scans.is_empty() || set.scans == expected.scans, "set {index}");
         let period_ps = bench.period_ps(period_us);
         assert!(taken.windows(2).all(|pair| pair[1].began_ps - pair[0].began_ps == period_ps));
