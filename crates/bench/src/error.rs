@@ -66,6 +66,9 @@ pub enum BenchError {
         /// What is wrong and what to do.
         reason: String,
     },
+    /// The record cannot be composed.
+    #[error("{0}")]
+    Compose(String),
     /// A file cannot be written.
     #[error("cannot write {path}: {source}. Earlier results are untouched")]
     Write {

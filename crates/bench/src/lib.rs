@@ -1,12 +1,20 @@
 #![doc = include_str!("../README.md")]
 
+pub mod calibrate;
+pub mod characterise;
 pub mod client;
 pub mod error;
 pub mod evaluate;
 pub mod instruments;
 pub mod link;
+pub mod output;
+pub mod plants;
 pub mod procedure;
 pub mod run;
 pub mod setup;
 pub mod simulated;
 pub mod steps;
+pub mod story;
+pub mod study;
+pub mod summary;
+pub mod verify;

@@ -143,6 +143,13 @@ impl TapEffects {
         &self.effects
     }
 
+    /// The measured effect of a tap; `None` for a tap that was not swept.
+    #[must_use]
+    pub fn get(&self, tap: Taps) -> Option<Counts> {
+        let index = tap.get().checked_sub(self.first.get())?;
+        self.effects.get(usize::from(index)).copied()
+    }
+
     /// The effect of a tap; beyond the taps measured it goes on from the nearer end by `per_tap` counts a tap.
     #[must_use]
     pub fn effect(&self, tap: Taps, per_tap: Counts) -> Counts {

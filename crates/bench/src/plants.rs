@@ -1,0 +1,44 @@
+//! The plants that the simulated bench offers by name.
+
+use zerorate_sim::{Plant, PlantParameters};
+
+use crate::setup::SetUp;
+
+/// A plant by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlantKind {
+    /// The paper's board: eq. (1) for the drift, Y with the corrected sign.
+    Paper,
+    /// A board drawn from the population of real drift curves.
+    Typical,
+}
+
+impl PlantKind {
+    /// `paper` or `typical`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Typical => "typical",
+        }
+    }
+
+    /// A unit of this plant, everything in it drawn from a seed.
+    #[must_use]
+    pub fn build(self, seed: u64) -> Plant {
+        let parameters = match self {
+            Self::Paper => PlantParameters::paper(),
+            Self::Typical => PlantParameters::typical(seed),
+        };
+        Plant::new(parameters, seed)
+    }
+
+    /// The set-up that goes with it.
+    #[must_use]
+    pub fn setup(self) -> SetUp {
+        match self {
+            Self::Paper => SetUp::paper(),
+            Self::Typical => SetUp::typical(),
+        }
+    }
+}

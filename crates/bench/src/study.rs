@@ -1,0 +1,155 @@
+//! Many units through the main job: what a design achieves, before a board is built.
+
+use serde::Serialize;
+use zerorate_core::compensate::Mode;
+use zerorate_core::record::UnitSerial;
+use zerorate_core::units::Axis;
+
+use crate::characterise::{characterise, first_time};
+use crate::error::BenchError;
+use crate::plants::PlantKind;
+use crate::run::{Recorder, Session, Silent};
+use crate::setup::SetUp;
+use crate::simulated;
+use crate::verify::{deploy, test};
+
+/// One unit of a study: its X axis, heating; counts peak to peak, held out but for the drift.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UnitResult {
+    /// Its number in the study.
+    pub unit: u32,
+    /// Zero-rate output over the ramp without compensation.
+    pub drift_pp_counts: f64,
+    /// What mode trim leaves; `None` where the wiper cannot follow.
+    pub trim_residual_pp_counts: Option<f64>,
+    /// What mode hybrid leaves (mode digital where the wiper cannot follow).
+    pub hybrid_residual_pp_counts: f64,
+    /// What no compensation could beat.
+    pub floor_pp_counts: f64,
+    /// The drift model chosen.
+    pub model: String,
+    /// What to look at.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+}
+
+/// A unit that could not be carried through, and why.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UnitRejected {
+    /// Its number in the study.
+    pub unit: u32,
+    /// Why.
+    pub reason: String,
+}
+
+/// Takes one unit through characterisation, trim test and hybrid test.
+///
+/// # Errors
+/// [`BenchError`], when it cannot be carried through.
+pub fn unit(number: u32, plant: PlantKind, seed: u64, setup: &SetUp) -> Result<UnitResult, BenchError> {
+    let serial = UnitSerial::new();
+    let mut bench = simulated::bench(plant.build(seed), setup, &serial);
+    let mut progress = Silent;
+    let mut session = Session::new(&mut bench, setup, &mut progress);
+    first_time(&mut session)?;
+    let character = characterise(&mut session, &serial, Recorder::discarding(), Recorder::discarding())?;
+    deploy(&mut session, &character)?;
+    let drift = &character.axes[0];
+    let follows = drift.composed.digital_only.is_none();
+    let mut residual = |mode| -> Result<(f64, f64), BenchError> {
+        let verification = test(&mut session, &character, mode, Axis::X, false, &mut Recorder::discarding())?;
+        let heating = &verification.results[0];
+        Ok((heating.residual_pp_counts, heating.floor_pp_counts.unwrap_or(f64::NAN)))
+    };
+    let trim = if follows { Some(residual(Mode::Trim)?.0) } else { None };
+    let (hybrid, floor) = residual(if follows { Mode::Hybrid } else { Mode::Digital })?;
+    Ok(UnitResult {
+        unit: number,
+        drift_pp_counts: drift.drift_pp_counts,
+        trim_residual_pp_counts: trim,
+        hybrid_residual_pp_counts: hybrid,
+        floor_pp_counts: floor,
+        model: drift.drift.choice.model.to_string(),
+        warnings: character.warnings,
+    })
+}
+
+/// Takes units `0..units` through, on as many threads as there are cores; `done` is told of each as it comes.
+pub fn run(
+    units: u32,
+    plant: PlantKind,
+    seed: u64,
+    setup: &SetUp,
+    done: &(dyn Fn() + Sync),
+) -> Vec<Result<UnitResult, UnitRejected>> {
+    let next = std::sync::atomic::AtomicU32::new(0);
+    let results = std::sync::Mutex::new(Vec::with_capacity(units as usize));
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    std::thread::scope(|scope| {
+        for _ in 0..cores {
+            scope.spawn(|| {
+                loop {
+                    let number = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                    if number >= units {
+                        break;
+                    }
+                    // Units of one study must differ, and those of two studies not overlap by accident.
+                    let unit_seed = seed.wrapping_mul(1_000_003).wrapping_add(u64::from(number));
+                    let result = unit(number, plant, unit_seed, setup)
+                        .map_err(|error| UnitRejected { unit: number, reason: error.to_string() });
+                    if let Ok(mut results) = results.lock() {
+                        results.push((number, result));
+                    }
+                    done();
+                }
+            });
+        }
+    });
+    let mut results = results.into_inner().unwrap_or_default();
+    results.sort_by_key(|(number, _)| *number);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+/// Quantiles of a study, counts peak to peak.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Quantiles {
+    /// At these parts of the units.
+    pub at: Vec<f64>,
+    /// Without compensation.
+    pub drift_pp_counts: Vec<f64>,
+    /// Mode trim, of the units whose wiper can follow.
+    pub trim_residual_pp_counts: Vec<f64>,
+    /// Mode hybrid.
+    pub hybrid_residual_pp_counts: Vec<f64>,
+    /// Mode hybrid in multiples of the floor.
+    pub hybrid_residual_floors: Vec<f64>,
+    /// The floor.
+    pub floor_pp_counts: Vec<f64>,
+}
+
+impl Quantiles {
+    /// The quantiles of a study's results.
+    #[must_use]
+    pub fn of(results: &[&UnitResult]) -> Self {
+        let at = vec![0.0, 0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0];
+        let quantiles = |values: Vec<f64>| quantiles(values, &at);
+        Self {
+            drift_pp_counts: quantiles(results.iter().map(|r| r.drift_pp_counts).collect()),
+            trim_residual_pp_counts: quantiles(results.iter().filter_map(|r| r.trim_residual_pp_counts).collect()),
+            hybrid_residual_pp_counts: quantiles(results.iter().map(|r| r.hybrid_residual_pp_counts).collect()),
+            hybrid_residual_floors: quantiles(
+                results.iter().map(|r| r.hybrid_residual_pp_counts / r.floor_pp_counts).collect(),
+            ),
+            floor_pp_counts: quantiles(results.iter().map(|r| r.floor_pp_counts).collect()),
+            at,
+        }
+    }
+}
+
+/// Nearest-rank quantiles; empty for no values.
+fn quantiles(mut values: Vec<f64>, at: &[f64]) -> Vec<f64> {
+    values.sort_by(f64::total_cmp);
+    let Some(last) = values.len().checked_sub(1) else { return Vec::new() };
+    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)] // 0 to last
+    at.iter().map(|part| values[(part * last as f64).round() as usize]).collect()
+}

@@ -1,0 +1,98 @@
+//! The proof: the composed record on the device, the same ramp again.
+
+use zerorate_core::compensate::Mode;
+use zerorate_core::units::Axis;
+
+use crate::characterise::Character;
+use crate::error::BenchError;
+use crate::evaluate::{TestResult, evaluate};
+use crate::procedure::compensation_test::{self, TestRun};
+use crate::run::{Recorder, Session};
+use crate::setup::Limits;
+
+/// One compensation test with its results.
+#[derive(Debug, Clone)]
+pub struct Verification {
+    /// The groups.
+    pub run: TestRun,
+    /// Heating, then cooling where it was run.
+    pub results: Vec<TestResult>,
+}
+
+/// Puts the record on the device.
+///
+/// # Errors
+/// [`BenchError`].
+pub fn deploy(session: &mut Session<'_>, character: &Character) -> Result<(), BenchError> {
+    session.begin()?;
+    session.bench.device.deploy(&character.record)?;
+    Ok(())
+}
+
+/// Runs one compensation test and evaluates it. A mode that the axis's law cannot run is replaced by the digital one.
+///
+/// # Errors
+/// [`BenchError`].
+pub fn test(
+    session: &mut Session<'_>,
+    character: &Character,
+    mode: Mode,
+    axis: Axis,
+    with_cooling: bool,
+    recorder: &mut Recorder,
+) -> Result<Verification, BenchError> {
+    let run = compensation_test::run(session, mode, axis, with_cooling, recorder)?;
+    let law = character.record.axis(axis).static_law(character.record.temperature_scale);
+    let results = evaluate(&run, &law);
+    Ok(Verification { run, results })
+}
+
+/// Something that was checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Check {
+    /// What, in words.
+    pub what: String,
+    /// The limit, with its unit.
+    pub limit: String,
+    /// What was measured, with its unit.
+    pub measured: String,
+    /// Whether it is within the limit.
+    pub pass: bool,
+}
+
+/// Holds the heating tests against the limits. Cooling is reported as it is.
+#[must_use]
+pub fn check(verifications: &[Verification], limits: &Limits, centre_counts: f64) -> Vec<Check> {
+    let heating = verifications.iter().flat_map(|v| &v.results).filter(|result| result.direction == "heating");
+    heating.flat_map(|result| check_one(result, limits, centre_counts)).collect()
+}
+
+fn check_one(result: &TestResult, limits: &Limits, centre_counts: f64) -> Vec<Check> {
+    let whose = format!("{} {}, heating", result.axis.to_uppercase(), result.mode);
+    let mut checks = Vec::new();
+    let mut at_most = |what: &str, limit: f64, measured: f64, unit: &str| {
+        checks.push(Check {
+            what: format!("{whose}: {what}"),
+            limit: format!("at most {limit:.1} {unit}"),
+            measured: format!("{measured:.1} {unit}"),
+            pass: measured <= limit,
+        });
+    };
+    if result.mode == Mode::Trim.name() {
+        at_most("residual, peak to peak", limits.trim_residual_pp_counts, result.residual_pp_counts, "counts");
+    } else if let Some(floor) = result.floor_pp_counts {
+        let limit = limits.hybrid_residual_floors * floor;
+        at_most("residual, peak to peak, against the floor", limit, result.residual_pp_counts, "counts");
+    }
+    let offset = (result.mean_counts - centre_counts).abs();
+    at_most("distance of the mean from the centre", limits.mean_offset_counts, offset, "counts");
+    if let Some(crossed) = result.taps_crossed {
+        checks.push(Check {
+            what: format!("{whose}: wiper writes"),
+            limit: format!("the {crossed} taps crossed"),
+            measured: format!("{} writes", result.wiper_writes),
+            pass: result.wiper_writes == crossed,
+        });
+    }
+    checks
+}
