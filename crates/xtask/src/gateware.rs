@@ -116,6 +116,9 @@ fn synthesis(workspace: &Workspace) -> Result<Outcome> {
     let log = yosys(workspace, &script, "yosys.log")?;
     ensure!(!log.contains("Latch inferred"), "latches: see target/gateware/yosys.log");
     unexplained(&log, "yosys.log")?;
+    let luts =
+        log.lines().rev().find_map(|line| line.trim().strip_prefix("SB_LUT4")).context("yosys counts no LUTs")?;
+    println!("    LUT4: {}", luts.trim());
 
     println!("    nextpnr-ice40 --up5k --package sg48");
     let (report, bits) = (in_out("nextpnr.json"), in_out("icebreaker.asc"));
@@ -138,7 +141,9 @@ fn synthesis(workspace: &Workspace) -> Result<Outcome> {
 
 /// Prints what is used of what there is; more than there is, nextpnr would have refused.
 fn resources(report: &Value) -> Result<()> {
-    for (name, what) in [("ICESTORM_LC", "logic cells (a LUT4 each)"), ("ICESTORM_RAM", "block RAM (4 kbit each)")] {
+    for (name, what) in
+        [("ICESTORM_LC", "logic cells (a LUT4, a flip-flop or both)"), ("ICESTORM_RAM", "block RAM (4 kbit each)")]
+    {
         let number = |of: &str| report["utilization"][name][of].as_u64().with_context(|| format!("no {of} of {name}"));
         println!("    {what}: {} of {}", number("used")?, number("available")?);
     }

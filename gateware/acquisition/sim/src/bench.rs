@@ -49,6 +49,9 @@ pub struct Bench {
     disturbances: VecDeque<(Ps, Disturbance, bool)>,
     converter: Ad7949,
     input: Box<dyn FnMut(usize) -> u16>,
+    /// What is to happen as a scan begins, and when the last did.
+    hold: Box<dyn FnMut()>,
+    scan_began_ps: Option<Ps>,
     frames: Vec<Frame>,
     scans: Vec<Scan>,
     scans_count_from_ps: Ps,
@@ -85,6 +88,8 @@ impl Bench {
             disturbances: VecDeque::new(),
             converter: Ad7949::new(limits),
             input,
+            hold: Box::new(|| ()),
+            scan_began_ps: None,
             frames: Vec::new(),
             scans: Vec::new(),
             scans_count_from_ps: 0,
@@ -93,6 +98,12 @@ impl Bench {
         bench.driven.rst_n = true;
         bench.pass(10 * 2 * HALF_CLOCK_PS);
         bench
+    }
+
+    /// Has this done whenever a scan begins, before any of its conversions: for a simulated board that moves on from scan
+    /// to scan.
+    pub fn at_each_scan(&mut self, hold: impl FnMut() + 'static) {
+        self.hold = Box::new(hold);
     }
 
     /// The time.
@@ -191,6 +202,9 @@ impl Bench {
         let converter_pins = |outputs: &Outputs| (outputs.adc_cnv, outputs.adc_sck, outputs.adc_din);
         if converter_pins(&outputs) != converter_pins(&self.outputs) {
             let (cnv, sck, din) = converter_pins(&outputs);
+            if self.outputs.adc_cnv && !cnv {
+                self.note_fall();
+            }
             let frame = self.converter.pins(self.now_ps, cnv, sck, din, &mut self.input);
             self.driven.adc_sdo = self.converter.sdo();
             if let Some(frame) = frame {
@@ -200,13 +214,19 @@ impl Bench {
         self.outputs = outputs;
     }
 
-    /// Puts frames together to scans: six that follow each other closely.
-    fn note(&mut self, frame: Frame) {
+    /// CNV falls: with the first frame of a scan, a scan begins.
+    fn note_fall(&mut self) {
         // A scan takes 38 us on the board and 74 of the fast scale's, and the shortest period is 100.
-        let belongs = self.frames.first().is_some_and(|first| frame.began_ps - first.began_ps < self.period_ps(80));
-        if !belongs {
+        let is_over = |began_ps: Ps| self.now_ps - began_ps >= self.period_ps(80);
+        if self.scan_began_ps.is_none_or(is_over) {
+            self.scan_began_ps = Some(self.now_ps);
             self.frames.clear();
+            (self.hold)();
         }
+    }
+
+    /// Puts the frames of a scan together.
+    fn note(&mut self, frame: Frame) {
         self.frames.push(frame);
         if self.frames.len() < FRAMES {
             return;

@@ -37,12 +37,12 @@ impl Timing {
         pause_ps: (0, 2_000_000),
         around_ps: (50_000, 1_000_000),
     };
-    /// From 5 to 10 MHz, uneven: where the clocks meet in the most ways.
+    /// From 5 to 10 MHz, uneven, and chip select close beside SCK or itself: where the clocks meet in the most ways.
     pub const QUICK: Self = Self {
         period_ps: (100_000, 200_000),
         low_percent: (40, 60),
         pause_ps: (0, 200_000),
-        around_ps: (50_000, 400_000),
+        around_ps: (2_000, 200_000),
     };
 }
 

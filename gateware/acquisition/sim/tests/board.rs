@@ -2,7 +2,10 @@
 
 #![allow(clippy::unwrap_used)] // All of it is a test.
 
-use zerorate_gateware::{Bench, Head, Port, Random, Scale, Timing, head};
+use std::cell::Cell;
+use std::rc::Rc;
+
+use zerorate_gateware::{Bench, Head, Port, Random, Scale, Timing, head, scans};
 
 fn port(seed: u32) -> Port {
     let mut samples = Random::new(u64::from(seed));
@@ -32,4 +35,19 @@ fn the_a_d_s_data_sheet_is_kept_at_the_shortest_period() {
     assert!(port.wait_for_data_ready(6200));
     assert_eq!(port.bench.converter_faults(), [""; 0]);
     assert_eq!(port.bench.scans().len(), 60);
+}
+
+#[test]
+fn a_simulated_board_moves_on_with_each_scan() {
+    let mut random = Random::new(3);
+    let held = Rc::new(Cell::new([0; 4]));
+    let inputs = Rc::clone(&held);
+    let mut bench = Bench::new(Scale::Board, 3, move |channel| inputs.get()[channel]);
+    bench.at_each_scan(move || held.set(core::array::from_fn(|_| random.counts())));
+    let mut port = Port::new(bench, Timing::FASTEST, 3);
+    port.start(100, 4);
+    assert!(port.wait_for_data_ready(500));
+    let mut again = Random::new(3);
+    let taken: Vec<[u16; 4]> = (0..4).map(|_| core::array::from_fn(|_| again.counts())).collect();
+    assert_eq!(scans(&port.read_set(4), 4), Some(taken));
 }

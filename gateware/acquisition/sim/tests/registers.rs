@@ -131,9 +131,12 @@ fn with_no_set_waiting_all_words_read_0_which_is_not_their_crc() {
 #[test]
 fn a_set_that_fills_during_a_burst_of_nothing_waits_on() {
     let mut port = port(6, Timing::FASTEST);
-    port.start(100, 1);
+    // The set is full after 100 us; the burst takes 130.
+    port.start(800, 1);
     let burst = port.read(SET, 40);
     assert_eq!(burst, [0; 40]);
+    port.bench.pass(1_000_000);
+    assert_eq!(port.bench.scans().len(), 1);
     assert!(port.bench.data_ready(), "not released by a burst that did not send it");
 }
 
