@@ -15,20 +15,18 @@ pub(super) fn table(axis: &str, candidates: &[CandidateRow], unit: &str) -> Mark
     let (factor, unit) = thousandfold(held_out().fold(0.0, f64::max), unit);
     let decimals = 1 + decimals_for(held_out().fold(f64::INFINITY, f64::min) / factor);
     let scaled = |value: f64| html! { (fixed(value / factor, decimals)) };
-    let rms = |kind: &str| format!("{kind} rms, {unit}");
-    let heads = ["Model", &rms("In-sample"), &rms("Held-out"), "± standard error", ""];
+    let heads = ["Model", "In-sample rms", "Held-out rms", "± standard error"];
     let row = |candidate: &CandidateRow| {
         vec![
-            html! { (candidate.model) },
+            html! { (candidate.model) @if candidate.chosen { " ✓" } },
             scaled(candidate.in_sample_rms),
             scaled(candidate.held_out_rms),
             scaled(candidate.standard_error),
-            html! { @if candidate.chosen { "✓\u{a0}chosen" } },
         ]
     };
     let caption = html! {
         b { (axis) } ": models compared on contiguous stretches that each was not fitted to; the simplest within one "
-        "standard error of the best is taken."
+        "standard error of the best is taken (✓). In " (unit) "."
     };
     Table { caption, heads: &heads, rows: candidates.iter().map(row).collect(), numbers_from: 1 }.markup()
 }

@@ -70,20 +70,20 @@ pub(super) struct Table<'a> {
 }
 
 impl Table<'_> {
-    /// The table as HTML. The box can be reached by keyboard, for those who scroll with it.
+    /// The table as HTML. Its caption stays where it is when the box scrolls, and the box can be reached by keyboard, for those who scroll with it.
     pub(super) fn markup(&self) -> Markup {
         let class = |column: usize| if column >= self.numbers_from { "n" } else { "" };
         html! {
-            div.scroll tabindex="0" role="group" aria-label="table" {
-                table {
-                    caption { (self.caption) }
+            figure.table {
+                figcaption { (self.caption) }
+                div.scroll tabindex="0" { table {
                     thead { tr { @for (column, head) in self.heads.iter().enumerate() {
                         th scope="col" class=(class(column)) { (head) }
                     } } }
                     tbody { @for row in &self.rows { tr { @for (column, cell) in row.iter().enumerate() {
                         @if column == 0 { th scope="row" { (cell) } } @else { td class=(class(column)) { (cell) } }
                     } } } }
-                }
+                } }
             }
         }
     }

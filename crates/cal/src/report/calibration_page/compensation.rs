@@ -25,10 +25,10 @@ pub(super) fn chapter(report: &CalibrationReport) -> Markup {
 }
 
 /// Tests of one axis in one direction, or of one axis in both: what stands in one figure.
-fn alike<'a>(
-    report: &'a CalibrationReport,
+fn alike(
+    report: &CalibrationReport,
     same: impl Fn(&CompensationTest, &CompensationTest) -> bool,
-) -> Vec<Vec<&'a CompensationTest>> {
+) -> Vec<Vec<&CompensationTest>> {
     let mut sets: Vec<Vec<&CompensationTest>> = Vec::new();
     for test in report.tests.iter().filter(|test| !test.points.is_empty()) {
         match sets.iter_mut().find(|set| same(set[0], test)) {

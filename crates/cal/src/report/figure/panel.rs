@@ -34,7 +34,7 @@ const BELOW: u32 = 48;
 const ABOVE: i32 = 30;
 
 /// Ticks on an x axis, about: more, and labels of five digits would touch on a phone.
-const ACROSS: f64 = 6.0;
+const ACROSS: f64 = 7.0;
 
 /// Something drawn in a panel, in the units of its axes. Points that are no numbers part a line and are left out.
 #[derive(Debug, Clone, PartialEq)]
@@ -139,7 +139,7 @@ impl Panel {
             Mark::Stems(..) => Some(0.0),
             _ => None,
         });
-        let up = if self.height > Self::SHORT + 40 { 6.5 } else { 4.5 };
+        let up = if self.height > Self::SHORT + 40 { 8.0 } else { 4.5 };
         let y = self.y_range.map_or_else(
             || Scale::holding(points().map(|point| point.1).chain(levels), up),
             |range| Scale::over(range, up),

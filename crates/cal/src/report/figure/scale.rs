@@ -4,6 +4,9 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
+/// No axis has more ticks, whatever its range.
+const MOST_TICKS: usize = 20;
+
 /// The part of the range left empty at each end.
 const MARGIN: f64 = 0.05;
 
@@ -28,19 +31,24 @@ impl Scale {
             return Self::over((0.0, 1.0), ticks);
         }
         let span = max - min;
-        // Equal values still need a span: a thousandth of them, or one.
-        let room = if span > 0.0 { span * MARGIN } else { (max.abs() * 1e-3).max(f64::MIN_POSITIVE.max(1e-12)) };
+        // Equal values still need a span: a thousandth of them, or one if they are zero.
+        let room = match (span > 0.0, max.abs() > 0.0) {
+            (true, _) => span * MARGIN,
+            (false, true) => max.abs() * 1e-3,
+            (false, false) => 1.0,
+        };
         Self::over((min - room, max + room), ticks)
     }
 
     /// A scale over exactly this range, of about so many ticks.
-    pub(super) fn over((min, max): (f64, f64), ticks: f64) -> Self {
-        let step = nice_step((max - min) / ticks);
+    pub(super) fn over((min, max): (f64, f64), wanted: f64) -> Self {
+        let step = nice_step((max - min) / wanted);
         let first = (min / step).ceil();
         let last = (max / step).floor();
         let mut ticks = Vec::new();
         let mut number = first;
-        while number <= last {
+        // A range so narrow that its ends are the same double has no ticks at all.
+        while number <= last && ticks.len() < MOST_TICKS {
             // Adding 0 turns a negative zero into a plain one.
             ticks.push(number * step + 0.0);
             number += 1.0;
@@ -89,7 +97,7 @@ impl ValueFormatter<f64> for Scale {
 // A double's exponent is within 400.
 #[allow(clippy::cast_possible_truncation)]
 fn thousands(value: f64) -> i32 {
-    (value.log10() / 3.0).floor() as i32 * 3
+    (value.log10() / 3.0).floor().clamp(-100.0, 100.0) as i32 * 3
 }
 
 /// The least of 1, 2, 5 times a power of ten that is not below `least`.
@@ -139,5 +147,6 @@ mod tests {
         let one = Scale::holding([8200.0].into_iter(), 5.0);
         assert!(one.range.0 < 8200.0 && one.range.1 > 8200.0 && !one.ticks.is_empty());
         assert!(!Scale::holding([0.0].into_iter(), 5.0).ticks.is_empty());
+        assert!(Scale::over((8200.0, 8200.0), 5.0).ticks.len() <= MOST_TICKS);
     }
 }

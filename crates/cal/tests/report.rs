@@ -1,0 +1,120 @@
+//! The reports as their reader gets them.
+
+mod sample;
+
+use zerorate_cal::quality::Verdict;
+
+/// A page may not be larger than this: it goes by mail.
+const MOST_BYTES: usize = 1_500_000;
+
+fn pages() -> [String; 2] {
+    [sample::calibration().to_html(), sample::log().to_html()]
+}
+
+/// The texts between `start` and `end`, in order.
+fn between<'a>(page: &'a str, start: &str, end: &str) -> Vec<&'a str> {
+    page.split(start).skip(1).filter_map(|rest| rest.split(end).next()).collect()
+}
+
+#[test]
+fn equal_reports_make_equal_bytes() {
+    assert_eq!(pages(), pages());
+}
+
+#[test]
+fn nothing_is_loaded_from_anywhere() {
+    for page in pages() {
+        for loader in ["http:", "https:", "src=", "@import", "url(", "<script", "xlink"] {
+            assert!(!page.contains(loader), "{loader}");
+        }
+        // The icon is empty and in the page.
+        assert_eq!(between(&page, "<link ", ">"), [r#"rel="icon" href="data:,""#]);
+    }
+}
+
+#[test]
+fn pages_are_small_enough_for_a_mail() {
+    for page in pages() {
+        assert!(page.len() < MOST_BYTES, "{}", page.len());
+    }
+}
+
+#[test]
+fn every_id_is_there_once_and_every_link_has_its_place() {
+    for page in pages() {
+        let ids = between(&page, " id=\"", "\"");
+        for (place, id) in ids.iter().enumerate() {
+            assert!(!ids[..place].contains(id), "{id} twice");
+        }
+        for link in between(&page, "href=\"#", "\"") {
+            assert!(ids.contains(&link), "#{link}");
+        }
+        for labels in between(&page, "aria-labelledby=\"", "\"") {
+            assert!(labels.split(' ').all(|label| ids.contains(&label)), "{labels}");
+        }
+    }
+}
+
+#[test]
+fn headings_go_down_one_level_at_a_time() {
+    for page in pages() {
+        let levels: Vec<u32> =
+            between(&page, "<h", ">").iter().filter_map(|level| level.chars().next()?.to_digit(10)).collect();
+        assert_eq!((levels[0], levels.iter().filter(|level| **level == 1).count()), (1, 1));
+        assert!(levels.windows(2).all(|pair| pair[1] <= pair[0] + 1), "{levels:?}");
+    }
+}
+
+#[test]
+fn a_calibration_shows_the_papers_figures_and_corrects_its_erratum_aloud() {
+    let page = sample::calibration().to_html();
+    for figure in ["Figure 2.", "Figure 3.", "Figure 4.", "Figure 6a.", "Figure 6d."] {
+        assert!(page.contains(figure), "{figure}");
+    }
+    assert!(page.contains("See erratum") && page.contains("As printed: + 0.676531"));
+    assert!(page.contains("1 of 4 checks"));
+}
+
+#[test]
+fn every_word_from_outside_is_escaped() {
+    let mut report = sample::calibration();
+    report.unit.serial = "<b>&\"".into();
+    report.axes[0].name = "<i>".into();
+    let page = report.to_html();
+    assert!(!page.contains("<b>&\"") && !page.contains("<i><"));
+    let mut log = sample::log();
+    log.axes[0].name = "<q>".into();
+    assert!(!log.to_html().contains("<q>"));
+}
+
+#[test]
+fn a_rejected_log_has_reasons_and_advice_and_no_empty_chapters() {
+    let mut log = sample::log();
+    log.verdict = Verdict::Rejected;
+    log.axes.clear();
+    log.left_out.clear();
+    let page = log.to_html();
+    assert!(page.contains("No calibration comes of this log") && page.contains("How to get a better log"));
+    assert!(!page.contains("Coefficients to copy") && !page.contains("What was left out"));
+}
+
+#[test]
+fn a_log_without_time_is_drawn_in_its_order() {
+    let mut log = sample::log();
+    for axis in &mut log.axes {
+        axis.points.iter_mut().for_each(|point| point.elapsed_s = f64::NAN);
+    }
+    let page = log.to_html();
+    assert!(page.contains("place in the log, points") && !page.contains("NaN"));
+}
+
+#[test]
+fn a_calibration_without_tests_soaks_and_checks_is_a_page_all_the_same() {
+    let mut report = sample::calibration();
+    report.tests.clear();
+    report.soaks = None;
+    report.checks.clear();
+    report.axes.iter_mut().for_each(|axis| axis.trim.taps.clear());
+    let page = report.to_html();
+    assert!(page.contains("no compensation test was run") && page.contains("Nothing was checked against a limit"));
+}
