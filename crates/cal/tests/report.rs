@@ -2,7 +2,9 @@
 
 mod sample;
 
+use zerorate_cal::log_fit::{FitOptions, fit_log};
 use zerorate_cal::quality::Verdict;
+use zerorate_cal::report::LogReport;
 
 /// A page may not be larger than this: it goes by mail.
 const MOST_BYTES: usize = 1_500_000;
@@ -117,4 +119,23 @@ fn a_calibration_without_tests_soaks_and_checks_is_a_page_all_the_same() {
     report.axes.iter_mut().for_each(|axis| axis.trim.taps.clear());
     let page = report.to_html();
     assert!(page.contains("no compensation test was run") && page.contains("Nothing was checked against a limit"));
+}
+
+#[test]
+fn the_fit_of_a_log_becomes_a_report_with_its_axis_and_its_coefficients() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ramp.csv");
+    let row = |i: u32| {
+        let temperature = -10.0 + 0.02 * f64::from(i);
+        let rate = 0.3 - 0.01 * temperature + 1e-3 * sample::noise(u64::from(i));
+        format!("{},{temperature},{rate}\n", f64::from(i) * 0.5)
+    };
+    let rows: String = (0..3000).map(row).collect();
+    std::fs::write(&path, format!("time_s,temperature_c,rate_dps\n{rows}")).unwrap();
+    let fit = fit_log(&path, &FitOptions::default()).unwrap();
+    let report = LogReport::from(&fit);
+    assert_eq!((report.axes.len(), report.temperature_unit.as_str()), (1, "°C"));
+    assert!((report.axes[0].raw_coefficients[1] + 0.01).abs() < 1e-4);
+    let page = report.to_html();
+    assert!(page.contains("rate_dps") && page.contains("Coefficients to copy"));
 }

@@ -36,13 +36,14 @@ impl LogReport {
             header { (self.headline()) (page::contents(&links)) }
             main { @for (id, heading, chapter) in &chapters { (page::section(id, heading, chapter)) } }
         };
-        page::page(&format!("Fit of {}", self.source), &body)
+        page::page(&format!("Fit of {}", self.file_name()), &body)
     }
 
     fn headline(&self) -> Markup {
         html! {
             p.over { "Fit of a gyroscope’s drift over temperature" }
-            h1 { (self.source) }
+            h1 { (self.file_name()) }
+            @if self.file_name() != self.source { p.over { (self.source) } }
             p { (page::verdict(self.verdict)) }
             p.lead { (self.lead()) }
             @if !self.reasons.is_empty() {
@@ -52,6 +53,11 @@ impl LogReport {
             @if !self.axes.is_empty() { (self.summary()) }
             @if !self.notes.is_empty() { ul.reasons.small { @for note in &self.notes { li { (note) } } } }
         }
+    }
+
+    /// The last part of the source's path: the rest is in small type below it.
+    fn file_name(&self) -> &str {
+        self.source.rsplit(['/', '\\']).next().unwrap_or(&self.source)
     }
 
     fn lead(&self) -> Markup {

@@ -33,6 +33,9 @@ const BELOW: u32 = 48;
 /// Room for the name of the y axis, above the drawing where it needs no turning of the head.
 const ABOVE: i32 = 30;
 
+/// The least width of a band, as a part of the x axis.
+const NARROWEST: f64 = 0.006;
+
 /// Ticks on an x axis, about: more, and labels of five digits would touch on a phone.
 const ACROSS: f64 = 7.0;
 
@@ -182,7 +185,9 @@ impl Panel {
         let (top, bottom) = (y.range.1, y.range.0);
         for mark in &self.marks {
             if let Mark::Band(ink, from, to) = mark {
-                let (from, to) = (from.max(x.range.0), to.min(x.range.1));
+                // A stretch of one group must still be seen.
+                let room = (NARROWEST * (x.range.1 - x.range.0) - (to - from)).max(0.0) / 2.0;
+                let (from, to) = ((from - room).max(x.range.0), (to + room).min(x.range.1));
                 chart.draw_series([Rectangle::new([(from, top), (to, bottom)], ink.style())])?;
             }
         }
