@@ -16,6 +16,7 @@ use crate::evaluate::TestResult;
 use crate::instruments::Bench;
 use crate::output::OutputFolder;
 use crate::plants::PlantKind;
+use crate::procedure::compensation_test::Extent;
 use crate::procedure::soaks::{self, Soaks};
 use crate::run::{Progress, Session};
 use crate::setup::SetUp;
@@ -34,6 +35,17 @@ pub struct Unit {
     pub serial: UnitSerial,
     /// The simulated plant and its seed; `None` on a real bench.
     pub plant: Option<(PlantKind, u64)>,
+}
+
+impl Unit {
+    /// A unit by its serial.
+    ///
+    /// # Errors
+    /// [`BenchError::SerialTooLong`].
+    pub fn new(serial: &str, plant: Option<(PlantKind, u64)>) -> Result<Self, BenchError> {
+        let serial = UnitSerial::try_from(serial).map_err(|_| BenchError::SerialTooLong(serial.into()))?;
+        Ok(Self { serial, plant })
+    }
 }
 
 /// A unit that went through everything.
@@ -113,7 +125,7 @@ pub fn calibrate(
         [(Mode::Trim, "compensation-test-trim.parquet"), (Mode::Hybrid, "compensation-test-hybrid.parquet")]
     {
         let mut recorder = output.record(file, &info("compensation-test"))?;
-        for (axis, with_cooling) in [(Axis::X, true), (Axis::Y, false)] {
+        for (axis, cooling) in [(Axis::X, true), (Axis::Y, false)] {
             let follows = character.axes[axis.index()].composed.digital_only.is_none();
             // What the wiper cannot follow is corrected in numbers alone; there is nothing to trim.
             let runnable = match mode {
@@ -121,7 +133,8 @@ pub fn calibrate(
                 Mode::Hybrid => Mode::Digital,
                 _ => continue,
             };
-            verifications.push(test(&mut session, &character, runnable, axis, with_cooling, &mut recorder)?);
+            let extent = Extent { cooling, samples: true };
+            verifications.push(test(&mut session, &character, runnable, axis, extent, &mut recorder)?);
         }
         recorder.finish()?;
     }

@@ -66,6 +66,9 @@ pub enum BenchError {
         /// What is wrong and what to do.
         reason: String,
     },
+    /// The serial does not fit a record.
+    #[error("the serial '{0}' is longer than the 32 bytes that a device record holds: give a shorter one")]
+    SerialTooLong(String),
     /// The record cannot be composed.
     #[error("{0}")]
     Compose(String),

@@ -84,8 +84,8 @@ pub trait Progress {
     /// A phase begins that will take so many groups (0: no groups are taken in it).
     fn phase(&mut self, name: &str, groups: u32);
 
-    /// A group was taken, or time passed; the chamber's air is at a temperature.
-    fn step(&mut self, air: Celsius);
+    /// A group was taken, or time passed; the chamber's air is at `air_c` degrees C.
+    fn step(&mut self, air_c: f64);
 }
 
 /// Nobody is told.
@@ -94,7 +94,7 @@ pub struct Silent;
 
 impl Progress for Silent {
     fn phase(&mut self, _: &str, _: u32) {}
-    fn step(&mut self, _: Celsius) {}
+    fn step(&mut self, _: f64) {}
 }
 
 /// A bench at work on one unit.
@@ -151,10 +151,10 @@ impl<'b> Session<'b> {
             self.wait(LOOK_EVERY)?;
             waited += LOOK_EVERY.0;
             air = self.bench.chamber.air()?;
-            self.progress.step(air);
+            self.progress.step(air.0);
         }
         self.wait(hold)?;
-        self.progress.step(self.bench.chamber.air()?);
+        self.progress.step(self.bench.chamber.air()?.0);
         Ok(())
     }
 
@@ -216,7 +216,7 @@ impl<'b> Session<'b> {
             witness.take().into_iter().find(|truth| truth.set == group.report.group.0)
         });
         let air = self.bench.chamber.air()?;
-        self.progress.step(air);
+        self.progress.step(air.0);
         let period = self.setup.group_period();
         self.elapsed = self.elapsed + period;
         let time = period * f64::from(self.taken);

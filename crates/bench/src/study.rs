@@ -8,6 +8,7 @@ use zerorate_core::units::Axis;
 use crate::characterise::{characterise, first_time};
 use crate::error::BenchError;
 use crate::plants::PlantKind;
+use crate::procedure::compensation_test::Extent;
 use crate::run::{Recorder, Session, Silent};
 use crate::setup::SetUp;
 use crate::simulated;
@@ -57,7 +58,8 @@ pub fn unit(number: u32, plant: PlantKind, seed: u64, setup: &SetUp) -> Result<U
     let drift = &character.axes[0];
     let follows = drift.composed.digital_only.is_none();
     let mut residual = |mode| -> Result<(f64, f64), BenchError> {
-        let verification = test(&mut session, &character, mode, Axis::X, false, &mut Recorder::discarding())?;
+        let extent = Extent { cooling: false, samples: false };
+        let verification = test(&mut session, &character, mode, Axis::X, extent, &mut Recorder::discarding())?;
         let heating = &verification.results[0];
         Ok((heating.residual_pp_counts, heating.floor_pp_counts.unwrap_or(f64::NAN)))
     };

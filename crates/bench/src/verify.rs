@@ -6,7 +6,7 @@ use zerorate_core::units::Axis;
 use crate::characterise::Character;
 use crate::error::BenchError;
 use crate::evaluate::{TestResult, evaluate};
-use crate::procedure::compensation_test::{self, TestRun};
+use crate::procedure::compensation_test::{self, Extent, TestRun};
 use crate::run::{Recorder, Session};
 use crate::setup::Limits;
 
@@ -38,10 +38,10 @@ pub fn test(
     character: &Character,
     mode: Mode,
     axis: Axis,
-    with_cooling: bool,
+    extent: Extent,
     recorder: &mut Recorder,
 ) -> Result<Verification, BenchError> {
-    let run = compensation_test::run(session, mode, axis, with_cooling, recorder)?;
+    let run = compensation_test::run(session, mode, axis, extent, recorder)?;
     let law = character.record.axis(axis).static_law(character.record.temperature_scale);
     let results = evaluate(&run, &law);
     Ok(Verification { run, results })

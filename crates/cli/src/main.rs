@@ -1,1 +1,16 @@
-fn main() {}
+//! The command `zerorate`.
+
+mod command;
+mod log_arguments;
+mod output;
+mod plant;
+mod progress;
+mod screen;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+fn main() -> ExitCode {
+    command::Cli::parse().run()
+}

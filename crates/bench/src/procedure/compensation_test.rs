@@ -21,6 +21,15 @@ pub struct TestRun {
     pub cooling: Vec<Taken>,
 }
 
+/// How much of the test is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Extent {
+    /// Whether the cooling ramp follows.
+    pub cooling: bool,
+    /// Whether every sample is streamed, to see what a tap change does to them.
+    pub samples: bool,
+}
+
 /// Runs the test on a device that has its calibration.
 ///
 /// The compensated axis finds its tap at the end of the soak, before the ramp begins.
@@ -31,7 +40,7 @@ pub fn run(
     session: &mut Session<'_>,
     mode: Mode,
     axis: Axis,
-    with_cooling: bool,
+    extent: Extent,
     recorder: &mut Recorder,
 ) -> Result<TestRun, BenchError> {
     let [cold, hot] = session.setup.ends();
@@ -41,7 +50,7 @@ pub fn run(
     session.bench.device.order(Request::SetMode { axis, mode })?;
     session.bench.device.order(Request::SetMode { axis: axis.other(), mode: Mode::Off })?;
     session.soak("cold soak", cold, soak)?;
-    session.start(true)?;
+    session.start(extent.samples)?;
     let name = |direction: &str| format!("compensation test, {} {}, {direction}", axis.name().to_uppercase(), mode.name());
     session.progress.phase(&name("heating"), ramp_groups);
     session.until(soak_groups, Phase::Soak, recorder)?;
@@ -49,7 +58,7 @@ pub fn run(
     let heated = soak_groups + ramp_groups;
     let heating = session.until(heated, Phase::Heating, recorder)?;
     let mut cooling = Vec::new();
-    if with_cooling {
+    if extent.cooling {
         session.progress.phase(&name("cooling"), ramp_groups);
         session.bench.chamber.set(cold)?;
         cooling = session.until(heated + ramp_groups, Phase::Cooling, recorder)?;

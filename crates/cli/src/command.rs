@@ -1,0 +1,95 @@
+//! The subcommands, one file each, and how they end.
+
+mod apply;
+mod calibrate;
+mod completions;
+mod fit;
+mod info;
+mod report;
+mod setup;
+mod study;
+
+use std::io;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+use crate::screen;
+
+/// Takes the temperature drift out of the zero-rate output of MEMS gyroscopes: tests on the bench, fits the drift,
+/// compensates, and proves it with a second run.
+#[derive(Debug, Parser)]
+#[command(version, max_term_width = 100, arg_required_else_help = true, after_help = EXAMPLES)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate calibrate                 the whole experiment on the simulated bench
+  zerorate fit log.csv --out calibration.json --report report.html
+  zerorate apply calibration.json log.csv --out corrected.csv
+  zerorate help fit                  what fit does, its options, more examples
+
+Exit codes: 0 done; 1 the unit or the log was rejected, with reasons; 2 error.";
+
+/// The order is the help's: what most people come for stands first.
+#[derive(Debug, Subcommand)]
+enum Command {
+    Calibrate(calibrate::Calibrate),
+    Fit(fit::Fit),
+    Apply(apply::Apply),
+    Report(report::Report),
+    Info(info::Info),
+    Study(study::Study),
+    Setup(setup::Setup),
+    Completions(completions::Completions),
+}
+
+/// How a command ended that did what it was asked to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Exit code 0.
+    Done,
+    /// The unit or the log was rejected, and the reasons were given: exit code 1.
+    Rejected,
+}
+
+/// The exit code of an error; clap's own for wrong usage is the same.
+const ERROR: u8 = 2;
+
+impl Cli {
+    /// Runs the command and gives the exit code.
+    pub fn run(&self) -> ExitCode {
+        let result = match &self.command {
+            Command::Calibrate(calibrate) => calibrate.run(),
+            Command::Fit(fit) => fit.run(),
+            Command::Apply(apply) => apply.run(),
+            Command::Report(report) => report.run(),
+            Command::Info(info) => info.run(),
+            Command::Study(study) => study.run(),
+            Command::Setup(setup) => setup.run(),
+            Command::Completions(completions) => completions.run(),
+        };
+        exit_code(&result)
+    }
+}
+
+fn exit_code(result: &Result<Outcome>) -> ExitCode {
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Rejected) => ExitCode::from(1),
+        // Whoever closed the pipe, as `| head` does, has all that they wanted.
+        Err(error) if is_closed_pipe(error) => ExitCode::SUCCESS,
+        Err(error) => {
+            screen::error(error);
+            ExitCode::from(ERROR)
+        }
+    }
+}
+
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}

@@ -1,0 +1,143 @@
+//! `zerorate apply`.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+use serde::Serialize;
+use zerorate_cal::apply::{AppliedDrift, apply};
+use zerorate_cal::calibration::{Calibration, Kind};
+use zerorate_cal::table::{Columns, TableFile};
+
+use super::Outcome;
+use crate::progress::Busy;
+use crate::screen::{Page, thousands};
+use crate::{output, screen};
+
+/// Correct a log by a calibration
+///
+/// Writes the log again as CSV, every row and column kept, with two columns added for each calibrated rate column:
+/// predicted_COLUMN, the bias that the calibration gives for the row's temperature, and corrected_COLUMN, the rate less
+/// that. A row with a temperature and no rate (empty or nan) still gets its prediction. Outside the calibrated range of
+/// temperature the curve is held at its end, and such rows are counted.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Apply {
+    /// The calibration that `zerorate fit --out` wrote
+    calibration: PathBuf,
+
+    /// The log: CSV, TSV or Parquet, its rate columns named as in the log that was fitted
+    #[arg(value_name = "FILE")]
+    log: PathBuf,
+
+    /// Write the corrected log here, as CSV
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+
+    /// The temperature column, where its name does not make it plain
+    #[arg(long, value_name = "COL")]
+    temperature: Option<String>,
+
+    /// Print JSON on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate apply calibration.json flight.csv --out corrected.csv
+  zerorate apply calibration.json imu.parquet --temperature die_temp --out corrected.csv
+
+To test a calibration on data it has not seen: empty the rate cells of some rows, fit, apply, and compare
+predicted_COLUMN with what was in the cells.";
+
+/// What was done, as JSON has it.
+#[derive(Serialize)]
+struct Done<'a> {
+    schema: u32,
+    out: &'a std::path::Path,
+    columns: Vec<&'a str>,
+    rows: u64,
+    rows_without_temperature: u64,
+    rows_outside_calibrated_range: u64,
+    calibrated_temperature: [f64; 2],
+    temperature_unit: &'static str,
+}
+
+impl Apply {
+    pub fn run(&self) -> Result<Outcome> {
+        output::check("--out", &self.out, &[&self.log, &self.calibration])?;
+        let calibration = Calibration::read(&self.calibration)?;
+        let (temperature, drifts) = self.columns(&calibration)?;
+        let busy = Busy::reading(&self.log);
+        let applied = apply(&self.log, &temperature, &drifts, &self.out)?;
+        drop(busy);
+        let min = drifts.iter().map(|drift| drift.drift.valid.min()).fold(f64::NEG_INFINITY, f64::max);
+        let max = drifts.iter().map(|drift| drift.drift.valid.max()).fold(f64::INFINITY, f64::min);
+        let unit = calibration.temperature_unit.name();
+        let columns: Vec<&str> = drifts.iter().map(|drift| drift.column.as_str()).collect();
+        if self.json {
+            screen::print_json(&Done {
+                schema: 1,
+                out: &self.out,
+                columns,
+                rows: applied.rows,
+                rows_without_temperature: applied.without_temperature,
+                rows_outside_calibrated_range: applied.outside,
+                calibrated_temperature: [min, max],
+                temperature_unit: unit,
+            })?;
+            return Ok(Outcome::Done);
+        }
+        let mut page = Page::default();
+        let columns = columns.join(", ");
+        page.sentence("", &format!("Wrote {}: {} rows, {columns} corrected.", self.out.display(), thousands(applied.rows)));
+        if applied.outside > 0 {
+            let rows = thousands(applied.outside);
+            let text = format!(
+                "{rows} rows are outside the calibrated {min:.1} to {max:.1} {unit}: there the curve was held at its end"
+            );
+            page.sentence("  - ", &text);
+        }
+        if applied.without_temperature > 0 {
+            let rows = thousands(applied.without_temperature);
+            page.sentence("  - ", &format!("{rows} rows have no temperature: they were kept, without a correction"));
+        }
+        page.print()?;
+        Ok(Outcome::Done)
+    }
+
+    /// The temperature column and what to apply to which rate column, in the log's order.
+    fn columns(&self, calibration: &Calibration) -> Result<(String, Vec<AppliedDrift>)> {
+        let table = TableFile::open(&self.log)?;
+        let asked = Columns {
+            temperature: self.temperature.clone(),
+            rates: calibration.axes.keys().cloned().collect(),
+            ..Columns::default()
+        };
+        let found = asked.resolve(&table).with_context(|| {
+            let whose = match calibration.kind {
+                Kind::Log => "the log that was fitted",
+                Kind::AnalogueBoard => "an analogue board (x and y, in counts)",
+            };
+            format!("{} corrects the rate columns of {whose}", self.calibration.display())
+        })?;
+        let temperature = table.names()[found.temperature].clone();
+        let (own, of_log) = (calibration.temperature_unit, found.temperature_unit);
+        ensure!(
+            own == of_log,
+            "{}: column '{temperature}' is in {}, and the calibration's temperatures are in {}: give the column in {2} with --temperature",
+            self.log.display(),
+            of_log.name(),
+            own.name()
+        );
+        let mut drifts: Vec<(usize, AppliedDrift)> = calibration
+            .axes
+            .iter()
+            .zip(&found.rates)
+            .map(|((column, axis), &place)| (place, AppliedDrift { column: column.clone(), drift: axis.drift.clone() }))
+            .collect();
+        drifts.sort_by_key(|(place, _)| *place);
+        Ok((temperature, drifts.into_iter().map(|(_, drift)| drift).collect()))
+    }
+}

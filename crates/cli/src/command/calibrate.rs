@@ -1,0 +1,130 @@
+//! `zerorate calibrate`.
+
+mod page;
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use zerorate_bench::calibrate::{Unit, calibrate};
+use zerorate_bench::run::Progress;
+use zerorate_bench::setup::SetUp;
+use zerorate_bench::simulated;
+
+use super::Outcome;
+use crate::plant::Plant;
+use crate::screen;
+
+/// Run the whole experiment on the simulated bench: ramp, fit, trim, compensate, verify, report
+///
+/// Takes a unit through the paper: soak at the cold end, record one heating ramp, fit the drift, find in 21 steps of a
+/// fine supply how the potentiometer moves the reading, compose the two, put the law on the device, and prove it on a
+/// second ramp - once with the potentiometer alone, once with the rest subtracted in numbers - heating and cooling, and
+/// with the axes swapped. Eleven soaks, the traditional test, are run beside it to compare with.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Calibrate {
+    /// Write the results into this folder; earlier ones stay until the run is whole
+    #[arg(long, value_name = "DIR", default_value = "calibration")]
+    out: PathBuf,
+
+    /// The simulated board
+    #[arg(long, value_enum, default_value_t = Plant::Paper)]
+    plant: Plant,
+
+    /// The seed that everything in the simulated board is drawn from
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// The set-up file of board and bench; without it the plant's own (see `zerorate setup`)
+    #[arg(long, value_name = "FILE")]
+    setup: Option<PathBuf>,
+
+    /// The unit's serial number, up to 32 bytes
+    #[arg(long, value_name = "S", default_value = "ZR-0001")]
+    serial: String,
+
+    /// Print JSON on standard output (the same as summary.json), and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate calibrate
+      the paper's board; open calibration/report.html afterwards
+  zerorate calibrate --plant typical --seed 7 --out unit-7 --serial ZR-0007
+  zerorate setup > bench.toml; zerorate calibrate --setup bench.toml
+      the limits that a unit must pass are in the set-up
+
+Exit codes: 0 the unit passed; 1 it was rejected, with reasons; 2 error.";
+
+impl Calibrate {
+    pub fn run(&self) -> Result<Outcome> {
+        let kind = self.plant.kind();
+        let setup = match &self.setup {
+            Some(file) => SetUp::read(file)?,
+            None => kind.setup(),
+        };
+        let unit = Unit::new(&self.serial, Some((kind, self.seed)))?;
+        let mut bench = simulated::bench(kind.build(self.seed), &setup, &unit.serial);
+        let mut bar = Bar::new(&setup);
+        let result = calibrate(&mut bench, &setup, unit, &self.out, &mut bar);
+        bar.finish();
+        let (run, summary) = result.with_context(|| self.what_is_left())?;
+        if self.json {
+            screen::print_json(&summary)?;
+        } else {
+            page::page(&run, &summary, &self.out).print()?;
+        }
+        Ok(if run.passed() { Outcome::Done } else { Outcome::Rejected })
+    }
+
+    fn what_is_left(&self) -> String {
+        let kept = self.out.join(zerorate_bench::output::IN_PROGRESS);
+        if kept.is_dir() {
+            format!("the run stopped; what it had recorded is in {}", kept.display())
+        } else {
+            "the run could not begin".into()
+        }
+    }
+}
+
+/// Phase, temperature, elapsed and remaining time on a terminal.
+struct Bar {
+    bar: ProgressBar,
+    phase: String,
+}
+
+impl Bar {
+    fn new(setup: &SetUp) -> Self {
+        // Groups are what takes time: a ramp each for the fit, six for the tests, and the soaks' minutes.
+        let ramps = u64::from(setup.chamber.ramp_groups) * 7 + u64::from(setup.chamber.soak_groups) * 5;
+        let bar = ProgressBar::new(ramps + 40 * setup.chamber.soaks_c.len() as u64);
+        // A template that does not parse would be ours, and the plain bar is one too.
+        if let Ok(style) = ProgressStyle::with_template("{msg:44} {bar:24} {elapsed} gone, {eta} left") {
+            bar.set_style(style);
+        }
+        Self { bar, phase: String::new() }
+    }
+
+    fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Progress for Bar {
+    fn phase(&mut self, name: &str, _: u32) {
+        name.clone_into(&mut self.phase);
+        self.bar.set_message(self.phase.clone());
+    }
+
+    fn step(&mut self, air_c: f64) {
+        // A message for every group would cost more than the group.
+        if self.bar.position().is_multiple_of(32) && !self.bar.is_hidden() {
+            self.bar.set_message(format!("{}, {:+.0} C", self.phase, air_c));
+        }
+        self.bar.inc(1);
+    }
+}

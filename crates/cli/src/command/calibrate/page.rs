@@ -1,0 +1,105 @@
+//! What `zerorate calibrate` says when it is done.
+
+use std::path::Path;
+
+use console::Style;
+use zerorate_bench::calibrate::Calibrated;
+use zerorate_bench::summary::Summary;
+
+use crate::screen::{self, Grid, Page};
+
+/// The page: the verdict, the drift, the trim, the tests, where to look.
+pub fn page(run: &Calibrated, summary: &Summary, out: &Path) -> Page {
+    let mut page = Page::default();
+    headline(&mut page, run, summary);
+
+    page.heading("Drift (one heating ramp; counts)");
+    let mut grid = Grid::new("llrrr");
+    grid.head(["axis", "model", "peak to peak", "in-sample rms", "held-out rms"]);
+    for (name, axis) in &summary.axes {
+        grid.row([
+            name.to_uppercase(),
+            axis.model.clone(),
+            format!("{:.1}", axis.drift_pp_counts),
+            format!("{:.2}", axis.fit_rms_counts),
+            format!("{:.2}", axis.held_out_rms_counts),
+        ]);
+    }
+    page.grid(&grid);
+
+    page.heading("Trim (21 voltages, then every tap)");
+    let mut grid = Grid::new("lrrrr");
+    grid.head(["axis", "a, taps/count", "b, taps", "counts/tap", "V0, counts"]);
+    for (name, axis) in &summary.axes {
+        grid.row([
+            name.to_uppercase(),
+            format!("{:.7}", axis.trim_slope_taps_per_count),
+            format!("{:+.3}", axis.trim_intercept_taps),
+            format!("{:.2}", -1.0 / axis.trim_slope_taps_per_count),
+            format!("{:.1}", axis.v0_counts),
+        ]);
+    }
+    page.grid(&grid);
+
+    page.heading("Verification (a second ramp, held out; counts)");
+    let mut grid = Grid::new("lllrrrrr");
+    grid.head(["axis", "mode", "ramp", "before", "after", "floor", "mean", "writes"]);
+    for test in run.results() {
+        let before = summary.axes.get(test.axis).map_or(f64::NAN, |axis| axis.drift_pp_counts);
+        grid.row([
+            test.axis.to_uppercase(),
+            test.mode.into(),
+            test.direction.into(),
+            format!("{before:.1}"),
+            format!("{:.1}", test.residual_pp_counts),
+            test.floor_pp_counts.map_or_else(|| "-".into(), |floor| format!("{floor:.1}")),
+            format!("{:.1}", test.mean_counts),
+            test.wiper_writes.to_string(),
+        ]);
+    }
+    page.grid(&grid);
+    page.sentence(
+        "  ",
+        "before, after and floor are peak to peak over the hour's group means; the floor is what no compensation could beat",
+    );
+
+    if !summary.failed_checks.is_empty() {
+        page.heading("Outside the limits");
+        summary.failed_checks.iter().for_each(|failed| page.sentence("  - ", failed));
+    }
+    if !summary.warnings.is_empty() {
+        page.heading("Warnings");
+        summary.warnings.iter().for_each(|warning| page.sentence("  - ", warning));
+    }
+
+    page.heading("Written");
+    page.facts(&[
+        ("report", out.join("report.html").display().to_string()),
+        ("calibration", out.join("calibration.json").display().to_string()),
+        ("device record", out.join("device-record.bin").display().to_string()),
+        ("recordings", format!("{} (Parquet)", out.display())),
+    ]);
+    page
+}
+
+fn headline(page: &mut Page, run: &Calibrated, summary: &Summary) {
+    let verdict = if run.passed() {
+        screen::style(Style::new().green().bold(), "passed")
+    } else {
+        screen::style(Style::new().red().bold(), "rejected")
+    };
+    let plant = run.unit.plant.map(|(kind, seed)| format!(" ({} plant, seed {seed})", kind.name())).unwrap_or_default();
+    page.line(format!("Unit {}{plant}: {verdict}", summary.serial));
+    let heating = |mode: &str| run.results().find(|t| t.axis == "x" && t.direction == "heating" && t.mode == mode);
+    let before = summary.axes.get("x").map_or(f64::NAN, |axis| axis.drift_pp_counts);
+    let mut told = format!("X drifts {before:.0} counts over the ramp");
+    if let Some(trim) = heating("trim") {
+        let ratio = before / trim.residual_pp_counts;
+        told += &format!("; the potentiometer leaves {:.0} ({ratio:.0} times better)", trim.residual_pp_counts);
+    }
+    if let Some(hybrid) = heating("hybrid") {
+        let ratio = before / hybrid.residual_pp_counts;
+        told += &format!("; with the rest subtracted in numbers {:.1} ({ratio:.0} times)", hybrid.residual_pp_counts);
+    }
+    page.sentence("", &(told + "."));
+}

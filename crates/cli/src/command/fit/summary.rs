@@ -1,0 +1,132 @@
+//! The page that `zerorate fit` prints.
+
+use std::path::PathBuf;
+
+use console::Style;
+use zerorate_cal::calibration::ResidualOver;
+use zerorate_cal::log_fit::{AxisFit, LogFit};
+use zerorate_cal::quality::Verdict;
+use zerorate_cal::report::LogReport;
+
+use crate::screen::{Grid, Page, RateScale, aligned, significant, style, thousands};
+
+/// The page: verdict, curves, what was left out, what was guessed, what to do next.
+pub fn page(
+    fit: &LogFit,
+    over: ResidualOver,
+    written: &[PathBuf],
+    next: &Option<(&'static str, String)>,
+) -> Page {
+    // The report has the words for what the fit found.
+    let report = LogReport::from(fit);
+    let mut page = Page::default();
+    verdict(&mut page, fit);
+    if !fit.axes.is_empty() {
+        curves(&mut page, fit, over);
+        left_out(&mut page, &report);
+    }
+    if fit.judgement.rejected() && !report.advice.is_empty() {
+        page.heading("What to do");
+        report.advice.iter().for_each(|sentence| page.sentence("  - ", sentence));
+    }
+    if !fit.notes.is_empty() {
+        page.heading("What was guessed");
+        fit.notes.iter().for_each(|note| page.sentence("  - ", note));
+    }
+    if !written.is_empty() {
+        let written: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
+        page.gap();
+        page.sentence("", &format!("Wrote {}.", written.join(" and ")));
+    }
+    if let Some((why, command)) = next {
+        page.gap();
+        page.line(format!("{why}:"));
+        page.line(format!("  {command}"));
+    }
+    page
+}
+
+fn verdict(page: &mut Page, fit: &LogFit) {
+    let (colour, word, meaning) = match fit.judgement.verdict {
+        Verdict::Good => (Style::new().green(), "good", "fitted, nothing speaks against it"),
+        Verdict::Warning => (Style::new().yellow(), "warning", "fitted, with something to look at"),
+        Verdict::Rejected => (Style::new().red(), "rejected", "no calibration comes of this log, and nothing was written"),
+    };
+    page.sentence("", &format!("{}: {}: {meaning}", fit.source, style(colour.bold(), word)));
+    fit.judgement.reasons.iter().for_each(|reason| page.sentence("  - ", &reason.text));
+}
+
+/// One row an axis: what drifts, and what the curve leaves of it.
+fn curves(page: &mut Page, fit: &LogFit, over: ResidualOver) {
+    let drifts: Vec<f64> = fit.axes.iter().map(|axis| axis.drift.peak_to_peak()).collect();
+    let scale = RateScale::of(fit.axes[0].rate_unit, &drifts);
+    page.heading(&format!("Drift over {}, in {}", temperatures(&fit.axes), scale.unit()));
+    let column = |of: &dyn Fn(&AxisFit) -> f64| {
+        aligned(&fit.axes.iter().map(|axis| scale.of_rate(of(axis))).collect::<Vec<_>>())
+    };
+    let columns = [
+        aligned(&drifts.iter().map(|drift| scale.of_rate(*drift)).collect::<Vec<_>>()),
+        column(&|axis| axis.in_sample.rms),
+        column(&|axis| axis.in_sample.pp),
+        column(&|axis| axis.held_out.rms),
+        column(&|axis| axis.held_out.pp),
+    ];
+    let mut grid = Grid::new("llrrrrrr");
+    grid.head(["", "", "drift", "in-sample", "", "held out", "", "rows"]);
+    grid.head(["rate column", "model", "pp", "rms", "pp", "rms", "pp", "used"]);
+    for (place, axis) in fit.axes.iter().enumerate() {
+        let cells = columns.iter().map(|column| column[place].clone());
+        let named = [axis.name.clone(), axis.choice.model.to_string()];
+        grid.row(named.into_iter().chain(cells).chain([thousands(axis.samples_used)]));
+    }
+    page.grid(&grid);
+    let of_what = match over {
+        ResidualOver::Rows => "single rows",
+        ResidualOver::Groups => "averages over about 10 s",
+    };
+    page.gap();
+    page.sentence(
+        "  ",
+        &format!(
+            "pp is peak to peak. In-sample and held out are the residual of {of_what}: in-sample, of the rows that the \
+             curve was fitted to; held out, of each eighth of the log by a fit of the other seven, which is what to \
+             expect of new data."
+        ),
+    );
+}
+
+/// The valid range; of several, the least and the greatest.
+fn temperatures(axes: &[AxisFit]) -> String {
+    let min = axes.iter().map(|axis| axis.drift.valid.min()).fold(f64::INFINITY, f64::min);
+    let max = axes.iter().map(|axis| axis.drift.valid.max()).fold(f64::NEG_INFINITY, f64::max);
+    format!("{min:.1} to {max:.1} {}", axes[0].temperature_unit.name())
+}
+
+fn left_out(page: &mut Page, report: &LogReport) {
+    // Of one reason each column mostly has as many rows, for a row is left out of all.
+    let mut found: Vec<(u64, &str, Vec<&str>)> = Vec::new();
+    for axis in &report.axes {
+        for rejected in &axis.samples_rejected {
+            match found.iter_mut().find(|(count, reason, _)| *count == rejected.count && *reason == rejected.reason) {
+                Some((_, _, names)) => names.push(&axis.name),
+                None => found.push((rejected.count, &rejected.reason, vec![&axis.name])),
+            }
+        }
+    }
+    if found.is_empty() {
+        return;
+    }
+    page.heading("Rows left out");
+    let mut grid = Grid::new("rll");
+    for (count, reason, names) in found {
+        let names = if names.len() == report.axes.len() { "every column".to_owned() } else { names.join(", ") };
+        grid.row([thousands(count), reason.to_owned(), names]);
+    }
+    page.grid(&grid);
+    for stretch in &report.left_out {
+        let times = format!("{} s to {} s", significant(stretch.start_s), significant(stretch.end_s));
+        let [min, max] = stretch.temperature;
+        let unit = &report.temperature_unit;
+        page.sentence("  ", &format!("{}: {times}, at {min:.1} to {max:.1} {unit}", stretch.reason));
+    }
+}

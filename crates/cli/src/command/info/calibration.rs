@@ -1,0 +1,153 @@
+//! What is in a calibration.
+
+use std::path::Path;
+
+use anyhow::Result;
+use serde::Serialize;
+use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, ResidualOver, Source};
+use zerorate_cal::table::RateUnit;
+
+use crate::screen::{Grid, Page, RateScale, aligned, significant};
+
+/// Digits of a SHA-256 that tell one file from another at a glance.
+const SHORT_HASH: usize = 12;
+
+#[derive(Debug, Serialize)]
+pub struct Facts {
+    calibrated: Kind,
+    unit_serial: Option<String>,
+    created_by: String,
+    sources: Vec<Source>,
+    temperature_unit: &'static str,
+    axes: Vec<Axis>,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Axis {
+    name: String,
+    model: String,
+    rate_unit: RateUnit,
+    temperature: [f64; 2],
+    drift_pp: f64,
+    in_sample_rms: Option<f64>,
+    held_out_rms: Option<f64>,
+    residual_over: Option<ResidualOver>,
+    trim: Option<Trim>,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Trim {
+    counts_per_tap: f64,
+    taps_measured: usize,
+    centre_counts: f64,
+    dead_band_taps: f64,
+    start_up_mode: &'static str,
+}
+
+impl Facts {
+    pub fn read(file: &Path) -> Result<Self> {
+        let calibration = Calibration::read(file)?;
+        Ok(Self {
+            calibrated: calibration.kind,
+            unit_serial: calibration.unit_serial,
+            created_by: calibration.created_by,
+            sources: calibration.sources,
+            temperature_unit: calibration.temperature_unit.name(),
+            axes: calibration.axes.iter().map(|(name, axis)| Axis::of(name, axis)).collect(),
+            warnings: calibration.warnings,
+        })
+    }
+
+    pub fn show(&self, file: &str, page: &mut Page) {
+        let what = match self.calibrated {
+            Kind::AnalogueBoard => "an analogue board",
+            Kind::Log => "a log",
+        };
+        page.sentence("", &format!("{file}: the calibration of {what}"));
+        let unit = self.unit_serial.clone().unwrap_or_else(|| "not given".to_owned());
+        page.facts(&[("unit", unit), ("made by", self.created_by.clone())]);
+        for source in &self.sources {
+            let hash = source.sha256.get(..SHORT_HASH).unwrap_or(&source.sha256);
+            page.facts(&[("from   ", format!("{} ({}, SHA-256 {hash}...)", source.file, source.content))]);
+        }
+        self.show_axes(page);
+        for axis in &self.axes {
+            if let Some(trim) = &axis.trim {
+                trim.show(&axis.name, page);
+            }
+        }
+        let warnings = self.axes.iter().flat_map(|axis| axis.warnings.iter().map(|text| format!("{}: {text}", axis.name)));
+        let warnings: Vec<String> = self.warnings.iter().cloned().chain(warnings).collect();
+        if !warnings.is_empty() {
+            page.heading("What to look at");
+            warnings.iter().for_each(|warning| page.sentence("  - ", warning));
+        }
+    }
+
+    fn show_axes(&self, page: &mut Page) {
+        let Some(first) = self.axes.first() else { return };
+        let drifts: Vec<f64> = self.axes.iter().map(|axis| axis.drift_pp).collect();
+        let scale = RateScale::of(first.rate_unit, &drifts);
+        page.gap();
+        let mut grid = Grid::new("llrrrr");
+        grid.head(["", "", "calibrated", "drift", "in-sample", "held out"]);
+        let unit = scale.unit();
+        grid.head(["axis", "model", self.temperature_unit, &format!("pp, {unit}"), &format!("rms, {unit}"), &format!("rms, {unit}")]);
+        let column = |of: &dyn Fn(&Axis) -> f64| {
+            aligned(&self.axes.iter().map(|axis| scale.of_rate(of(axis))).collect::<Vec<_>>())
+        };
+        let drift = column(&|axis| axis.drift_pp);
+        let in_sample = column(&|axis| axis.in_sample_rms.unwrap_or(f64::NAN));
+        let held_out = column(&|axis| axis.held_out_rms.unwrap_or(f64::NAN));
+        for (place, axis) in self.axes.iter().enumerate() {
+            let [min, max] = axis.temperature;
+            let range = format!("{min:.1} to {max:.1}");
+            grid.row([&axis.name, &axis.model, &range, &drift[place], &in_sample[place], &held_out[place]]);
+        }
+        page.grid(&grid);
+    }
+}
+
+impl Axis {
+    fn of(name: &str, axis: &AxisCalibration) -> Self {
+        let fit = axis.fit.as_ref();
+        Self {
+            name: name.to_owned(),
+            model: axis.model().to_string(),
+            rate_unit: axis.rate_unit,
+            temperature: [axis.drift.valid.min(), axis.drift.valid.max()],
+            drift_pp: axis.drift.peak_to_peak(),
+            in_sample_rms: fit.map(|fit| fit.in_sample.rms),
+            held_out_rms: fit.and_then(|fit| Some(fit.held_out?.rms)),
+            residual_over: fit.map(|fit| fit.residual_over),
+            trim: axis.trim.as_ref().map(|trim| Trim {
+                counts_per_tap: trim.trim.line.counts_per_tap().0,
+                taps_measured: trim.trim.measured.as_ref().map_or(0, |measured| measured.effects().len()),
+                centre_counts: trim.trim.line.centre().0,
+                dead_band_taps: trim.dead_band_taps,
+                start_up_mode: trim.start_up_mode.name(),
+            }),
+            warnings: axis.warnings.clone(),
+        }
+    }
+}
+
+impl Trim {
+    fn show(&self, axis: &str, page: &mut Page) {
+        let measured = if self.taps_measured == 0 {
+            "none measured by itself".to_owned()
+        } else {
+            format!("{} measured by themselves", self.taps_measured)
+        };
+        let text = format!(
+            "a tap moves it by {} counts ({measured}), towards {:.1} counts; dead band {} taps; starts in mode {}",
+            significant(self.counts_per_tap),
+            self.centre_counts,
+            self.dead_band_taps,
+            self.start_up_mode
+        );
+        page.facts(&[(&format!("trim {axis}"), text)]);
+    }
+}

@@ -1,0 +1,187 @@
+//! What is in a log, and what `zerorate fit` would take its columns for.
+
+use std::path::Path;
+
+use anyhow::Result;
+use serde::Serialize;
+use zerorate_cal::table::{Columns, RateUnit, Resolved, TableFile, TimeUnit};
+
+use super::recording::duration;
+use crate::screen::{Grid, Page, RateScale, aligned, thousands};
+
+#[derive(Debug, Serialize)]
+pub struct Facts {
+    column_names: Vec<String>,
+    rows: u64,
+    #[serde(flatten)]
+    taken_for: TakenFor,
+}
+
+/// Whether the columns' names make it plain which is which.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum TakenFor {
+    Plain(Plain),
+    Unclear { unclear: String },
+}
+
+#[derive(Debug, Serialize)]
+struct Plain {
+    time: Option<Time>,
+    temperature: Column,
+    temperature_unit: &'static str,
+    rates: Vec<Column>,
+    rate_unit: RateUnit,
+    notes: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Time {
+    column: String,
+    /// `None` where neither the name nor the log's length tells the unit.
+    seconds: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Column {
+    column: String,
+    min: f64,
+    max: f64,
+    mean: f64,
+    /// Rows without a number.
+    missing: u64,
+}
+
+/// A column as its rows go by.
+#[derive(Debug, Clone, Copy)]
+struct Running {
+    numbers: u64,
+    missing: u64,
+    sum: f64,
+    min: f64,
+    max: f64,
+    first: f64,
+    last: f64,
+}
+
+impl Facts {
+    pub fn read(file: &Path) -> Result<Self> {
+        let table = TableFile::open(file)?;
+        let column_names = table.names().to_vec();
+        let (rows, taken_for) = match Columns::default().resolve(&table) {
+            Ok(found) => {
+                let (rows, plain) = plain(&table, &found)?;
+                (rows, TakenFor::Plain(plain))
+            }
+            Err(unclear) => (run(&table, &[])?.0, TakenFor::Unclear { unclear: unclear.to_string() }),
+        };
+        Ok(Self { column_names, rows, taken_for })
+    }
+
+    pub fn show(&self, file: &str, page: &mut Page) {
+        let columns = self.column_names.len();
+        page.sentence("", &format!("{file}: a log, {} rows of {columns} columns", thousands(self.rows)));
+        match &self.taken_for {
+            TakenFor::Unclear { unclear } => page.sentence("  - ", unclear),
+            TakenFor::Plain(plain) => plain.show(page),
+        }
+    }
+}
+
+impl Plain {
+    fn show(&self, page: &mut Page) {
+        if let Some(time) = &self.time {
+            let lasts = time.seconds.map_or_else(|| "in an unknown unit".to_owned(), duration);
+            page.facts(&[("time", format!("{}, {lasts}", time.column))]);
+        }
+        page.gap();
+        let largest: Vec<f64> = self.rates.iter().flat_map(|rate| [rate.min, rate.max]).collect();
+        let scale = RateScale::of(self.rate_unit, &largest);
+        let mut grid = Grid::new("lllrrrr");
+        grid.head(["column", "taken for", "unit", "least", "mean", "most", "missing"]);
+        let mut row = |what: &str, unit: &str, column: &Column, values: [f64; 3]| {
+            let [min, mean, max] = <[String; 3]>::try_from(aligned(&values)).unwrap_or_default();
+            grid.row([&column.column, what, unit, &min, &mean, &max, &thousands(column.missing)]);
+        };
+        let temperature = &self.temperature;
+        row("temperature", self.temperature_unit, temperature, [temperature.min, temperature.mean, temperature.max]);
+        for rate in &self.rates {
+            row("rate", &scale.unit(), rate, [rate.min, rate.mean, rate.max].map(|value| scale.of_rate(value)));
+        }
+        page.grid(&grid);
+        if !self.notes.is_empty() {
+            page.gap();
+            self.notes.iter().for_each(|note| page.sentence("  - ", note));
+        }
+    }
+}
+
+fn plain(table: &TableFile, found: &Resolved) -> Result<(u64, Plain)> {
+    let wanted: Vec<usize> =
+        std::iter::once(found.temperature).chain(found.rates.iter().copied()).chain(found.time).collect();
+    let (rows, columns) = run(table, &wanted)?;
+    let name = |place: usize| table.names()[place].clone();
+    let column = |place: usize| columns[place].column(name(wanted[place]));
+    let time = found.time.zip(columns.last()).map(|(place, running)| {
+        let duration = running.last - running.first;
+        let unit = found.time_unit.or_else(|| TimeUnit::by_duration(duration));
+        Time { column: name(place), seconds: unit.map(|unit| duration * unit.seconds()) }
+    });
+    let plain = Plain {
+        time,
+        temperature: column(0),
+        temperature_unit: found.temperature_unit.name(),
+        rates: (1..=found.rates.len()).map(column).collect(),
+        rate_unit: found.rate_unit,
+        notes: found.notes.clone(),
+    };
+    Ok((rows, plain))
+}
+
+/// One pass: the number of rows, and each wanted column.
+fn run(table: &TableFile, wanted: &[usize]) -> Result<(u64, Vec<Running>)> {
+    let mut rows = 0;
+    let mut columns = vec![Running::EMPTY; wanted.len()];
+    // Without a column to read, the cells tell the rows.
+    let batches = if wanted.is_empty() { table.batches_with_cells(wanted)? } else { table.batches(wanted)? };
+    for batch in batches {
+        let batch = batch?;
+        rows += batch.rows() as u64;
+        for (column, values) in columns.iter_mut().zip(&batch.columns) {
+            values.iter().for_each(|value| column.push(*value));
+        }
+    }
+    Ok((rows, columns))
+}
+
+impl Running {
+    const EMPTY: Self = Self {
+        numbers: 0,
+        missing: 0,
+        sum: 0.0,
+        min: f64::NAN,
+        max: f64::NAN,
+        first: f64::NAN,
+        last: f64::NAN,
+    };
+
+    fn push(&mut self, value: f64) {
+        if !value.is_finite() {
+            self.missing += 1;
+            return;
+        }
+        if self.numbers == 0 {
+            self.first = value;
+        }
+        self.numbers += 1;
+        self.last = value;
+        self.sum += value;
+        self.min = self.min.min(value);
+        self.max = self.max.max(value);
+    }
+
+    fn column(&self, column: String) -> Column {
+        let mean = self.sum / self.numbers as f64;
+        Column { column, min: self.min, max: self.max, mean, missing: self.missing }
+    }
+}

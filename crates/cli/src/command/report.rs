@@ -1,0 +1,142 @@
+//! `zerorate report`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use serde::Serialize;
+use zerorate_cal::calibration::{AxisCalibration, Calibration, FitStatistics, Kind, ResidualOver, sha256_of_file};
+use zerorate_cal::choose::Model;
+use zerorate_cal::log_fit::{FitOptions, fit_log};
+use zerorate_cal::report::LogReport;
+use zerorate_cal::table::{Columns, TimeUnit};
+
+use super::Outcome;
+use crate::progress::Busy;
+use crate::screen::Page;
+use crate::{output, screen};
+
+/// The name of a calibration and of its report in a folder.
+const CALIBRATION: &str = "calibration.json";
+const REPORT: &str = "report.html";
+
+/// Make the report of a log's calibration again
+///
+/// Finds the log that a calibration was made from by its name, makes sure by its SHA-256 that it is the same, fits it as
+/// it was fitted then, and writes the report as one HTML page.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Report {
+    /// The calibration that `zerorate fit --out` wrote, or a folder with a calibration.json
+    #[arg(value_name = "CALIBRATION")]
+    calibration: PathBuf,
+
+    /// The log it was made from; without this it is looked for beside the calibration
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
+
+    /// The log's temperature column, where its name does not make it plain
+    #[arg(long, value_name = "COL")]
+    temperature: Option<String>,
+
+    /// The log's time column, where its name does not make it plain
+    #[arg(long, value_name = "COL")]
+    time: Option<String>,
+
+    /// The time's unit: s, ms, us or ns
+    #[arg(long, value_name = "UNIT")]
+    time_unit: Option<TimeUnit>,
+
+    /// Write the report here; without this it is report.html beside the calibration
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+
+    /// Print JSON on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate report calibration.json
+  zerorate report calibration.json --log /data/chamber/log.csv --out chamber.html
+
+A log that was not calibrated yet is reported by `zerorate fit FILE --report report.html`.";
+
+/// What was done, as JSON has it.
+#[derive(Serialize)]
+struct Done<'a> {
+    schema: u32,
+    out: &'a Path,
+    log: &'a Path,
+}
+
+impl Report {
+    pub fn run(&self) -> Result<Outcome> {
+        let path = if self.calibration.is_dir() { self.calibration.join(CALIBRATION) } else { self.calibration.clone() };
+        let calibration = Calibration::read(&path)?;
+        if calibration.kind == Kind::AnalogueBoard {
+            bail!(
+                "{}: the calibration of an analogue board: its report is written with it, and only a log's can be made again so far",
+                path.display()
+            );
+        }
+        let log = self.log(&path, &calibration)?;
+        let out = self.out.clone().unwrap_or_else(|| path.with_file_name(REPORT));
+        output::check("--out", &out, &[&path, &log])?;
+        let busy = Busy::reading(&log);
+        let fit = fit_log(&log, &self.options(&calibration))?;
+        let report = LogReport::from(&fit);
+        drop(busy);
+        output::write(&out, &report.to_html())?;
+        if self.json {
+            fit.notes.iter().for_each(|note| screen::note(note));
+            screen::print_json(&Done { schema: 1, out: &out, log: &log })?;
+        } else {
+            let mut page = Page::default();
+            page.sentence("", &format!("Wrote {}, from {}.", out.display(), log.display()));
+            fit.notes.iter().for_each(|note| page.sentence("  - ", note));
+            page.print()?;
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// The log that the calibration was made from, the same to the byte.
+    fn log(&self, path: &Path, calibration: &Calibration) -> Result<PathBuf> {
+        let source = calibration
+            .sources
+            .first()
+            .with_context(|| format!("{}: the calibration names no log that it was made from", path.display()))?;
+        let log = self.log.clone().unwrap_or_else(|| path.with_file_name(&source.file));
+        let sha256 = sha256_of_file(&log).with_context(|| {
+            format!("{}: cannot be read (the log {} is needed; --log says where it is)", log.display(), source.file)
+        })?;
+        ensure!(
+            sha256 == source.sha256,
+            "{}: not the log that {} was made from (its SHA-256 is another): give that with --log, or fit this one",
+            log.display(),
+            path.display()
+        );
+        Ok(log)
+    }
+
+    /// The options by which the calibration comes out again.
+    fn options(&self, calibration: &Calibration) -> FitOptions {
+        let axes = || calibration.axes.values();
+        let fits = || axes().filter_map(|axis| axis.fit.as_ref());
+        let chosen = fits().any(|fit| fit.candidates.len() > 1);
+        FitOptions {
+            columns: Columns {
+                time: self.time.clone(),
+                time_unit: self.time_unit,
+                temperature: self.temperature.clone(),
+                rates: calibration.axes.keys().cloned().collect(),
+                rate_unit: axes().next().map(|axis| axis.rate_unit),
+            },
+            model: if chosen { Model::Auto } else { axes().next().map_or(Model::Auto, AxisCalibration::model) },
+            plain: fits().any(|fit: &FitStatistics| fit.residual_over == ResidualOver::Rows),
+            // What was calibrated was allowed.
+            allow_narrow: true,
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! `zerorate setup`.
+
+mod fields;
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use zerorate_bench::setup::SetUp;
+
+use super::Outcome;
+use crate::screen;
+use crate::screen::Page;
+
+/// Print a set-up file, or check one
+///
+/// A set-up is one TOML file that describes a board and its bench: the A/D, the trim part, how groups are taken, the
+/// chamber's profile, what a unit must pass. The paper's is the default; a file needs only what differs from it.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Setup {
+    /// Whose set-up to print: the paper's board, or the same bench for units whose drift is not known beforehand
+    #[arg(long, value_enum, default_value_t = Plant::Paper, conflicts_with = "check")]
+    plant: Plant,
+
+    /// Check a set-up file and say in what it differs from the paper's
+    #[arg(long, value_name = "FILE")]
+    check: Option<PathBuf>,
+
+    /// Print JSON on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate setup > bench.toml           then edit it
+  zerorate setup --check bench.toml";
+
+/// A plant by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Plant {
+    Paper,
+    Typical,
+}
+
+impl Plant {
+    fn setup(self) -> SetUp {
+        match self {
+            Self::Paper => SetUp::paper(),
+            Self::Typical => SetUp::typical(),
+        }
+    }
+}
+
+/// What a set-up file was found to be, as JSON has it.
+#[derive(Serialize)]
+struct Checked<'a> {
+    schema: u32,
+    file: &'a std::path::Path,
+    sound: bool,
+    differences: Vec<fields::Difference>,
+}
+
+impl Setup {
+    pub fn run(&self) -> Result<Outcome> {
+        match &self.check {
+            Some(file) => self.check(file)?,
+            None if self.json => screen::print_json(&self.plant.setup())?,
+            None => screen::print(&fields::commented(&self.plant.setup())?)?,
+        }
+        Ok(Outcome::Done)
+    }
+
+    fn check(&self, file: &std::path::Path) -> Result<()> {
+        let differences = fields::differences(&SetUp::read(file)?)?;
+        if self.json {
+            return screen::print_json(&Checked { schema: 1, file, sound: true, differences });
+        }
+        let mut page = Page::default();
+        if differences.is_empty() {
+            page.sentence("", &format!("{}: sound, and the same as the paper's.", file.display()));
+        } else {
+            page.sentence("", &format!("{}: sound. It differs from the paper's in", file.display()));
+            let mut grid = screen::Grid::new("lll");
+            grid.head(["field", "here", "paper"]);
+            for difference in &differences {
+                grid.row([&difference.field, &difference.here, &difference.paper]);
+            }
+            page.grid(&grid);
+        }
+        page.print()
+    }
+}

@@ -1,0 +1,89 @@
+//! The options that say what a log holds and how it is fitted.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use zerorate_cal::calibration::ResidualOver;
+use zerorate_cal::choose::Model;
+use zerorate_cal::log_fit::FitOptions;
+use zerorate_cal::table::{Columns, RateUnit, TimeUnit};
+
+/// Which column is which. What is left open is taken from the names where they make it plain.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Columns (guessed from their names where these make it plain)")]
+pub struct ColumnArguments {
+    /// The time column
+    #[arg(long, value_name = "COL")]
+    time: Option<String>,
+
+    /// The time's unit: s, ms, us or ns
+    #[arg(long, value_name = "UNIT")]
+    time_unit: Option<TimeUnit>,
+
+    /// The temperature column
+    #[arg(long, value_name = "COL")]
+    temperature: Option<String>,
+
+    /// The rate columns, separated by commas
+    #[arg(long, value_name = "COL,COL,COL", value_delimiter = ',')]
+    rate: Vec<String>,
+
+    /// The rates' unit: dps (degrees per second), rad/s or counts
+    #[arg(long, value_name = "UNIT")]
+    rate_unit: Option<RateUnit>,
+}
+
+impl ColumnArguments {
+    /// As the fit takes them.
+    pub fn columns(&self) -> Columns {
+        Columns {
+            time: self.time.clone(),
+            temperature: self.temperature.clone(),
+            rates: self.rate.clone(),
+            time_unit: self.time_unit,
+            rate_unit: self.rate_unit,
+        }
+    }
+}
+
+/// A log and how it is fitted.
+#[derive(Debug, Args)]
+pub struct LogArguments {
+    /// The log: CSV, TSV or Parquet, recognised by what is in it
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+
+    /// The drift model: poly:1 to poly:5, table:1 to table:32 (straight pieces), or auto: the polynomial that predicts
+    /// data best that it has not seen
+    #[arg(long, value_name = "MODEL", default_value = "auto")]
+    model: Model,
+
+    /// Ordinary least squares on every row with numbers, each counted once: no averaging, nothing left out. To compare
+    /// with other tools
+    #[arg(long)]
+    plain: bool,
+
+    /// Accept a temperature span under 10 C; the calibration then holds for that span alone
+    #[arg(long)]
+    allow_narrow: bool,
+
+    #[command(flatten)]
+    columns: ColumnArguments,
+}
+
+impl LogArguments {
+    /// As the fit takes them.
+    pub fn options(&self) -> FitOptions {
+        FitOptions {
+            columns: self.columns.columns(),
+            model: self.model,
+            plain: self.plain,
+            allow_narrow: self.allow_narrow,
+        }
+    }
+
+    /// What the fit's residuals are of.
+    pub fn over(&self) -> ResidualOver {
+        if self.plain { ResidualOver::Rows } else { ResidualOver::Groups }
+    }
+}

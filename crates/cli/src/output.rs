@@ -1,0 +1,66 @@
+//! Where a command writes: looked at before the work begins, so that nothing is computed for a place that cannot be.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+use zerorate_cal::whole_file::write_whole;
+
+/// Refuses a place without a folder, a folder in a file's place, and the place of something that the command reads.
+pub fn check(option: &str, path: &Path, inputs: &[&Path]) -> Result<()> {
+    let shown = path.display();
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match fs::metadata(folder) {
+        Ok(found) => ensure!(
+            found.is_dir(),
+            "{option} {shown}: {} is a file, not a folder: give another place",
+            folder.display()
+        ),
+        Err(_) => bail!(
+            "{option} {shown}: there is no folder {}: make it first (mkdir -p {}), or give another place",
+            folder.display(),
+            argument(folder)
+        ),
+    }
+    ensure!(!path.is_dir(), "{option} {shown}: this is a folder: give the name of a file in it");
+    for input in inputs {
+        let same = fs::canonicalize(path).ok().zip(fs::canonicalize(input).ok()).is_some_and(|(a, b)| a == b);
+        ensure!(!same, "{option} {shown}: this is the file that is read, and it would be lost: give another place");
+    }
+    Ok(())
+}
+
+/// Writes a text whole or not at all.
+pub fn write(path: &Path, text: &str) -> Result<()> {
+    write_whole(path, text.as_bytes())
+        .with_context(|| format!("{}: cannot be written, and what was there before is as it was", path.display()))
+}
+
+/// A path as it is typed in a shell.
+pub fn argument(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |letter: char| letter.is_alphanumeric() || "/._-+=:,@%".contains(letter);
+    if !text.is_empty() && text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_with_a_space_is_quoted_for_the_shell() {
+        assert_eq!(argument(Path::new("logs/a-1.csv")), "logs/a-1.csv");
+        assert_eq!(argument(Path::new("my log.csv")), "'my log.csv'");
+        assert_eq!(argument(Path::new("it's.csv")), r"'it'\''s.csv'");
+    }
+
+    #[test]
+    fn the_file_that_is_read_is_not_written_to_under_another_name_either() {
+        let folder = tempfile::tempdir().unwrap();
+        let log = folder.path().join("log.csv");
+        fs::write(&log, "1,2\n").unwrap();
+        let again = folder.path().join("./log.csv");
+        assert!(check("--out", &again, &[&log]).unwrap_err().to_string().contains("would be lost"));
+        assert!(check("--out", &folder.path().join("new.csv"), &[&log]).is_ok());
+    }
+}

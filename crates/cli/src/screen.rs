@@ -1,0 +1,155 @@
+//! What people see: pages of text on standard output, JSON instead when asked for, notes and errors beside them.
+
+mod grid;
+mod number;
+mod rate;
+
+use std::io::{self, IsTerminal, Write};
+
+use anyhow::Result;
+use console::{Style, StyledObject, Term};
+use serde::Serialize;
+
+pub use grid::Grid;
+pub use number::{aligned, significant, thousands};
+pub use rate::RateScale;
+
+/// Lines longer than this are hard to read, however wide the terminal.
+const WIDEST: usize = 100;
+
+/// A page that is put together and then printed at once.
+#[derive(Debug, Default)]
+pub struct Page {
+    text: String,
+}
+
+impl Page {
+    /// A line as it is.
+    pub fn line(&mut self, line: impl AsRef<str>) {
+        self.text.push_str(line.as_ref().trim_end());
+        self.text.push('\n');
+    }
+
+    /// An empty line.
+    pub fn gap(&mut self) {
+        self.text.push('\n');
+    }
+
+    /// An empty line and a heading.
+    pub fn heading(&mut self, heading: &str) {
+        self.gap();
+        let heading = style(Style::new().bold(), heading).to_string();
+        self.line(heading);
+    }
+
+    /// A sentence, broken at the terminal's width; `indent` stands before its first line and as many spaces before the
+    /// others.
+    pub fn sentence(&mut self, indent: &str, sentence: &str) {
+        for line in broken(indent, sentence, width()) {
+            self.line(line);
+        }
+    }
+
+    /// A table.
+    pub fn grid(&mut self, grid: &Grid) {
+        grid.lines().iter().for_each(|line| self.line(line));
+    }
+
+    /// Names and what they stand for, in two columns.
+    pub fn facts(&mut self, facts: &[(&str, String)]) {
+        let wide = facts.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+        for (name, fact) in facts {
+            self.sentence(&format!("  {name:wide$}  "), fact);
+        }
+    }
+
+    /// Prints the page to standard output.
+    pub fn print(&self) -> Result<()> {
+        print(&self.text)
+    }
+}
+
+/// Prints a text to standard output as it is.
+pub fn print(text: &str) -> Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    Ok(out.flush()?)
+}
+
+/// Prints JSON to standard output.
+pub fn print_json(value: &impl Serialize) -> Result<()> {
+    print(&(serde_json::to_string_pretty(value)? + "\n"))
+}
+
+/// Tells something on standard error, where it does not mix with JSON.
+pub fn note(text: &str) {
+    eprintln!("note: {text}");
+}
+
+/// Tells an error on standard error, in one sentence.
+pub fn error(error: &anyhow::Error) {
+    let label = Style::new().for_stderr().red().bold().apply_to("error:");
+    eprintln!("{label} {}", without_numbers(&format!("{error:#}")));
+}
+
+/// The system's numbers for its errors say nothing to people who read the words before them.
+fn without_numbers(text: &str) -> String {
+    let mut words = String::new();
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once(" (os error ") {
+        words.push_str(before);
+        rest = after.split_once(')').map_or("", |(_, after)| after);
+    }
+    words + rest
+}
+
+/// A text in a style, where standard output shows styles.
+pub fn style<D>(style: Style, text: D) -> StyledObject<D> {
+    style.for_stdout().apply_to(text)
+}
+
+/// The terminal's width; without end where standard output is none, so that lines can be searched.
+fn width() -> usize {
+    if !io::stdout().is_terminal() {
+        return usize::MAX;
+    }
+    Term::stdout().size_checked().map_or(80, |(_, columns)| usize::from(columns)).min(WIDEST)
+}
+
+fn broken(indent: &str, sentence: &str, width: usize) -> Vec<String> {
+    let hanging = console::measure_text_width(indent);
+    let mut lines = Vec::new();
+    let mut line = indent.to_owned();
+    let mut used = hanging;
+    for word in sentence.split(' ') {
+        let long = console::measure_text_width(word);
+        if used > hanging && used + long > width {
+            lines.push(std::mem::replace(&mut line, " ".repeat(hanging)));
+            used = hanging;
+        }
+        line.push_str(word);
+        line.push(' ');
+        used += long + 1;
+    }
+    lines.push(line);
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sentence_is_broken_between_words_and_hangs_under_its_beginning() {
+        let lines = broken("  - ", "one two three four", 12);
+        assert_eq!(lines.iter().map(|line| line.trim_end()).collect::<Vec<_>>(), ["  - one two", "    three", "    four"]);
+        assert_eq!(broken("", "unbreakablylong word", 5)[0].trim_end(), "unbreakablylong");
+    }
+
+    #[test]
+    fn the_systems_error_numbers_are_left_out() {
+        let text = "log.csv: cannot be read: No such file or directory (os error 2): give another";
+        assert_eq!(without_numbers(text), "log.csv: cannot be read: No such file or directory: give another");
+        assert_eq!(without_numbers("full (os error 28)"), "full");
+    }
+}

@@ -1,0 +1,128 @@
+use std::fs;
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use crate::fit::column;
+use crate::log::{Log, parabola};
+use crate::{folder_with, zerorate};
+
+/// A log and its calibration.
+fn calibrated(log: &Log) -> TempDir {
+    let folder = folder_with("log.csv", log.csv());
+    let ran = zerorate(folder.path(), &["fit", "log.csv", "--out", "calibration.json"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    folder
+}
+
+fn apply(folder: &Path, log: &str) -> crate::Ran {
+    zerorate(folder, &["apply", "calibration.json", log, "--out", "out.csv"])
+}
+
+#[test]
+fn a_fitted_log_is_corrected_row_by_row() {
+    let log = Log::cycle();
+    let folder = calibrated(&log);
+    let ran = apply(folder.path(), "log.csv");
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    ran.says(&["Wrote out.csv: 8400 rows, x_rad_s, y_rad_s corrected."]);
+    let out = folder.path().join("out.csv");
+    let text = fs::read_to_string(&out).unwrap();
+    let head = "t_s,temperature_c,x_rad_s,y_rad_s,predicted_x_rad_s,corrected_x_rad_s,predicted_y_rad_s,corrected_y_rad_s";
+    assert_eq!(text.lines().next(), Some(head));
+    assert_eq!(text.lines().count(), 8401);
+    let predicted = column(&out, "predicted_x_rad_s");
+    for (temperature, predicted) in log.temperature_c.iter().zip(&predicted) {
+        assert!((predicted - parabola(*temperature)).abs() < 1e-4, "{predicted} at {temperature}");
+    }
+    for (row, corrected) in column(&out, "corrected_y_rad_s").iter().enumerate() {
+        let rate = log.rates[1][row];
+        assert!(corrected.abs() < 1e-3, "noise is left of {rate}: {corrected}");
+    }
+}
+
+#[test]
+fn rows_whose_rates_were_blanked_are_predicted_all_the_same() {
+    let whole = Log::cycle();
+    let mut blanked = whole.clone();
+    blanked.rates.iter_mut().for_each(|rate| rate[3000..4050].fill(f64::NAN));
+    let folder = calibrated(&blanked);
+    assert_eq!(apply(folder.path(), "log.csv").code, 0);
+    let predicted = column(&folder.path().join("out.csv"), "predicted_y_rad_s");
+    assert_eq!(predicted.len(), 8400);
+    for row in 3000..4050 {
+        assert!((predicted[row] + 2.0 * parabola(whole.temperature_c[row])).abs() < 2e-4, "row {row}");
+    }
+    assert!(column(&folder.path().join("out.csv"), "corrected_y_rad_s")[3500].is_nan());
+}
+
+#[test]
+fn columns_may_stand_in_another_order_beside_others() {
+    let folder = calibrated(&Log::cycle());
+    fs::write(folder.path().join("other.tsv"), "note\ty_rad_s\tt_s\tx_rad_s\ttemperature_c\nhello\t0\t0\t0\t20\n").unwrap();
+    assert_eq!(apply(folder.path(), "other.tsv").code, 0);
+    let text = fs::read_to_string(folder.path().join("out.csv")).unwrap();
+    let (head, row) = text.trim_end().split_once('\n').unwrap();
+    let added = "predicted_y_rad_s,corrected_y_rad_s,predicted_x_rad_s,corrected_x_rad_s";
+    assert_eq!(head, format!("note,y_rad_s,t_s,x_rad_s,temperature_c,{added}"));
+    assert!(row.starts_with("hello,0,0,0,20,-0.03"), "{row}");
+}
+
+#[test]
+fn what_cannot_be_corrected_leaves_the_earlier_output() {
+    let folder = calibrated(&Log::cycle());
+    fs::write(folder.path().join("out.csv"), "earlier").unwrap();
+    let cases = [
+        ("missing.csv", None, vec!["missing.csv: cannot be read"]),
+        ("empty.csv", Some(""), vec!["empty.csv: the file is empty"]),
+        ("other.csv", Some("t_s,temperature_c,gx,y_rad_s\n0,20,1,2\n"), vec!["there is no column 'x_rad_s'", "gx, y_rad_s"]),
+        ("heat.csv", Some("t_s,heat,x_rad_s,y_rad_s\n0,20,1,2\n"), vec!["--temperature", "t_s, heat"]),
+        ("counts.csv", Some("temp_counts,x_rad_s,y_rad_s\n9000,1,2\n"), vec!["'temp_counts' is in counts", "are in C"]),
+        ("text.csv", Some("temperature_c,x_rad_s,y_rad_s\n20,1,2\n21,one,2\n"), vec!["text.csv:3: column 'x_rad_s' holds 'one'"]),
+    ];
+    for (name, content, parts) in cases {
+        if let Some(content) = content {
+            fs::write(folder.path().join(name), content).unwrap();
+        }
+        apply(folder.path(), name).is_error(&parts);
+        assert_eq!(fs::read_to_string(folder.path().join("out.csv")).unwrap(), "earlier", "{name}");
+    }
+}
+
+#[test]
+fn a_calibration_that_cannot_be_read_is_named_with_the_place() {
+    let folder = calibrated(&Log::cycle());
+    let path = folder.path().join("calibration.json");
+    let text = fs::read_to_string(&path).unwrap();
+    let cases = [
+        (text.replacen("\"schema\": 1", "\"schema\": 99", 1), vec!["schema 99", "knows schema 1", "use a newer zerorate"]),
+        (text[..text.len() / 2].to_owned(), vec!["calibration.json:", "restore the file"]),
+        (text.replacen("\"temperature_half_span\": ", "\"temperature_half_span\": -", 1), vec!["temperature_half_span must be above zero"]),
+        ("t,x\n1,2\n".to_owned(), vec!["calibration.json:1:"]),
+        ("{}".to_owned(), vec!["this is not a calibration"]),
+    ];
+    for (damaged, parts) in cases {
+        fs::write(&path, damaged).unwrap();
+        apply(folder.path(), "log.csv").is_error(&parts);
+        assert!(!folder.path().join("out.csv").exists());
+    }
+    zerorate(folder.path(), &["apply", "nothing.json", "log.csv", "--out", "out.csv"])
+        .is_error(&["nothing.json: cannot be read"]);
+}
+
+#[test]
+fn neither_the_log_nor_the_calibration_is_written_to() {
+    let folder = calibrated(&Log::cycle());
+    for own in ["log.csv", "calibration.json"] {
+        zerorate(folder.path(), &["apply", "calibration.json", "log.csv", "--out", own]).is_error(&["would be lost"]);
+    }
+}
+
+#[test]
+fn rows_without_a_temperature_are_kept_and_counted() {
+    let folder = calibrated(&Log::cycle());
+    fs::write(folder.path().join("flight.csv"), "temperature_c,x_rad_s,y_rad_s\n,1,2\n20,1,2\n500,1,2\n").unwrap();
+    let ran = apply(folder.path(), "flight.csv");
+    ran.says(&["1 rows have no temperature", "1 rows are outside the calibrated -17.0 to 73.0 C"]);
+    assert!(fs::read_to_string(folder.path().join("out.csv")).unwrap().contains("\n,1,2,,,,\n"));
+}

@@ -1,0 +1,221 @@
+use std::fs;
+use std::path::Path;
+
+use crate::log::{Log, real_file};
+use crate::{Ran, folder_with, zerorate};
+
+/// Fits a log with earlier results in its folder, and makes sure that they are as they were.
+#[track_caller]
+fn fit_beside_earlier(log: &str, options: &[&str]) -> Ran {
+    let folder = folder_with("log.csv", log);
+    let results = ["calibration.json", "report.html"];
+    results.iter().for_each(|name| fs::write(folder.path().join(name), "earlier").unwrap());
+    let ran = zerorate(
+        folder.path(),
+        &[&["fit", "log.csv", "--out", "calibration.json", "--report", "report.html"], options].concat(),
+    );
+    for name in results {
+        assert_eq!(fs::read_to_string(folder.path().join(name)).unwrap(), "earlier", "{}{}", ran.out, ran.err);
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3, "nothing is left beside them");
+    ran
+}
+
+#[test]
+fn a_good_log_is_fitted_and_the_next_command_is_told() {
+    let folder = folder_with("log.csv", Log::cycle().csv());
+    let ran = zerorate(folder.path(), &["fit", "log.csv"]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    ran.says(&[
+        "log.csv: good: fitted",
+        "Drift over -17.0 to 73.0 C, in mrad/s",
+        "x_rad_s",
+        "poly:2",
+        "held out",
+        "zerorate fit log.csv --out calibration.json --report report.html",
+    ]);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is written unasked");
+}
+
+#[test]
+fn what_was_asked_for_is_written_and_named() {
+    let folder = folder_with("my log.csv", Log::cycle().csv());
+    let ran = zerorate(
+        folder.path(),
+        &["fit", "my log.csv", "--serial", "U7", "--out", "calibration.json", "--report", "report.html"],
+    );
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    ran.says(&[
+        "Wrote report.html and calibration.json.",
+        "zerorate apply calibration.json 'my log.csv' --out corrected.csv",
+    ]);
+    let calibration: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path().join("calibration.json")).unwrap()).unwrap();
+    assert_eq!((&calibration["schema"], &calibration["unit_serial"]), (&1.into(), &"U7".into()));
+    let report = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(report.contains("<svg") && report.contains("zerorate apply calibration.json"));
+}
+
+#[test]
+fn json_stands_alone_on_standard_output_and_notes_beside_it() {
+    let folder = folder_with("log.csv", Log::cycle().csv().replacen("t_s,temperature_c,x_rad_s,y_rad_s", "t,temp,gx,gy", 1));
+    let ran = zerorate(folder.path(), &["fit", "log.csv", "--rate", "gx,gy", "--model", "poly:3", "--plain", "--json"]);
+    let json = ran.json();
+    assert_eq!((ran.code, json["schema"].as_u64(), json["verdict"].as_str()), (0, Some(1), Some("good")));
+    assert_eq!(json["axes"]["gx"]["model"], "poly:3");
+    assert_eq!(json["axes"]["gy"]["raw_coefficients"].as_array().unwrap().len(), 4);
+    assert!(ran.err.contains("note: 'gx' names no unit: taken as rad/s"), "{}", ran.err);
+    assert!(ran.err.contains("note: 't' names no unit: taken as s"), "{}", ran.err);
+}
+
+#[test]
+fn a_missing_file_and_an_empty_one_are_errors() {
+    let folder = folder_with("empty.csv", "");
+    zerorate(folder.path(), &["fit", "nothing.csv"]).is_error(&["nothing.csv: cannot be read", "No such file"]);
+    zerorate(folder.path(), &["fit", "empty.csv"]).is_error(&["empty.csv: the file is empty"]);
+    zerorate(folder.path(), &["fit", "."]).is_error(&[".: "]);
+}
+
+#[test]
+fn a_wrong_column_is_answered_with_those_there_are() {
+    let log = "t_s,heat,x_dps\n0,20,1\n";
+    fit_beside_earlier(log, &[]).is_error(&["no column could be the temperature", "--temperature", "t_s, heat, x_dps"]);
+    fit_beside_earlier(log, &["--temperature", "hot"]).is_error(&["there is no column 'hot'", "t_s, heat, x_dps"]);
+    fit_beside_earlier(log, &["--temperature", "heat", "--rate", "x_dps,y_dps"]).is_error(&["there is no column 'y_dps'"]);
+}
+
+#[test]
+fn text_for_a_number_is_named_by_line_and_column() {
+    let log = Log::cycle().csv().replacen("\n100,", "\nnoon,", 1);
+    fit_beside_earlier(&log, &[]).is_error(&["log.csv:202: column 't_s' holds 'noon'"]);
+    let cut = "t_s,temperature_c,x_dps\n0,20,1\n1,21\n";
+    fit_beside_earlier(cut, &[]).is_error(&["log.csv:3: 2 cells where the first line has 3"]);
+}
+
+#[test]
+fn time_running_backwards_is_an_error_that_names_the_row() {
+    let mut log = Log::cycle();
+    log.time_s[500] = 3.0;
+    fit_beside_earlier(&log.csv(), &[]).is_error(&["row 501: column 't_s' runs backwards, from 249.5 to 3"]);
+}
+
+#[test]
+fn rows_without_a_number_are_left_out_and_counted() {
+    let mut log = Log::cycle();
+    (0..8400).step_by(50).for_each(|row| log.temperature_c[row] = f64::NAN);
+    log.rates[1][77] = f64::NAN;
+    let folder = folder_with("log.csv", log.csv());
+    let ran = zerorate(folder.path(), &["fit", "log.csv"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    ran.says(&["log.csv: warning", "168 of 8400 rows were left out", "168  no number for the temperature  every column"]);
+    let json = zerorate(folder.path(), &["fit", "log.csv", "--json"]).json();
+    let rejected = &json["axes"]["y_rad_s"]["samples_rejected"];
+    assert_eq!(rejected[0], serde_json::json!({"reason": "missing-temperature", "count": 168}));
+    assert_eq!(rejected[1], serde_json::json!({"reason": "missing-rate", "count": 1}));
+}
+
+#[test]
+fn a_log_of_nothing_but_nan_is_rejected() {
+    let mut log = Log::cycle().rows(0..200);
+    log.rates.iter_mut().for_each(|rate| rate.fill(f64::NAN));
+    let ran = fit_beside_earlier(&log.csv(), &["--json"]);
+    assert_eq!((ran.code, ran.json()["reasons"][0]["kind"].as_str()), (1, Some("no-finite-rows")));
+}
+
+#[test]
+fn a_constant_temperature_is_rejected_even_where_a_narrow_span_is_allowed() {
+    let mut log = Log::cycle();
+    log.temperature_c.fill(25.0);
+    for options in [&[][..], &["--allow-narrow"], &["--plain"]] {
+        let ran = fit_beside_earlier(&log.csv(), options);
+        assert_eq!(ran.code, 1);
+        ran.says(&["log.csv: rejected", "the temperature stays at 25.00 C"]);
+    }
+}
+
+#[test]
+fn a_narrow_span_is_rejected_and_where_it_is_allowed_its_range_is_written_and_enforced() {
+    let whole = Log::cycle();
+    let narrow = whole.rows(2200..2400);
+    let ran = fit_beside_earlier(&narrow.csv(), &["--json"]);
+    let json = ran.json();
+    assert_eq!((ran.code, json["verdict"].as_str(), json["axes"].as_object().unwrap().len()), (1, Some("rejected"), 0));
+    assert_eq!(json["reasons"][0]["kind"], "narrow-span");
+
+    let folder = folder_with("narrow.csv", narrow.csv());
+    fs::write(folder.path().join("whole.csv"), whole.csv()).unwrap();
+    let fit = zerorate(folder.path(), &["fit", "narrow.csv", "--allow-narrow", "--model", "poly:1", "--out", "c.json"]);
+    assert_eq!(fit.code, 0, "{}", fit.err);
+    fit.says(&["the calibration holds for this range alone"]);
+    let apply = zerorate(folder.path(), &["apply", "c.json", "whole.csv", "--out", "out.csv", "--json"]).json();
+    let range = [0, 1].map(|end| apply["calibrated_temperature"][end].as_f64().unwrap());
+    assert!(range[1] - range[0] < 10.0);
+    let outside = whole.temperature_c.iter().filter(|t| **t < range[0] || **t > range[1]).count();
+    assert_eq!(apply["rows_outside_calibrated_range"].as_u64(), Some(outside as u64));
+    let predicted = column(&folder.path().join("out.csv"), "predicted_x_rad_s");
+    let held: Vec<f64> = whole
+        .temperature_c
+        .iter()
+        .zip(&predicted)
+        .filter(|(t, _)| **t > range[1])
+        .map(|(_, predicted)| *predicted)
+        .collect();
+    assert!(held.len() > 1000 && held.iter().all(|p| (p - held[0]).abs() < 1e-15), "held at the range's end");
+}
+
+#[test]
+fn too_few_groups_for_the_model_are_rejected() {
+    let log = Log::cycle();
+    let mut few = log.rows(0..5);
+    few.temperature_c = vec![0.0, 10.0, 20.0, 30.0, 40.0];
+    let ran = fit_beside_earlier(&few.csv(), &["--model", "poly:5"]);
+    assert_eq!(ran.code, 1);
+    ran.says(&["cannot settle 6 coefficients", "record for longer, or choose a smaller model"]);
+}
+
+#[test]
+fn the_log_itself_is_never_written_to() {
+    let folder = folder_with("log.csv", Log::cycle().csv());
+    for option in ["--out", "--report"] {
+        zerorate(folder.path(), &["fit", "log.csv", option, "./log.csv"]).is_error(&[option, "would be lost"]);
+    }
+    assert_eq!(fs::read_to_string(folder.path().join("log.csv")).unwrap(), Log::cycle().csv());
+}
+
+#[test]
+fn a_model_and_a_unit_that_are_none_are_refused_with_those_there_are() {
+    let folder = folder_with("log.csv", "t,temp,gx\n");
+    for (option, wrong, right) in
+        [("--model", "poly:9", "poly:1 to poly:5"), ("--time-unit", "h", "s, ms, us or ns"), ("--rate-unit", "rpm", "dps, rad/s or counts")]
+    {
+        let ran = zerorate(folder.path(), &["fit", "log.csv", option, wrong]);
+        assert_eq!(ran.code, 2);
+        ran.says(&[option, wrong, right]);
+    }
+}
+
+/// Golden values of numpy 2.4 (`numpy.polyfit` of columns 1 to 3 over column 8), as in cal's tests of the recording.
+#[test]
+fn a_plain_cubic_of_the_real_recording_is_that_of_numpy() {
+    let Some(file) = real_file() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = file.to_str().unwrap();
+    let ran = zerorate(folder.path(), &["fit", file, "--model", "poly:3", "--plain", "--json"]);
+    let json = ran.json();
+    let axis = &json["axes"]["imu.gyro.x"];
+    let value = |t: f64| (0_u8..4).map(|k| axis["raw_coefficients"][usize::from(k)].as_f64().unwrap() * t.powi(k.into())).sum::<f64>();
+    let golden = [(-15.0, -0.061970952436253286), (0.0, -0.06908658751315859), (70.0, -0.05665549017210137)];
+    for (t, expected) in golden {
+        assert!((value(t) - expected).abs() < 1e-9 * 0.02, "{} at {t}", value(t));
+    }
+    assert_eq!((axis["rate_unit"].as_str(), axis["samples_used"].as_u64()), (Some("rad/s"), Some(8400)));
+}
+
+/// The numbers of one column of a CSV file.
+pub fn column(path: &Path, name: &str) -> Vec<f64> {
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().unwrap();
+    let place = header.iter().position(|head| *head == name).unwrap_or_else(|| panic!("no {name} in {header:?}"));
+    lines.map(|cells| cells[place].parse().unwrap_or(f64::NAN)).collect()
+}

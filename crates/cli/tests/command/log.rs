@@ -1,0 +1,89 @@
+//! Logs to fit: a chamber's cycle, and the real one where it is.
+
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// A log of two rates, rad/s, two rows a second.
+#[derive(Clone)]
+pub struct Log {
+    pub time_s: Vec<f64>,
+    pub temperature_c: Vec<f64>,
+    pub rates: Vec<Vec<f64>>,
+}
+
+/// The columns' names in the file, as the shared encoder writes them.
+const NAMES: [&str; 3] = ["x_rad_s", "y_rad_s", "z_rad_s"];
+
+impl Log {
+    /// 70 minutes: cool, heat, cool, as the shared recording. Each rate is a parabola of temperature times its factor,
+    /// with uniform noise.
+    pub fn cycle() -> Self {
+        let rows = 8400;
+        let temperature_c: Vec<f64> = (0..rows)
+            .map(|row| 28.0 + 45.0 * (TAU * 1.2 * f64::from(row) / f64::from(rows) + 1.0).cos())
+            .collect();
+        let mut state = 1_u64;
+        let mut noise = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            1e-3 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
+        };
+        let rates = [1.0, -2.0]
+            .map(|factor| temperature_c.iter().map(|t| factor * parabola(*t) + noise()).collect())
+            .to_vec();
+        Self { time_s: (0..rows).map(|row| 0.5 * f64::from(row)).collect(), temperature_c, rates }
+    }
+
+    /// The rows from one to another.
+    pub fn rows(&self, range: std::ops::Range<usize>) -> Self {
+        Self {
+            time_s: self.time_s[range.clone()].to_vec(),
+            temperature_c: self.temperature_c[range.clone()].to_vec(),
+            rates: self.rates.iter().map(|rate| rate[range.clone()].to_vec()).collect(),
+        }
+    }
+
+    /// As CSV; what is no number is left empty.
+    pub fn csv(&self) -> String {
+        let mut text = format!("t_s,temperature_c,{}\n", NAMES[..self.rates.len()].join(","));
+        let cell = |value: f64| if value.is_nan() { String::new() } else { value.to_string() };
+        for row in 0..self.time_s.len() {
+            let rates: Vec<String> = self.rates.iter().map(|rate| cell(rate[row])).collect();
+            writeln!(text, "{},{},{}", self.time_s[row], cell(self.temperature_c[row]), rates.join(",")).unwrap();
+        }
+        text
+    }
+
+    /// The shared recording; `None`, and it is said, where it is not there.
+    pub fn real() -> Option<Self> {
+        let path = real_file()?;
+        let text = std::fs::read_to_string(path).unwrap();
+        // The first row is a start-up outlier.
+        let rows: Vec<Vec<f64>> =
+            text.lines().skip(2).map(|line| line.split('\t').map(|cell| cell.trim().parse().unwrap()).collect()).collect();
+        let column = |place: usize| rows.iter().map(|row| row[place]).collect::<Vec<f64>>();
+        let first = rows[0][0];
+        Some(Self {
+            time_s: column(0).iter().map(|time| (time - first) * 1e-6).collect(),
+            temperature_c: column(8),
+            rates: vec![column(1), column(2), column(3)],
+        })
+    }
+}
+
+/// The drift of the synthetic log's first rate, rad/s.
+pub fn parabola(temperature_c: f64) -> f64 {
+    0.01 + 3e-4 * temperature_c - 2e-6 * temperature_c * temperature_c
+}
+
+/// The shared recording's file; `None`, and it is said, where it is not there.
+pub fn real_file() -> Option<PathBuf> {
+    let folder = std::env::var_os("ZERORATE_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from);
+    let path = folder.join("imu-chamber-cycle/imu_raw_data.tsv");
+    if path.exists() {
+        return Some(path);
+    }
+    eprintln!("skipped: {} is not there (ZERORATE_DATA names the folder of shared data)", path.display());
+    None
+}

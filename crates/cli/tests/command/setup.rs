@@ -1,0 +1,46 @@
+use std::fs;
+
+use crate::{folder_with, zerorate};
+
+#[test]
+fn what_is_printed_is_sound_and_the_same_as_the_papers() {
+    let folder = tempfile::tempdir().unwrap();
+    let printed = zerorate(folder.path(), &["setup"]);
+    assert_eq!((printed.code, printed.err.as_str()), (0, ""));
+    fs::write(folder.path().join("bench.toml"), &printed.out).unwrap();
+    let checked = zerorate(folder.path(), &["setup", "--check", "bench.toml"]);
+    assert_eq!(checked.code, 0);
+    checked.says(&["bench.toml: sound, and the same as the paper's"]);
+    let typical = zerorate(folder.path(), &["setup", "--plant", "typical"]);
+    assert!(typical.out.contains("\nmodel = \"auto\"\n"));
+    assert_eq!(zerorate(folder.path(), &["setup", "--json"]).json()["board"]["middle_tap"], 511);
+}
+
+#[test]
+fn a_difference_from_the_paper_is_shown() {
+    let folder = folder_with("bench.toml", "[chamber]\ncold_c = -20.0\n");
+    let checked = zerorate(folder.path(), &["setup", "--check", "bench.toml"]);
+    checked.says(&["chamber.cold_c  -20.0  -40.0"]);
+    let json = zerorate(folder.path(), &["setup", "--check", "bench.toml", "--json"]).json();
+    assert_eq!(json["differences"][0]["field"], "chamber.cold_c");
+}
+
+#[test]
+fn a_set_up_that_contradicts_itself_is_refused_with_every_contradiction() {
+    let folder = folder_with("bench.toml", "[chamber]\ncold_c = 70.0\n[trim]\npoints = 2\n[board]\nmiddle_tap = 2000\n");
+    zerorate(folder.path(), &["setup", "--check", "bench.toml"]).is_error(&[
+        "bench.toml contradicts itself",
+        "chamber.cold_c 70 is not below chamber.hot_c 60",
+        "trim.points 2",
+        "board.middle_tap 2000 is not a tap",
+    ]);
+}
+
+#[test]
+fn what_is_no_set_up_is_named_by_line() {
+    let folder = folder_with("bench.toml", "[chamber]\ncold = -40.0\n");
+    let ran = zerorate(folder.path(), &["setup", "--check", "bench.toml"]);
+    assert_eq!(ran.code, 2);
+    ran.says(&["bench.toml", "line 2", "unknown field `cold`"]);
+    zerorate(folder.path(), &["setup", "--check", "nothing.toml"]).is_error(&["nothing.toml", "No such file"]);
+}
