@@ -258,3 +258,28 @@ fn a_reset_puts_everything_back() {
     assert_eq!(port.read(0, 8), AT_RESET);
     assert!(!port.bench.data_ready());
 }
+
+#[test]
+fn a_release_is_not_missed_however_soon_chip_select_rises_after_the_last_bit() {
+    for seed in 0..60 {
+        let mut port = port(seed, Timing::QUICK);
+        port.start(3000, 1);
+        for after_ps in (1_000..50_000).step_by(7_000) {
+            assert!(port.wait_for_data_ready(SOON));
+            port.select();
+            port.byte(SET);
+            port.byte(0);
+            (0..15).for_each(|_| _ = port.word());
+            (0..3).for_each(|_| _ = port.byte(0));
+            port.bits(0, 7);
+            port.bench.pass(50_000);
+            port.bench.drive_spi(false, true, false);
+            port.bench.pass(after_ps);
+            port.bench.drive_spi(true, true, false);
+            port.bench.pass(20_000);
+            port.bench.drive_spi(true, false, false);
+            port.bench.pass(1_000_000);
+            assert!(!port.bench.data_ready(), "{after_ps} ps after the last bit");
+        }
+    }
+}
