@@ -11,6 +11,7 @@ use zerorate_core::record::{MAX_RECORD_BYTES, UnitSerial};
 use zerorate_core::units::{Axis, TemperatureScale};
 
 use crate::characterise::{Character, characterise, first_time};
+use crate::client::LineCounts;
 use crate::error::BenchError;
 use crate::evaluate::TestResult;
 use crate::instruments::Bench;
@@ -117,7 +118,7 @@ pub fn calibrate(
 
     let full = output.record(FULL_TEMPERATURE, &info("full-temperature"))?;
     let sweep = output.record(TRIM_SWEEP, &info("trim-sweep"))?;
-    let character = characterise(&mut session, &unit.serial, full, sweep)?;
+    let mut character = characterise(&mut session, &unit.serial, full, sweep)?;
 
     deploy(&mut session, &character)?;
     let mut verifications = Vec::new();
@@ -143,10 +144,18 @@ pub fn calibrate(
     let soaks = soaks::run(&mut session, &mut recorder)?;
     recorder.finish()?;
 
+    let line = session.bench.device.counts();
+    if line != LineCounts::default() {
+        let LineCounts { lost_uploads, damaged_frames } = line;
+        character.warnings.push(format!(
+            "the line to the device lost {lost_uploads} uploads and damaged {damaged_frames} frames: groups may be missing"
+        ));
+    }
     let checks = check(&verifications, &setup.limits, setup.board.centre_counts);
     let sources = [("full-temperature", FULL_TEMPERATURE), ("trim-sweep", TRIM_SWEEP)]
         .map(|(content, file)| Source::of_file(content, &output.path(file)));
-    let sources = sources.into_iter().collect::<Result<Vec<_>, _>>().map_err(|error| BenchError::Compose(error.to_string()))?;
+    let sources =
+        sources.into_iter().collect::<Result<Vec<_>, _>>().map_err(|error| BenchError::Compose(error.to_string()))?;
     let run = Calibrated { unit, setup: setup.clone(), character, verifications, soaks, checks, sources };
     let summary = Summary::of(&run, began.elapsed().as_secs_f64());
     write_results(&run, &summary, &mut output)?;

@@ -168,10 +168,8 @@ fn curve_error(ramp: &[Taken], axis: Axis, fit: &DriftFit) -> Option<f64> {
 fn plant_slope(witness: &dyn Witness, axis: Axis, trim: &TrimFit) -> f64 {
     let taps = trim.points.iter().map(|point| point.tap.get());
     let (first, last) = taps.fold((u16::MAX, 0), |(first, last), tap| (first.min(tap), last.max(tap)));
-    let truths: Vec<(f64, f64)> = (first..=last)
-        .filter_map(Taps::new)
-        .map(|tap| (f64::from(tap.get()), witness.tap_counts(axis, tap)))
-        .collect();
+    let truths: Vec<(f64, f64)> =
+        (first..=last).filter_map(Taps::new).map(|tap| (f64::from(tap.get()), witness.tap_counts(axis, tap))).collect();
     #[allow(clippy::cast_precision_loss)]
     let n = truths.len() as f64;
     let (mean_tap, mean_counts) =

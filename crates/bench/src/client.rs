@@ -60,7 +60,9 @@ pub enum ClientError {
     #[error("the device gave an answer that does not belong to the question")]
     Confused,
     /// What was written is not what is read back.
-    #[error("the calibration read back from the device is not the one written: it was not taken into use everywhere, deploy it again")]
+    #[error(
+        "the calibration read back from the device is not the one written: it was not taken into use everywhere, deploy it again"
+    )]
     ReadBack,
     /// The record is longer than a message can say.
     #[error("the record cannot be sent: {0}")]
@@ -87,6 +89,15 @@ impl DeviceClient {
     #[must_use]
     pub const fn counts(&self) -> LineCounts {
         self.counts
+    }
+
+    /// The device has lost its power and started anew: it counts uploads from 0 again, and what was under way is gone.
+    pub fn restarted(&mut self) {
+        self.receiver = Receiver::new();
+        self.bytes.clear();
+        self.next_upload = None;
+        self.groups.clear();
+        self.samples = [Vec::new(), Vec::new()];
     }
 
     /// Shakes hands: who is it, and does it speak this version?
@@ -222,7 +233,8 @@ impl DeviceClient {
     fn next_answer(&mut self) -> Result<Option<(u16, GroupNumber, Answer)>, ClientError> {
         let upload = self.next_upload()?;
         if let Some(expected) = self.next_upload {
-            self.counts.lost_uploads += upload.sequence.wrapping_sub(expected);
+            let lost = upload.sequence.wrapping_sub(expected);
+            self.counts.lost_uploads = self.counts.lost_uploads.saturating_add(lost);
         }
         self.next_upload = Some(upload.sequence.wrapping_add(1));
         match upload.message {

@@ -80,7 +80,9 @@ pub enum InstrumentError {
         reason: String,
     },
     /// The chamber has not got where it was sent.
-    #[error("the chamber was sent to {set_point_c} C and is still at {air_c:.1} C after {waited_min:.0} min: check its door, its power and its limits")]
+    #[error(
+        "the chamber was sent to {set_point_c} C and is still at {air_c:.1} C after {waited_min:.0} min: check its door, its power and its limits"
+    )]
     NotReached {
         /// Where it was sent, degrees C.
         set_point_c: f64,

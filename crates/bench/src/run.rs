@@ -123,6 +123,7 @@ impl<'b> Session<'b> {
     /// [`BenchError`].
     pub fn begin(&mut self) -> Result<(), BenchError> {
         self.bench.surroundings.power_cycle()?;
+        self.bench.device.restarted();
         self.bench.device.identify()?;
         let middle = self.setup.middle();
         self.bench.device.set_taps([middle, middle])?;
@@ -209,12 +210,13 @@ impl<'b> Session<'b> {
         let group = self.bench.device.next_group()?;
         self.taken = group.report.group.0 + 1;
         let first_second = 1_000_000 / self.setup.acquisition.sample_period_us.max(1) as usize;
-        let jumps = Axis::BOTH.map(|axis| {
-            self.watches[axis.index()].largest_jump(&group.samples[axis.index()], first_second)
-        });
-        let truth = self.bench.witness.as_mut().and_then(|witness| {
-            witness.take().into_iter().find(|truth| truth.set == group.report.group.0)
-        });
+        let jumps =
+            Axis::BOTH.map(|axis| self.watches[axis.index()].largest_jump(&group.samples[axis.index()], first_second));
+        let truth = self
+            .bench
+            .witness
+            .as_mut()
+            .and_then(|witness| witness.take().into_iter().find(|truth| truth.set == group.report.group.0));
         let air = self.bench.chamber.air()?;
         self.progress.step(air.0);
         let period = self.setup.group_period();

@@ -153,8 +153,7 @@ impl SetUp {
     /// [`SetUpError`], naming the file and, where TOML is wrong, line and column.
     pub fn read(path: &Path) -> Result<Self, SetUpError> {
         let shown = path.display().to_string();
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| SetUpError::Read { path: shown.clone(), source })?;
+        let text = std::fs::read_to_string(path).map_err(|source| SetUpError::Read { path: shown.clone(), source })?;
         Self::parse(&text, &shown)
     }
 
@@ -199,7 +198,11 @@ impl SetUp {
         );
         must(
             board.centre_counts > 0.0 && board.centre_counts < self.full_scale().0,
-            format!("board.centre_counts {} is outside the converter's 0 to {}", board.centre_counts, self.full_scale().0),
+            format!(
+                "board.centre_counts {} is outside the converter's 0 to {}",
+                board.centre_counts,
+                self.full_scale().0
+            ),
         );
         must(
             Taps::new(board.middle_tap).is_some(),
@@ -231,7 +234,10 @@ impl SetUp {
         );
         must(
             (100..=1_000_000).contains(&acquisition.sample_period_us),
-            format!("acquisition.sample_period_us {} is outside the port's 100 to 1000000", acquisition.sample_period_us),
+            format!(
+                "acquisition.sample_period_us {} is outside the port's 100 to 1000000",
+                acquisition.sample_period_us
+            ),
         );
         let [low, high] = chamber.limits_c;
         must(
@@ -247,7 +253,10 @@ impl SetUp {
                 format!("chamber.{name} {value} is outside the chamber's limits {low} to {high}"),
             );
         }
-        must(chamber.ramp_groups >= 40, format!("chamber.ramp_groups {} is too few to fit: at least 40", chamber.ramp_groups));
+        must(
+            chamber.ramp_groups >= 40,
+            format!("chamber.ramp_groups {} is too few to fit: at least 40", chamber.ramp_groups),
+        );
         must(chamber.soak_groups >= 2, "chamber.soak_groups must be at least 2: the first sets the tap".into());
         must(trim.points >= 3, format!("trim.points {} is too few for a line: at least 3", trim.points));
         must(trim.groups_per_point >= 1, "trim.groups_per_point must be at least 1".into());

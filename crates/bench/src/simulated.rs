@@ -217,10 +217,8 @@ pub fn direct_bench(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
 fn assemble<A: OnPlant + 'static>(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
     let plant = plant.share();
     let identity = DeviceIdentity { unit: unit.clone(), firmware: firmware_version() };
-    let timing = Timing {
-        scan_period_us: setup.acquisition.sample_period_us,
-        set_length: setup.acquisition.group_length,
-    };
+    let timing =
+        Timing { scan_period_us: setup.acquisition.sample_period_us, set_length: setup.acquisition.group_length };
     let device = Rc::new(RefCell::new(NativeDevice::<A>::new(Rc::clone(&plant), identity, timing)));
     let set_point = plant.borrow().chamber_air();
     Bench {

@@ -89,7 +89,8 @@ fn drift_facts(character: &AxisCharacter) -> DriftFacts {
         fit_rms_counts: drift.in_sample.rms,
         held_out_rms_counts: drift.held_out.rms,
         curve_error_counts: character.curve_error_counts,
-        candidates: candidates.collect(),
+        // A model that was asked for had no rivals, and there is no choice to show.
+        candidates: if drift.choice.candidates.len() > 1 { candidates.collect() } else { Vec::new() },
     }
 }
 
@@ -117,10 +118,7 @@ fn trim_facts(character: &AxisCharacter) -> TrimFacts {
         better: line(&trim.better),
         plant_slope_taps_per_count: character.plant_slope_taps_per_count,
         taps: taps
-            .map(|(tap, effect)| TapDeviation {
-                tap,
-                deviation_counts: effect.0 - per_tap * (f64::from(tap) - middle),
-            })
+            .map(|(tap, effect)| TapDeviation { tap, deviation_counts: effect.0 - per_tap * (f64::from(tap) - middle) })
             .collect(),
     }
 }

@@ -9,7 +9,7 @@ pub struct ThermalParameters {
     /// The package's time constant behind the chamber's air, in seconds. Default 150 (assumed: a small board in moving
     /// air).
     pub package_time_constant_s: f64,
-    /// The die's time constant behind the package, in seconds. Paper's plant 2.5, a ceramic package (assumed: the
+    /// The die's time constant behind the package, in seconds. Paper's plant 2, a ceramic package (assumed: the
     /// paper's heating and cooling cannot be told apart); typical units 2 to 15.
     pub die_time_constant_s: f64,
     /// How much warmer than the air a powered package settles, in kelvins. Paper's plant 0.5, so that its readings at
@@ -19,7 +19,7 @@ pub struct ThermalParameters {
 
 impl Default for ThermalParameters {
     fn default() -> Self {
-        Self { package_time_constant_s: 150.0, die_time_constant_s: 2.5, self_heating_k: 0.5 }
+        Self { package_time_constant_s: 150.0, die_time_constant_s: 2.0, self_heating_k: 0.5 }
     }
 }
 

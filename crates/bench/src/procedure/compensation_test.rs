@@ -51,7 +51,8 @@ pub fn run(
     session.bench.device.order(Request::SetMode { axis: axis.other(), mode: Mode::Off })?;
     session.soak("cold soak", cold, soak)?;
     session.start(extent.samples)?;
-    let name = |direction: &str| format!("compensation test, {} {}, {direction}", axis.name().to_uppercase(), mode.name());
+    let name =
+        |direction: &str| format!("compensation test, {} {}, {direction}", axis.name().to_uppercase(), mode.name());
     session.progress.phase(&name("heating"), ramp_groups);
     session.until(soak_groups, Phase::Soak, recorder)?;
     session.bench.chamber.set(hot)?;

@@ -196,16 +196,17 @@ fn search(
     for axis in Axis::BOTH {
         let search = &searches[axis.index()];
         let near = search.per_tap.abs();
-        found[axis.index()] = search.found.filter(|(_, reading)| (*reading - centre).0.abs() <= near).ok_or_else(|| {
-            let (tap, reading) = search.nearest();
-            BenchError::CentreOutOfReach {
-                axis,
-                supply_v: supply.0,
-                centre_counts: centre.0,
-                tap,
-                reading_counts: reading.0,
-            }
-        })?;
+        found[axis.index()] =
+            search.found.filter(|(_, reading)| (*reading - centre).0.abs() <= near).ok_or_else(|| {
+                let (tap, reading) = search.nearest();
+                BenchError::CentreOutOfReach {
+                    axis,
+                    supply_v: supply.0,
+                    centre_counts: centre.0,
+                    tap,
+                    reading_counts: reading.0,
+                }
+            })?;
     }
     Ok(found)
 }

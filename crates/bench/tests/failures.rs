@@ -1,0 +1,89 @@
+//! What goes wrong on a bench is said in a sentence that names the culprit and what to do.
+
+use zerorate_bench::calibrate::{Unit, calibrate};
+use zerorate_bench::characterise::characterise;
+use zerorate_bench::error::BenchError;
+use zerorate_bench::plants::PlantKind;
+use zerorate_bench::run::{Recorder, Session, Silent};
+use zerorate_bench::setup::SetUp;
+use zerorate_bench::simulated;
+use zerorate_core::record::UnitSerial;
+use zerorate_sim::{Plant, PlantParameters};
+
+fn fails(plant: Plant, setup: &SetUp) -> BenchError {
+    let mut bench = simulated::bench(plant, setup, &UnitSerial::new());
+    let mut progress = Silent;
+    let mut session = Session::new(&mut bench, setup, &mut progress);
+    characterise(&mut session, "", Recorder::discarding(), Recorder::discarding()).unwrap_err()
+}
+
+#[test]
+fn an_experiment_that_leaves_the_converter_is_named_with_the_supply() {
+    let mut setup = SetUp::paper();
+    setup.trim.span_counts = 8000.0;
+    setup.board.input_volts_per_count *= 1.2;
+    let error = fails(PlantKind::Paper.build(1), &setup);
+    assert!(matches!(error, BenchError::Saturated { .. }), "{error}");
+    assert!(error.to_string().contains("trim.span_counts smaller"), "{error}");
+}
+
+/// The paper's board with another voltage across the potentiometer, its centre adjusted with it.
+fn with_potentiometer_supply(volts: f64) -> Plant {
+    let mut parameters = PlantParameters::paper();
+    let missing = 0.5 * (parameters.potentiometer.supply_v - volts);
+    parameters.potentiometer.supply_v = volts;
+    for axis in &mut parameters.axes {
+        axis.circuit.centre_v += axis.circuit.gain * missing;
+    }
+    Plant::new(parameters, 1)
+}
+
+#[test]
+fn a_potentiometer_without_its_supply_is_named() {
+    let error = fails(with_potentiometer_supply(0.01), &SetUp::paper());
+    assert!(matches!(error, BenchError::WiperDead { .. }), "{error}");
+}
+
+#[test]
+fn a_centre_out_of_reach_is_named_with_the_supply_and_the_tap() {
+    // A part with a tenth of the supply: 3 counts a tap, and 511 taps do not make 4000 counts.
+    let mut setup = SetUp::paper();
+    setup.trim.span_counts = 4000.0;
+    let error = fails(with_potentiometer_supply(0.5), &setup);
+    assert!(matches!(error, BenchError::CentreOutOfReach { .. }), "{error}");
+    assert!(error.to_string().contains("the search ended at tap"), "{error}");
+}
+
+#[test]
+fn a_chamber_that_is_sent_beyond_its_limits_refuses() {
+    let mut setup = SetUp::paper();
+    setup.chamber.hot_c = 170.0;
+    let error = fails(PlantKind::Paper.build(1), &setup).to_string();
+    assert!(error.contains("170"), "{error}");
+}
+
+#[test]
+fn a_ramp_too_narrow_to_fit_is_rejected_with_its_span() {
+    let mut setup = SetUp::paper();
+    setup.chamber.hot_c = -35.0;
+    let error = fails(PlantKind::Paper.build(1), &setup).to_string();
+    assert!(error.contains("spans") && error.contains("record a wider range"), "{error}");
+}
+
+#[test]
+fn an_output_folder_that_cannot_be_written_is_named_before_anything_is_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("results");
+    std::fs::write(&file, "").unwrap();
+    let setup = SetUp::paper();
+    let unit = Unit::new("ZR-1", None).unwrap();
+    let mut bench = simulated::bench(PlantKind::Paper.build(1), &setup, &unit.serial);
+    let error = calibrate(&mut bench, &setup, unit, &file, &mut Silent).unwrap_err().to_string();
+    assert!(error.contains("results") && error.contains("Earlier results are untouched"), "{error}");
+}
+
+#[test]
+fn a_serial_too_long_for_a_record_is_refused() {
+    let error = Unit::new("a serial of far more than thirty-two bytes", None).unwrap_err().to_string();
+    assert!(error.contains("32 bytes"), "{error}");
+}

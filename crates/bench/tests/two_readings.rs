@@ -1,0 +1,95 @@
+//! Two readings of every fact: the driver and the simulated chip, the processor's acquisition and the port's.
+
+use max5494::{Channel, Channels, Max5494, Position};
+use zerorate_bench::characterise::first_time;
+use zerorate_bench::instruments::Bench;
+use zerorate_bench::plants::PlantKind;
+use zerorate_bench::run::{Phase, Recorder, Session, Silent, Taken};
+use zerorate_bench::setup::SetUp;
+use zerorate_bench::simulated;
+use zerorate_core::record::UnitSerial;
+use zerorate_core::units::{Axis, Celsius, Taps};
+use zerorate_sim::{Plant, PlantDelay, PlantParameters, PotentiometerSpi};
+
+fn position(tap: u16) -> Position {
+    Position::new(tap).unwrap()
+}
+
+#[test]
+fn every_command_of_the_driver_is_understood_by_the_simulated_chip() {
+    let plant = Plant::new(PlantParameters::paper(), 1).share();
+    let mut delay = PlantDelay::new(&plant);
+    let mut driver = Max5494::new(PotentiometerSpi::new(&plant));
+    let wipers = || Axis::BOTH.map(|axis| plant.borrow().potentiometer().wiper(axis).get());
+    let stored = || Axis::BOTH.map(|axis| plant.borrow().potentiometer().stored(axis).get());
+
+    driver.write_wiper(Channel::One, position(500)).unwrap();
+    driver.write_wiper(Channel::Two, position(1023)).unwrap();
+    assert_eq!(wipers(), [500, 1023]);
+
+    driver.write_nv(Channel::One, position(7), &mut delay).unwrap();
+    driver.write_nv(Channel::Two, position(8), &mut delay).unwrap();
+    assert_eq!((wipers(), stored()), ([500, 1023], [7, 8]), "a store does not move the wiper");
+
+    driver.copy_nv_to_wiper(Channel::One).unwrap();
+    assert_eq!(wipers(), [7, 1023]);
+    driver.copy_nv_to_wiper(Channel::Two).unwrap();
+    assert_eq!(wipers(), [7, 8]);
+
+    driver.write_wiper(Channel::One, position(1)).unwrap();
+    driver.write_wiper(Channel::Two, position(2)).unwrap();
+    driver.copy_wiper_to_nv(Channel::One, &mut delay).unwrap();
+    assert_eq!(stored(), [1, 8]);
+    driver.copy_wiper_to_nv(Channel::Two, &mut delay).unwrap();
+    assert_eq!(stored(), [1, 2]);
+    driver.write_wiper(Channel::One, position(3)).unwrap();
+    driver.copy_wiper_to_nv(Channels::Both, &mut delay).unwrap();
+    assert_eq!(stored(), [3, 2]);
+    driver.write_wiper(Channel::One, position(900)).unwrap();
+    driver.copy_nv_to_wiper(Channels::Both).unwrap();
+    assert_eq!(wipers(), [3, 2]);
+
+    for tap in 0..=1023 {
+        driver.write_wiper(Channel::One, position(tap)).unwrap();
+        assert_eq!(wipers()[0], tap);
+    }
+    let plant = plant.borrow();
+    let chip = plant.potentiometer();
+    assert_eq!((chip.ignored_illegal(), chip.ignored_busy()), (0, 0), "nothing was said twice or too early");
+}
+
+fn take(mut bench: Bench, setup: &SetUp, groups: u32) -> Vec<Taken> {
+    let mut progress = Silent;
+    let mut session = Session::new(&mut bench, setup, &mut progress);
+    session.begin().unwrap();
+    session.bench.chamber.set(Celsius(60.0)).unwrap();
+    session.start(true).unwrap();
+    let mut taken = session.until(groups / 2, Phase::Heating, &mut Recorder::discarding()).unwrap();
+    session.bench.device.set_taps([Taps::new(520).unwrap(), Taps::new(490).unwrap()]).unwrap();
+    taken.extend(session.until(groups, Phase::Heating, &mut Recorder::discarding()).unwrap());
+    taken
+}
+
+#[test]
+fn the_processor_driving_the_a_d_and_the_port_give_the_same_groups_bit_for_bit() {
+    let setup = SetUp::paper();
+    let serial = UnitSerial::new();
+    let by_port = take(simulated::bench(PlantKind::Paper.build(3), &setup, &serial), &setup, 60);
+    let direct = take(simulated::direct_bench(PlantKind::Paper.build(3), &setup, &serial), &setup, 60);
+    assert_eq!(by_port.len(), 60);
+    for (port, direct) in by_port.iter().zip(&direct) {
+        assert_eq!(port.report, direct.report);
+    }
+}
+
+#[test]
+fn the_middle_tap_is_stored_once_and_survives_a_power_cycle() {
+    let plant = PlantKind::Paper.build(1);
+    let setup = SetUp::paper();
+    let mut bench = simulated::bench(plant, &setup, &UnitSerial::new());
+    let mut progress = Silent;
+    let mut session = Session::new(&mut bench, &setup, &mut progress);
+    first_time(&mut session).unwrap();
+    let faults = session.bench.device.faults().unwrap();
+    assert_eq!(faults.trim_errors, 0);
+}
