@@ -1,13 +1,13 @@
 //! What `zerorate apply` does: a log with the bias by a calibration beside every rate.
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 use zerorate_core::drift::Drift;
 
 use crate::table::{TableError, TableFile};
+use crate::whole_file::WholeFile;
 
 /// The curve to apply to one rate column.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,24 +58,15 @@ pub fn apply(log: &Path, temperature: &str, drifts: &[AppliedDrift], output: &Pa
         columns.push(table.column(&drift.column)?);
     }
     let write_error = |source| ApplyError::Write { path: output.to_owned(), source };
-    let mut name = output.as_os_str().to_owned();
-    name.push(".partial");
-    let partial = PathBuf::from(name);
-    let file = File::create(&partial).map_err(write_error)?;
-    let result = write(&table, &columns, drifts, file, write_error)
-        .and_then(|applied| fs::rename(&partial, output).map(|()| applied).map_err(write_error));
-    if result.is_err() {
-        // The error that is returned says more than one about the leftover would.
-        let _ = fs::remove_file(&partial);
-    }
-    result
+    let file = WholeFile::create(output).map_err(write_error)?;
+    write(&table, &columns, drifts, file, write_error)
 }
 
 fn write(
     table: &TableFile,
     columns: &[usize],
     drifts: &[AppliedDrift],
-    file: File,
+    file: WholeFile,
     write_error: impl Fn(io::Error) -> ApplyError + Copy,
 ) -> Result<Applied, ApplyError> {
     let csv_error = |error: csv::Error| write_error(error.into());
@@ -97,9 +88,9 @@ fn write(
             applied.outside += u64::from(outside);
         }
     }
-    let mut buffer = writer.into_inner().map_err(|error| write_error(error.into_error()))?;
-    buffer.flush().map_err(write_error)?;
-    buffer.get_ref().sync_all().map_err(write_error)?;
+    let buffer = writer.into_inner().map_err(|error| write_error(error.into_error()))?;
+    let file = buffer.into_inner().map_err(|error| write_error(error.into_error()))?;
+    file.finish().map_err(write_error)?;
     Ok(applied)
 }
 
@@ -117,6 +108,8 @@ fn added_cells(
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use zerorate_core::drift::{Polynomial, Scale, Shape, ValidRange};
 
     use super::*;

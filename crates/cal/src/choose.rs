@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use thiserror::Error;
-use zerorate_core::drift::{MAX_KNOTS, MAX_ORDER, Scale};
+use zerorate_core::drift::{MAX_KNOTS, MAX_ORDER, Scale, Shape};
 
 use crate::fit::{Basis, Fit, FitError, Solution};
 
@@ -73,6 +73,15 @@ impl Model {
         match self {
             Self::Poly(size) | Self::Table(size) => size + 1,
             Self::Auto => 2,
+        }
+    }
+
+    /// The model that a curve is of.
+    #[must_use]
+    pub fn of_shape(shape: &Shape) -> Self {
+        match shape {
+            Shape::Polynomial(polynomial) => Self::Poly(polynomial.order()),
+            Shape::Table(table) => Self::Table(table.knots().len() - 1),
         }
     }
 

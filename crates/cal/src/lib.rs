@@ -5,6 +5,7 @@ pub mod calibration;
 pub mod choose;
 pub mod compose;
 pub mod condition;
+pub mod device_record;
 pub mod drift_fit;
 pub mod fit;
 pub mod log_fit;

@@ -11,13 +11,66 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// When the folder is not there or not writable, or the disk is full.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let partial = partial(path);
-    let result = write(&partial, bytes).and_then(|()| fs::rename(&partial, path));
-    if result.is_err() {
-        // The error that is returned says more than one about the leftover would.
-        let _ = fs::remove_file(&partial);
+    let mut file = WholeFile::create(path)?;
+    file.write_all(bytes)?;
+    file.finish()
+}
+
+/// A file that is being written beside its place. Until [`WholeFile::finish`] an earlier file there is as it was;
+/// dropped before that, nothing is left.
+#[derive(Debug)]
+pub struct WholeFile {
+    path: PathBuf,
+    /// Where it is until it is whole; `None` once it is, and for what is no file: a device or a pipe must not be
+    /// replaced by one.
+    partial: Option<PathBuf>,
+    file: File,
+}
+
+impl WholeFile {
+    /// Starts the file that will be at `path`.
+    ///
+    /// # Errors
+    /// When the folder is not there or not writable.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let is_special = fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+        let partial = (!is_special).then(|| partial(path));
+        let file = File::create(partial.as_deref().unwrap_or(path))?;
+        Ok(Self { path: path.to_owned(), partial, file })
     }
-    result
+
+    /// Moves the file to its place.
+    ///
+    /// # Errors
+    /// When the disk is full or a folder is in its place.
+    pub fn finish(mut self) -> io::Result<()> {
+        if let Some(partial) = &self.partial {
+            // A rename can reach the disk before the contents do.
+            self.file.sync_all()?;
+            fs::rename(partial, &self.path)?;
+            self.partial = None;
+        }
+        Ok(())
+    }
+}
+
+impl Write for WholeFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Drop for WholeFile {
+    fn drop(&mut self) {
+        if let Some(partial) = &self.partial {
+            // The error that ended the writing says more than one about the leftover would.
+            let _ = fs::remove_file(partial);
+        }
+    }
 }
 
 /// The name beside a file's place; the process's number keeps two programs that write the same file apart.
@@ -25,13 +78,6 @@ fn partial(path: &Path) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(format!(".{}.partial", std::process::id()));
     PathBuf::from(name)
-}
-
-fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = File::create(path)?;
-    file.write_all(bytes)?;
-    // A rename can reach the disk before the contents do.
-    file.sync_all()
 }
 
 #[cfg(test)]
@@ -59,5 +105,27 @@ mod tests {
         assert_eq!(fs::read(path.join("inside")).unwrap(), b"earlier");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
         assert!(write_whole(&folder.path().join("missing/calibration.json"), b"new").is_err());
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_device_is_written_to_and_not_replaced_and_a_full_disk_is_an_error() {
+        use std::os::unix::fs::FileTypeExt;
+        let full = Path::new("/dev/full");
+        let error = write_whole(full, b"anything").unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+        assert!(fs::metadata(full).unwrap().file_type().is_char_device());
+        write_whole(Path::new("/dev/null"), b"anything").unwrap();
+        assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+    }
+
+    #[test]
+    fn a_file_that_was_not_finished_leaves_the_earlier_one_and_nothing_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("corrected.csv");
+        write_whole(&path, b"earlier").unwrap();
+        WholeFile::create(&path).unwrap().write_all(b"half").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"earlier");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

@@ -5,11 +5,12 @@ mod fields;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 use zerorate_bench::setup::SetUp;
 
 use super::Outcome;
+use crate::plant::Plant;
 use crate::screen;
 use crate::screen::Page;
 
@@ -38,22 +39,6 @@ Examples:
   zerorate setup > bench.toml           then edit it
   zerorate setup --check bench.toml";
 
-/// A plant by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Plant {
-    Paper,
-    Typical,
-}
-
-impl Plant {
-    fn setup(self) -> SetUp {
-        match self {
-            Self::Paper => SetUp::paper(),
-            Self::Typical => SetUp::typical(),
-        }
-    }
-}
-
 /// What a set-up file was found to be, as JSON has it.
 #[derive(Serialize)]
 struct Checked<'a> {
@@ -67,8 +52,8 @@ impl Setup {
     pub fn run(&self) -> Result<Outcome> {
         match &self.check {
             Some(file) => self.check(file)?,
-            None if self.json => screen::print_json(&self.plant.setup())?,
-            None => screen::print(&fields::commented(&self.plant.setup())?)?,
+            None if self.json => screen::print_json(&self.plant.kind().setup())?,
+            None => screen::print(&fields::commented(&self.plant.kind().setup())?)?,
         }
         Ok(Outcome::Done)
     }
