@@ -1,8 +1,8 @@
 //! Signs of life on standard error, on a terminal only.
 
+use std::fs;
 use std::path::Path;
 use std::time::Duration;
-use std::fs;
 
 use indicatif::{ProgressBar, ProgressStyle};
 

@@ -142,7 +142,10 @@ mod tests {
     #[test]
     fn a_sentence_is_broken_between_words_and_hangs_under_its_beginning() {
         let lines = broken("  - ", "one two three four", 12);
-        assert_eq!(lines.iter().map(|line| line.trim_end()).collect::<Vec<_>>(), ["  - one two", "    three", "    four"]);
+        assert_eq!(
+            lines.iter().map(|line| line.trim_end()).collect::<Vec<_>>(),
+            ["  - one two", "    three", "    four"]
+        );
         assert_eq!(broken("", "unbreakablylong word", 5)[0].trim_end(), "unbreakablylong");
     }
 

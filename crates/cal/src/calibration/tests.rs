@@ -39,8 +39,7 @@ fn board_axis(shift: f64) -> AxisCalibration {
         Taps::MIDDLE,
     )
     .unwrap();
-    let effects: Vec<Counts> =
-        (-16..=16).map(|k| Counts(f64::from(k) * 31.3 + f64::from(k % 5) / 7.0)).collect();
+    let effects: Vec<Counts> = (-16..=16).map(|k| Counts(f64::from(k) * 31.3 + f64::from(k % 5) / 7.0)).collect();
     let trim = TrimCalibration {
         trim: Trim { line, measured: TapEffects::new(Taps::new(495).unwrap(), &effects) },
         better: Some(estimate),

@@ -91,7 +91,10 @@ impl Apply {
         }
         let mut page = Page::default();
         let columns = columns.join(", ");
-        page.sentence("", &format!("Wrote {}: {} rows, {columns} corrected.", self.out.display(), thousands(applied.rows)));
+        page.sentence(
+            "",
+            &format!("Wrote {}: {} rows, {columns} corrected.", self.out.display(), thousands(applied.rows)),
+        );
         if applied.outside > 0 {
             let rows = thousands(applied.outside);
             let text = format!(

@@ -105,9 +105,7 @@ impl Fit {
             _ if fit.judgement.rejected() => None,
             Some(out) => Some(("To correct a log by it", apply_command(out, &self.log.file))),
             // The same command again, whatever options it had.
-            None if self.report.is_some() => {
-                Some(("To keep the calibration", typed() + " --out calibration.json"))
-            }
+            None if self.report.is_some() => Some(("To keep the calibration", typed() + " --out calibration.json")),
             None => Some((
                 "To keep the calibration, and to see it drawn",
                 typed() + " --out calibration.json --report report.html",

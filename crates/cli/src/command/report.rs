@@ -73,7 +73,8 @@ struct Done<'a> {
 
 impl Report {
     pub fn run(&self) -> Result<Outcome> {
-        let path = if self.calibration.is_dir() { self.calibration.join(CALIBRATION) } else { self.calibration.clone() };
+        let path =
+            if self.calibration.is_dir() { self.calibration.join(CALIBRATION) } else { self.calibration.clone() };
         let calibration = Calibration::read(&path)?;
         if calibration.kind == Kind::AnalogueBoard {
             bail!(

@@ -28,7 +28,8 @@ fn a_fitted_log_is_corrected_row_by_row() {
     ran.says(&["Wrote out.csv: 8400 rows, x_rad_s, y_rad_s corrected."]);
     let out = folder.path().join("out.csv");
     let text = fs::read_to_string(&out).unwrap();
-    let head = "t_s,temperature_c,x_rad_s,y_rad_s,predicted_x_rad_s,corrected_x_rad_s,predicted_y_rad_s,corrected_y_rad_s";
+    let head =
+        "t_s,temperature_c,x_rad_s,y_rad_s,predicted_x_rad_s,corrected_x_rad_s,predicted_y_rad_s,corrected_y_rad_s";
     assert_eq!(text.lines().next(), Some(head));
     assert_eq!(text.lines().count(), 8401);
     let predicted = column(&out, "predicted_x_rad_s");
@@ -59,7 +60,8 @@ fn rows_whose_rates_were_blanked_are_predicted_all_the_same() {
 #[test]
 fn columns_may_stand_in_another_order_beside_others() {
     let folder = calibrated(&Log::cycle());
-    fs::write(folder.path().join("other.tsv"), "note\ty_rad_s\tt_s\tx_rad_s\ttemperature_c\nhello\t0\t0\t0\t20\n").unwrap();
+    fs::write(folder.path().join("other.tsv"), "note\ty_rad_s\tt_s\tx_rad_s\ttemperature_c\nhello\t0\t0\t0\t20\n")
+        .unwrap();
     assert_eq!(apply(folder.path(), "other.tsv").code, 0);
     let text = fs::read_to_string(folder.path().join("out.csv")).unwrap();
     let (head, row) = text.trim_end().split_once('\n').unwrap();
@@ -75,10 +77,18 @@ fn what_cannot_be_corrected_leaves_the_earlier_output() {
     let cases = [
         ("missing.csv", None, vec!["missing.csv: cannot be read"]),
         ("empty.csv", Some(""), vec!["empty.csv: the file is empty"]),
-        ("other.csv", Some("t_s,temperature_c,gx,y_rad_s\n0,20,1,2\n"), vec!["there is no column 'x_rad_s'", "gx, y_rad_s"]),
+        (
+            "other.csv",
+            Some("t_s,temperature_c,gx,y_rad_s\n0,20,1,2\n"),
+            vec!["there is no column 'x_rad_s'", "gx, y_rad_s"],
+        ),
         ("heat.csv", Some("t_s,heat,x_rad_s,y_rad_s\n0,20,1,2\n"), vec!["--temperature", "t_s, heat"]),
         ("counts.csv", Some("temp_counts,x_rad_s,y_rad_s\n9000,1,2\n"), vec!["'temp_counts' is in counts", "are in C"]),
-        ("text.csv", Some("temperature_c,x_rad_s,y_rad_s\n20,1,2\n21,one,2\n"), vec!["text.csv:3: column 'x_rad_s' holds 'one'"]),
+        (
+            "text.csv",
+            Some("temperature_c,x_rad_s,y_rad_s\n20,1,2\n21,one,2\n"),
+            vec!["text.csv:3: column 'x_rad_s' holds 'one'"],
+        ),
     ];
     for (name, content, parts) in cases {
         if let Some(content) = content {
@@ -95,9 +105,15 @@ fn a_calibration_that_cannot_be_read_is_named_with_the_place() {
     let path = folder.path().join("calibration.json");
     let text = fs::read_to_string(&path).unwrap();
     let cases = [
-        (text.replacen("\"schema\": 1", "\"schema\": 99", 1), vec!["schema 99", "knows schema 1", "use a newer zerorate"]),
+        (
+            text.replacen("\"schema\": 1", "\"schema\": 99", 1),
+            vec!["schema 99", "knows schema 1", "use a newer zerorate"],
+        ),
         (text[..text.len() / 2].to_owned(), vec!["calibration.json:", "restore the file"]),
-        (text.replacen("\"temperature_half_span\": ", "\"temperature_half_span\": -", 1), vec!["temperature_half_span must be above zero"]),
+        (
+            text.replacen("\"temperature_half_span\": ", "\"temperature_half_span\": -", 1),
+            vec!["temperature_half_span must be above zero"],
+        ),
         ("t,x\n1,2\n".to_owned(), vec!["calibration.json:1:"]),
         ("{}".to_owned(), vec!["this is not a calibration"]),
     ];

@@ -59,7 +59,8 @@ fn every_fault_is_answered(clean: &Log) {
         let json = ran.json();
         assert_eq!(ran.code, code, "{name}: {json}");
         assert_eq!(json["verdict"], if code == 1 { "rejected" } else { "warning" }, "{name}: {json}");
-        let kinds: Vec<&str> = json["reasons"].as_array().unwrap().iter().map(|r| r["kind"].as_str().unwrap()).collect();
+        let kinds: Vec<&str> =
+            json["reasons"].as_array().unwrap().iter().map(|r| r["kind"].as_str().unwrap()).collect();
         assert!(kinds.contains(&reason), "{name}: {kinds:?}");
         let kept = fs::read_to_string(folder.path().join("calibration.json")).unwrap() == "earlier";
         assert_eq!(kept, code == 1, "{name}: a rejected log writes nothing, another a calibration");

@@ -58,7 +58,8 @@ fn what_was_asked_for_is_written_and_named() {
 
 #[test]
 fn json_stands_alone_on_standard_output_and_notes_beside_it() {
-    let folder = folder_with("log.csv", Log::cycle().csv().replacen("t_s,temperature_c,x_rad_s,y_rad_s", "t,temp,gx,gy", 1));
+    let folder =
+        folder_with("log.csv", Log::cycle().csv().replacen("t_s,temperature_c,x_rad_s,y_rad_s", "t,temp,gx,gy", 1));
     let ran = zerorate(folder.path(), &["fit", "log.csv", "--rate", "gx,gy", "--model", "poly:3", "--plain", "--json"]);
     let json = ran.json();
     assert_eq!((ran.code, json["schema"].as_u64(), json["verdict"].as_str()), (0, Some(1), Some("good")));
@@ -81,7 +82,8 @@ fn a_wrong_column_is_answered_with_those_there_are() {
     let log = "t_s,heat,x_dps\n0,20,1\n";
     fit_beside_earlier(log, &[]).is_error(&["no column could be the temperature", "--temperature", "t_s, heat, x_dps"]);
     fit_beside_earlier(log, &["--temperature", "hot"]).is_error(&["there is no column 'hot'", "t_s, heat, x_dps"]);
-    fit_beside_earlier(log, &["--temperature", "heat", "--rate", "x_dps,y_dps"]).is_error(&["there is no column 'y_dps'"]);
+    fit_beside_earlier(log, &["--temperature", "heat", "--rate", "x_dps,y_dps"])
+        .is_error(&["there is no column 'y_dps'"]);
 }
 
 #[test]
@@ -107,7 +109,11 @@ fn rows_without_a_number_are_left_out_and_counted() {
     let folder = folder_with("log.csv", log.csv());
     let ran = zerorate(folder.path(), &["fit", "log.csv"]);
     assert_eq!(ran.code, 0, "{}", ran.err);
-    ran.says(&["log.csv: warning", "168 of 8400 rows were left out", "168  no number for the temperature  every column"]);
+    ran.says(&[
+        "log.csv: warning",
+        "168 of 8400 rows were left out",
+        "168  no number for the temperature  every column",
+    ]);
     let json = zerorate(folder.path(), &["fit", "log.csv", "--json"]).json();
     let rejected = &json["axes"]["y_rad_s"]["samples_rejected"];
     assert_eq!(rejected[0], serde_json::json!({"reason": "missing-temperature", "count": 168}));
@@ -185,9 +191,11 @@ fn the_log_itself_is_never_written_to() {
 #[test]
 fn a_model_and_a_unit_that_are_none_are_refused_with_those_there_are() {
     let folder = folder_with("log.csv", "t,temp,gx\n");
-    for (option, wrong, right) in
-        [("--model", "poly:9", "poly:1 to poly:5"), ("--time-unit", "h", "s, ms, us or ns"), ("--rate-unit", "rpm", "dps, rad/s or counts")]
-    {
+    for (option, wrong, right) in [
+        ("--model", "poly:9", "poly:1 to poly:5"),
+        ("--time-unit", "h", "s, ms, us or ns"),
+        ("--rate-unit", "rpm", "dps, rad/s or counts"),
+    ] {
         let ran = zerorate(folder.path(), &["fit", "log.csv", option, wrong]);
         assert_eq!(ran.code, 2);
         ran.says(&[option, wrong, right]);
@@ -203,7 +211,9 @@ fn a_plain_cubic_of_the_real_recording_is_that_of_numpy() {
     let ran = zerorate(folder.path(), &["fit", file, "--model", "poly:3", "--plain", "--json"]);
     let json = ran.json();
     let axis = &json["axes"]["imu.gyro.x"];
-    let value = |t: f64| (0_u8..4).map(|k| axis["raw_coefficients"][usize::from(k)].as_f64().unwrap() * t.powi(k.into())).sum::<f64>();
+    let value = |t: f64| {
+        (0_u8..4).map(|k| axis["raw_coefficients"][usize::from(k)].as_f64().unwrap() * t.powi(k.into())).sum::<f64>()
+    };
     let golden = [(-15.0, -0.061970952436253286), (0.0, -0.06908658751315859), (70.0, -0.05665549017210137)];
     for (t, expected) in golden {
         assert!((value(t) - expected).abs() < 1e-9 * 0.02, "{} at {t}", value(t));

@@ -15,7 +15,10 @@ fn a_finished_recording_is_told_group_by_phase() {
     ran.says(&["x     heating  off       40  8520 to 8559  8200 to 8200   511"]);
     let json = zerorate(folder.path(), &["info", "run.parquet", "--json"]).json();
     let found = &json["files"][0];
-    assert_eq!((&found["kind"], &found["cut"], &found["whole_groups"]), (&"recording".into(), &false.into(), &60.into()));
+    assert_eq!(
+        (&found["kind"], &found["cut"], &found["whole_groups"]),
+        (&"recording".into(), &false.into(), &60.into())
+    );
 }
 
 #[test]
@@ -43,7 +46,11 @@ fn calibrations_of_a_log_and_of_a_board_are_told() {
     let ran = zerorate(folder.path(), &["info", "log.json", "board.json"]);
     assert_eq!(ran.code, 0, "{}", ran.err);
     ran.says(&["log.json: the calibration of a log", "U7", "log.csv (log, SHA-256", "-17.0 to 73.0", "rms, mrad/s"]);
-    ran.says(&["board.json: the calibration of an analogue board", "a tap moves it by -31.3 counts", "starts in mode hybrid"]);
+    ran.says(&[
+        "board.json: the calibration of an analogue board",
+        "a tap moves it by -31.3 counts",
+        "starts in mode hybrid",
+    ]);
 }
 
 #[test]

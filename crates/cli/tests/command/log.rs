@@ -20,17 +20,15 @@ impl Log {
     /// with uniform noise.
     pub fn cycle() -> Self {
         let rows = 8400;
-        let temperature_c: Vec<f64> = (0..rows)
-            .map(|row| 28.0 + 45.0 * (TAU * 1.2 * f64::from(row) / f64::from(rows) + 1.0).cos())
-            .collect();
+        let temperature_c: Vec<f64> =
+            (0..rows).map(|row| 28.0 + 45.0 * (TAU * 1.2 * f64::from(row) / f64::from(rows) + 1.0).cos()).collect();
         let mut state = 1_u64;
         let mut noise = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             1e-3 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
         };
-        let rates = [1.0, -2.0]
-            .map(|factor| temperature_c.iter().map(|t| factor * parabola(*t) + noise()).collect())
-            .to_vec();
+        let rates =
+            [1.0, -2.0].map(|factor| temperature_c.iter().map(|t| factor * parabola(*t) + noise()).collect()).to_vec();
         Self { time_s: (0..rows).map(|row| 0.5 * f64::from(row)).collect(), temperature_c, rates }
     }
 
@@ -59,8 +57,11 @@ impl Log {
         let path = real_file()?;
         let text = std::fs::read_to_string(path).unwrap();
         // The first row is a start-up outlier.
-        let rows: Vec<Vec<f64>> =
-            text.lines().skip(2).map(|line| line.split('\t').map(|cell| cell.trim().parse().unwrap()).collect()).collect();
+        let rows: Vec<Vec<f64>> = text
+            .lines()
+            .skip(2)
+            .map(|line| line.split('\t').map(|cell| cell.trim().parse().unwrap()).collect())
+            .collect();
         let column = |place: usize| rows.iter().map(|row| row[place]).collect::<Vec<f64>>();
         let first = rows[0][0];
         Some(Self {

@@ -26,8 +26,10 @@ fn a_device_that_is_full_is_an_error_and_stays_a_device() {
     use std::os::unix::fs::FileTypeExt;
     let folder = folder_with("log.csv", Log::cycle().csv());
     assert_eq!(zerorate(folder.path(), &["fit", "log.csv", "--out", "c.json"]).code, 0);
-    zerorate(folder.path(), &["fit", "log.csv", "--out", "/dev/full"]).is_error(&["/dev/full: cannot be written", "No space"]);
-    zerorate(folder.path(), &["fit", "log.csv", "--report", "/dev/full"]).is_error(&["/dev/full: cannot be written", "No space"]);
+    zerorate(folder.path(), &["fit", "log.csv", "--out", "/dev/full"])
+        .is_error(&["/dev/full: cannot be written", "No space"]);
+    zerorate(folder.path(), &["fit", "log.csv", "--report", "/dev/full"])
+        .is_error(&["/dev/full: cannot be written", "No space"]);
     zerorate(folder.path(), &["apply", "c.json", "log.csv", "--out", "/dev/full"])
         .is_error(&["/dev/full: cannot be written", "No space"]);
     assert!(fs::metadata("/dev/full").unwrap().file_type().is_char_device());

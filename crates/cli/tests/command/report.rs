@@ -24,9 +24,11 @@ fn another_log_than_the_calibrations_own_is_refused() {
     zerorate(folder.path(), &["fit", "log.csv", "--out", "calibration.json"]);
     fs::write(folder.path().join("report.html"), "earlier").unwrap();
     fs::write(folder.path().join("other.csv"), "t_s,temperature_c,x_rad_s,y_rad_s\n").unwrap();
-    zerorate(folder.path(), &["report", "calibration.json", "--log", "other.csv"]).is_error(&["other.csv: not the log", "SHA-256"]);
+    zerorate(folder.path(), &["report", "calibration.json", "--log", "other.csv"])
+        .is_error(&["other.csv: not the log", "SHA-256"]);
     fs::remove_file(folder.path().join("log.csv")).unwrap();
-    zerorate(folder.path(), &["report", "calibration.json"]).is_error(&["log.csv: cannot be read", "--log says where it is"]);
+    zerorate(folder.path(), &["report", "calibration.json"])
+        .is_error(&["log.csv: cannot be read", "--log says where it is"]);
     assert_eq!(fs::read_to_string(folder.path().join("report.html")).unwrap(), "earlier");
 }
 

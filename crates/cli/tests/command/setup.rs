@@ -27,7 +27,8 @@ fn a_difference_from_the_paper_is_shown() {
 
 #[test]
 fn a_set_up_that_contradicts_itself_is_refused_with_every_contradiction() {
-    let folder = folder_with("bench.toml", "[chamber]\ncold_c = 70.0\n[trim]\npoints = 2\n[board]\nmiddle_tap = 2000\n");
+    let folder =
+        folder_with("bench.toml", "[chamber]\ncold_c = 70.0\n[trim]\npoints = 2\n[board]\nmiddle_tap = 2000\n");
     zerorate(folder.path(), &["setup", "--check", "bench.toml"]).is_error(&[
         "bench.toml contradicts itself",
         "chamber.cold_c 70 is not below chamber.hot_c 60",

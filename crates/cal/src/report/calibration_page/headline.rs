@@ -87,7 +87,7 @@ fn bars(report: &CalibrationReport) -> Markup {
                         b { (fixed(bar.counts, 1)) " counts" }
                         @if let Some(ratio) = bar.ratio { " · " (fixed(ratio, 1)) " ×" }
                         @if let Some(scale) = report.unit.scale_counts_per_dps {
-                            " " small { (significant(bar.counts / scale, 3)) " deg/s" }
+                            " " small { (significant(bar.counts / scale.abs(), 3)) " deg/s" }
                         }
                     }
                 }

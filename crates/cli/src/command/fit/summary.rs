@@ -11,12 +11,7 @@ use zerorate_cal::report::LogReport;
 use crate::screen::{Grid, Page, RateScale, aligned, significant, style, thousands};
 
 /// The page: verdict, curves, what was left out, what was guessed, what to do next.
-pub fn page(
-    fit: &LogFit,
-    over: ResidualOver,
-    written: &[PathBuf],
-    next: &Option<(&'static str, String)>,
-) -> Page {
+pub fn page(fit: &LogFit, over: ResidualOver, written: &[PathBuf], next: &Option<(&'static str, String)>) -> Page {
     // The report has the words for what the fit found.
     let report = LogReport::from(fit);
     let mut page = Page::default();
@@ -50,7 +45,9 @@ fn verdict(page: &mut Page, fit: &LogFit) {
     let (colour, word, meaning) = match fit.judgement.verdict {
         Verdict::Good => (Style::new().green(), "good", "fitted, nothing speaks against it"),
         Verdict::Warning => (Style::new().yellow(), "warning", "fitted, with something to look at"),
-        Verdict::Rejected => (Style::new().red(), "rejected", "no calibration comes of this log, and nothing was written"),
+        Verdict::Rejected => {
+            (Style::new().red(), "rejected", "no calibration comes of this log, and nothing was written")
+        }
     };
     page.sentence("", &format!("{}: {}: {meaning}", fit.source, style(colour.bold(), word)));
     fit.judgement.reasons.iter().for_each(|reason| page.sentence("  - ", &reason.text));

@@ -78,7 +78,8 @@ impl Facts {
                 trim.show(&axis.name, page);
             }
         }
-        let warnings = self.axes.iter().flat_map(|axis| axis.warnings.iter().map(|text| format!("{}: {text}", axis.name)));
+        let warnings =
+            self.axes.iter().flat_map(|axis| axis.warnings.iter().map(|text| format!("{}: {text}", axis.name)));
         let warnings: Vec<String> = self.warnings.iter().cloned().chain(warnings).collect();
         if !warnings.is_empty() {
             page.heading("What to look at");
@@ -94,7 +95,14 @@ impl Facts {
         let mut grid = Grid::new("llrrrr");
         grid.head(["", "", "calibrated", "drift", "in-sample", "held out"]);
         let unit = scale.unit();
-        grid.head(["axis", "model", self.temperature_unit, &format!("pp, {unit}"), &format!("rms, {unit}"), &format!("rms, {unit}")]);
+        grid.head([
+            "axis",
+            "model",
+            self.temperature_unit,
+            &format!("pp, {unit}"),
+            &format!("rms, {unit}"),
+            &format!("rms, {unit}"),
+        ]);
         let column = |of: &dyn Fn(&Axis) -> f64| {
             aligned(&self.axes.iter().map(|axis| scale.of_rate(of(axis))).collect::<Vec<_>>())
         };

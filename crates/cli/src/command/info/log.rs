@@ -155,15 +155,8 @@ fn run(table: &TableFile, wanted: &[usize]) -> Result<(u64, Vec<Running>)> {
 }
 
 impl Running {
-    const EMPTY: Self = Self {
-        numbers: 0,
-        missing: 0,
-        sum: 0.0,
-        min: f64::NAN,
-        max: f64::NAN,
-        first: f64::NAN,
-        last: f64::NAN,
-    };
+    const EMPTY: Self =
+        Self { numbers: 0, missing: 0, sum: 0.0, min: f64::NAN, max: f64::NAN, first: f64::NAN, last: f64::NAN };
 
     fn push(&mut self, value: f64) {
         if !value.is_finite() {

@@ -87,7 +87,10 @@ impl Facts {
         }
         page.grid(&grid);
         page.gap();
-        page.sentence("  ", "An edge is a temperature at which the tap changes; an axis with none runs in numbers alone.");
+        page.sentence(
+            "  ",
+            "An edge is a temperature at which the tap changes; an axis with none runs in numbers alone.",
+        );
         for axis in &self.axes {
             if let Some(why) = &axis.refused {
                 page.sentence("  - ", &format!("axis {}: a device refuses this law: {why}", axis.name));

@@ -78,7 +78,8 @@ impl Facts {
             facts.push(("chamber", format!("{:.1} to {:.1} C", self.chamber_c[0], self.chamber_c[1])));
         }
         if self.saturated_rows > 0 {
-            facts.push(("saturated", format!("{} rows: the A/D was at its end", thousands(self.saturated_rows as u64))));
+            facts
+                .push(("saturated", format!("{} rows: the A/D was at its end", thousands(self.saturated_rows as u64))));
         }
         page.facts(&facts);
         if self.parts.is_empty() {

@@ -180,8 +180,7 @@ mod tests {
     #[test]
     fn a_difference_from_the_paper_is_named_with_both_values() {
         let setup = SetUp::parse("[chamber]\ncold_c = -20.0\n", "x").unwrap();
-        let difference =
-            Difference { field: "chamber.cold_c".into(), here: "-20.0".into(), paper: "-40.0".into() };
+        let difference = Difference { field: "chamber.cold_c".into(), here: "-20.0".into(), paper: "-40.0".into() };
         assert_eq!(differences(&setup).unwrap(), [difference]);
     }
 }
