@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod calibrate;
+pub mod calibrated;
 pub mod characterise;
 pub mod client;
 pub mod error;
@@ -10,6 +11,7 @@ pub mod link;
 pub mod output;
 pub mod plants;
 pub mod procedure;
+pub mod results;
 pub mod run;
 pub mod setup;
 pub mod simulated;

@@ -2,14 +2,14 @@
 
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::report::{
-    AxisSoaks, CalibratedAxis, CalibrationReport, CandidateRow, Check, CompensationTest, Direction, DriftFacts, Mode,
+    AxisSoaks, CalibratedAxis, CalibrationReport, CandidateRow, CompensationTest, Direction, DriftFacts, Mode,
     RampPoint, SoakComparison, SoakPoint, TapDeviation, TestPoint, TrimFacts, TrimLine, TrimPoint, UnitFacts,
 };
 use zerorate_cal::trim_fit::TrimEstimate;
 use zerorate_core::drift::{Drift, ValidRange};
 use zerorate_core::units::{Axis, Taps};
 
-use crate::calibrate::Calibrated;
+use crate::calibrated::Calibrated;
 use crate::characterise::AxisCharacter;
 use crate::evaluate::TestResult;
 use crate::run::Taken;
@@ -24,16 +24,7 @@ pub fn report(run: &Calibrated) -> CalibrationReport {
         axes: Axis::BOTH.map(|axis| calibrated_axis(run, axis)).into(),
         tests: tests(run),
         soaks: Some(soaks(run)),
-        checks: run
-            .checks
-            .iter()
-            .map(|check| Check {
-                what: check.what.clone(),
-                limit: check.limit.clone(),
-                measured: check.measured.clone(),
-                pass: check.pass,
-            })
-            .collect(),
+        checks: run.checks.clone(),
         warnings: run.character.warnings.clone(),
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::calibrate::Calibrated;
+use crate::calibrated::Calibrated;
 use crate::characterise::AxisCharacter;
 use crate::evaluate::TestResult;
 

@@ -1,5 +1,6 @@
 //! The proof: the composed record on the device, the same ramp again.
 
+use zerorate_cal::report::Check;
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 
@@ -45,19 +46,6 @@ pub fn test(
     let law = character.record.axis(axis).static_law(character.record.temperature_scale);
     let results = evaluate(&run, &law);
     Ok(Verification { run, results })
-}
-
-/// Something that was checked.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Check {
-    /// What, in words.
-    pub what: String,
-    /// The limit, with its unit.
-    pub limit: String,
-    /// What was measured, with its unit.
-    pub measured: String,
-    /// Whether it is within the limit.
-    pub pass: bool,
 }
 
 /// Holds the heating tests against the limits. Cooling is reported as it is.

@@ -1,6 +1,9 @@
 //! What goes wrong on a bench is said in a sentence that names the culprit and what to do.
 
-use zerorate_bench::calibrate::{Unit, calibrate};
+#![allow(clippy::unwrap_used)] // what a test cannot do without
+
+use zerorate_bench::calibrate::calibrate;
+use zerorate_bench::calibrated::Unit;
 use zerorate_bench::characterise::characterise;
 use zerorate_bench::error::BenchError;
 use zerorate_bench::plants::PlantKind;

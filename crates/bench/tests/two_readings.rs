@@ -1,5 +1,7 @@
 //! Two readings of every fact: the driver and the simulated chip, the processor's acquisition and the port's.
 
+#![allow(clippy::unwrap_used)] // what a test cannot do without
+
 use max5494::{Channel, Channels, Max5494, Position};
 use zerorate_bench::characterise::first_time;
 use zerorate_bench::instruments::Bench;

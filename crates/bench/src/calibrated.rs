@@ -1,0 +1,75 @@
+//! A unit and what a whole run found out about it.
+
+use zerorate_cal::calibration::Source;
+use zerorate_cal::report::Check;
+use zerorate_core::record::UnitSerial;
+
+use crate::characterise::Character;
+use crate::error::BenchError;
+use crate::evaluate::TestResult;
+use crate::plants::PlantKind;
+use crate::procedure::soaks::Soaks;
+use crate::setup::SetUp;
+use crate::verify::Verification;
+
+/// The unit on the bench.
+#[derive(Debug, Clone)]
+pub struct Unit {
+    /// Its serial.
+    pub serial: UnitSerial,
+    /// The simulated plant and its seed; `None` on a real bench.
+    pub plant: Option<(PlantKind, u64)>,
+}
+
+impl Unit {
+    /// A unit by its serial.
+    ///
+    /// # Errors
+    /// [`BenchError::SerialTooLong`].
+    pub fn new(serial: &str, plant: Option<(PlantKind, u64)>) -> Result<Self, BenchError> {
+        let serial = UnitSerial::try_from(serial).map_err(|_| BenchError::SerialTooLong(serial.into()))?;
+        Ok(Self { serial, plant })
+    }
+}
+
+/// A unit that went through everything.
+#[derive(Debug, Clone)]
+pub struct Calibrated {
+    /// The unit.
+    pub unit: Unit,
+    /// The set-up.
+    pub setup: SetUp,
+    /// What was found out about it.
+    pub character: Character,
+    /// The compensation tests: X trim and hybrid, heating and cooling; Y the same, heating.
+    pub verifications: Vec<Verification>,
+    /// The traditional test, to compare with.
+    pub soaks: Soaks,
+    /// What was checked.
+    pub checks: Vec<Check>,
+    /// Name and SHA-256 of the recordings that the calibration rests on.
+    pub sources: Vec<Source>,
+}
+
+impl Calibrated {
+    /// The results of all tests, in the order of `summary.json`: heating, cooling, the swapped pair.
+    pub fn results(&self) -> impl Iterator<Item = &TestResult> {
+        let of = |axis: &'static str, direction: &'static str| {
+            let all = self.verifications.iter().flat_map(|verification| &verification.results);
+            all.filter(move |result| result.axis == axis && result.direction == direction)
+        };
+        of("x", "heating").chain(of("x", "cooling")).chain(of("y", "heating")).chain(of("y", "cooling"))
+    }
+
+    /// Whether every check is within its limit.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.checks.iter().all(|check| check.pass)
+    }
+
+    /// What was outside its limit, a sentence each.
+    pub fn failed_checks(&self) -> impl Iterator<Item = String> {
+        let failed = self.checks.iter().filter(|check| !check.pass);
+        failed.map(|check| format!("{}: {}, limit {}", check.what, check.measured, check.limit))
+    }
+}

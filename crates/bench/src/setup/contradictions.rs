@@ -1,0 +1,111 @@
+//! What a set-up must hold so that a run of hours does not end in a contradiction.
+
+use zerorate_cal::choose::Model;
+use zerorate_core::drift::MAX_KNOTS;
+use zerorate_core::units::Taps;
+
+use super::SetUp;
+
+impl SetUp {
+    /// What cannot be, in sentences; empty for a sound set-up.
+    #[must_use]
+    pub fn contradictions(&self) -> Vec<String> {
+        let Self { board, acquisition, chamber, trim, drift, limits } = self;
+        let mut found = Vec::new();
+        let mut must = |holds: bool, sentence: String| {
+            if !holds {
+                found.push(sentence);
+            }
+        };
+        must(
+            board.converter_bits == 14,
+            format!("board.converter_bits is {}: only 14 is supported so far", board.converter_bits),
+        );
+        must(
+            board.trim_part == "max5494",
+            format!("board.trim_part is \"{}\": only \"max5494\" is supported so far", board.trim_part),
+        );
+        must(
+            board.centre_counts > 0.0 && board.centre_counts < self.full_scale().0,
+            format!(
+                "board.centre_counts {} is outside the converter's 0 to {}",
+                board.centre_counts,
+                self.full_scale().0
+            ),
+        );
+        must(
+            Taps::new(board.middle_tap).is_some(),
+            format!("board.middle_tap {} is not a tap: the part has 0 to {}", board.middle_tap, Taps::LAST.get()),
+        );
+        must(
+            board.counts_per_dps != 0.0 && board.counts_per_dps.is_finite(),
+            "board.counts_per_dps must be a number other than 0".into(),
+        );
+        for (name, value) in [
+            ("board.counts_per_celsius", board.counts_per_celsius),
+            ("board.input_volts_per_count", board.input_volts_per_count),
+            ("board.low_pass_hz", board.low_pass_hz),
+            ("trim.span_counts", trim.span_counts),
+            ("chamber.soak_s", chamber.soak_s),
+            ("limits.trim_residual_pp_counts", limits.trim_residual_pp_counts),
+            ("limits.hybrid_residual_floors", limits.hybrid_residual_floors),
+            ("limits.mean_offset_counts", limits.mean_offset_counts),
+        ] {
+            must(value > 0.0 && value.is_finite(), format!("{name} is {value}: it must be above 0"));
+        }
+        must(
+            (0.0..f64::from(acquisition.sample_period_us)).contains(&board.wiper_delay_us),
+            "board.wiper_delay_us must be shorter than acquisition.sample_period_us".into(),
+        );
+        must(
+            (1..=512).contains(&acquisition.group_length),
+            format!("acquisition.group_length {} does not fit the port's banks of 1 to 512", acquisition.group_length),
+        );
+        must(
+            (100..=1_000_000).contains(&acquisition.sample_period_us),
+            format!(
+                "acquisition.sample_period_us {} is outside the port's 100 to 1000000",
+                acquisition.sample_period_us
+            ),
+        );
+        let [low, high] = chamber.limits_c;
+        must(
+            chamber.cold_c < chamber.hot_c,
+            format!("chamber.cold_c {} is not below chamber.hot_c {}", chamber.cold_c, chamber.hot_c),
+        );
+        for (name, value) in [("cold_c", chamber.cold_c), ("hot_c", chamber.hot_c), ("room_c", chamber.room_c)]
+            .into_iter()
+            .chain(chamber.soaks_c.iter().map(|&soak| ("soaks_c", soak)))
+        {
+            must(
+                (low..=high).contains(&value),
+                format!("chamber.{name} {value} is outside the chamber's limits {low} to {high}"),
+            );
+        }
+        must(
+            chamber.ramp_groups >= 40,
+            format!("chamber.ramp_groups {} is too few to fit: at least 40", chamber.ramp_groups),
+        );
+        must(chamber.soak_groups >= 2, "chamber.soak_groups must be at least 2: the first sets the tap".into());
+        must(trim.points >= 3, format!("trim.points {} is too few for a line: at least 3", trim.points));
+        must(trim.groups_per_point >= 1, "trim.groups_per_point must be at least 1".into());
+        must(
+            (0.0..=0.45).contains(&trim.dead_band_taps),
+            format!("trim.dead_band_taps {} is outside 0 to 0.45", trim.dead_band_taps),
+        );
+        must(
+            board.centre_counts - trim.span_counts > 0.0
+                && board.centre_counts + trim.span_counts < self.full_scale().0,
+            format!("trim.span_counts {} about the centre leaves the converter", trim.span_counts),
+        );
+        match drift.model.parse::<Model>() {
+            Err(error) => must(false, format!("drift.model: {error}")),
+            Ok(Model::Table(pieces)) => must(
+                pieces < MAX_KNOTS,
+                format!("drift.model table:{pieces} has more pieces than the device's {}", MAX_KNOTS - 1),
+            ),
+            Ok(_) => {}
+        }
+        found
+    }
+}
