@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use console::Style;
-use zerorate_bench::calibrate::Calibrated;
+use zerorate_bench::calibrated::Calibrated;
 use zerorate_bench::summary::Summary;
 
 use crate::screen::{self, Grid, Page};
