@@ -1,0 +1,180 @@
+//! The main job as people and scripts meet it: what it writes, what it prints, what it leaves when it cannot go on.
+
+#![allow(clippy::unwrap_used, missing_docs)] // what a test cannot do without
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use serde_json::Value;
+
+const FILES: [&str; 9] = [
+    "calibration.json",
+    "compensation-test-hybrid.parquet",
+    "compensation-test-trim.parquet",
+    "device-record.bin",
+    "full-temperature.parquet",
+    "report.html",
+    "soaks.parquet",
+    "summary.json",
+    "trim-sweep.parquet",
+];
+
+fn zerorate(arguments: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_zerorate")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// A set-up of a tenth of the groups, for what does not depend on how many there are.
+fn short_set_up(folder: &Path) {
+    let text = "[chamber]\nramp_groups = 1600\nsoak_s = 600.0\nsoaks_c = [0.0, 20.0]\n";
+    fs::write(folder.join("short.toml"), text).unwrap();
+}
+
+#[test]
+fn the_main_job_writes_its_nine_files_and_the_same_json_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = zerorate(&["calibrate", "--json", "--serial", "ZR-9"], folder.path());
+    assert!(first.status.success(), "{}", String::from_utf8_lossy(&first.stderr));
+    let out = folder.path().join("calibration");
+    assert_eq!(names(&out), FILES);
+    let printed: Value = serde_json::from_slice(&first.stdout).unwrap();
+    let written: Value = serde_json::from_slice(&fs::read(out.join("summary.json")).unwrap()).unwrap();
+    assert_eq!(printed, written);
+    assert_eq!((&printed["schema"], &printed["plant"], &printed["seed"]), (&1.into(), &"paper".into(), &1.into()));
+    assert_eq!(printed["axes"]["x"]["drift_raw_coefficients"].as_array().unwrap().len(), 3);
+    let tests: Vec<String> = printed["tests"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|test| ["mode", "axis", "control", "direction"].map(|key| test[key].as_str().unwrap()).join(" "))
+        .collect();
+    let expected = ["trim x y heating", "hybrid x y heating", "trim x y cooling", "hybrid x y cooling"];
+    assert_eq!(tests, [&expected[..], &["trim y x heating", "hybrid y x heating"]].concat());
+
+    // The same seed again: the same bits, but for the time by the wall clock.
+    let before: Vec<Vec<u8>> = FILES.map(|file| fs::read(out.join(file)).unwrap()).into();
+    assert!(zerorate(&["calibrate", "--serial", "ZR-9"], folder.path()).status.success());
+    for (file, before) in FILES.iter().zip(before).filter(|(file, _)| **file != "summary.json") {
+        assert!(fs::read(out.join(file)).unwrap() == before, "{file} differs");
+    }
+}
+
+#[test]
+fn a_unit_outside_its_limits_is_rejected_with_the_reason_and_exit_code_1() {
+    let folder = tempfile::tempdir().unwrap();
+    short_set_up(folder.path());
+    let strict =
+        fs::read_to_string(folder.path().join("short.toml")).unwrap() + "[limits]\ntrim_residual_pp_counts = 5.0\n";
+    fs::write(folder.path().join("strict.toml"), strict).unwrap();
+    let ran = zerorate(&["calibrate", "--setup", "strict.toml"], folder.path());
+    assert_eq!(ran.status.code(), Some(1));
+    let told = String::from_utf8(ran.stdout).unwrap();
+    assert!(told.contains("rejected") && told.contains("X trim, heating: residual"), "{told}");
+    assert_eq!(names(&folder.path().join("calibration")), FILES, "what was measured is kept");
+}
+
+/// A file system of its own with room for a part of a ramp.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_keeps_earlier_results_and_what_was_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let mounted = Command::new("mount")
+        .args(["-t", "tmpfs", "-o", "size=700k", "tmpfs"])
+        .arg(folder.path())
+        .stderr(Stdio::null())
+        .status();
+    if !mounted.is_ok_and(|status| status.success()) {
+        eprintln!("skipped for want of the right to mount a small file system");
+        return;
+    }
+    let out = folder.path().join("calibration");
+    fs::create_dir(&out).unwrap();
+    fs::write(out.join("summary.json"), "earlier").unwrap();
+    let ran = zerorate(&["calibrate"], folder.path());
+    let info = zerorate(&["info", "calibration/in-progress/full-temperature.arrows"], folder.path());
+    let earlier = fs::read_to_string(out.join("summary.json"));
+    Command::new("umount").arg(folder.path()).status().unwrap();
+    assert_eq!(ran.status.code(), Some(2));
+    let told = String::from_utf8(ran.stderr).unwrap();
+    assert!(told.contains("No space left") && told.contains("groups before it are kept"), "{told}");
+    assert_eq!(earlier.unwrap(), "earlier");
+    assert!(String::from_utf8(info.stdout).unwrap().contains("CUT"));
+}
+
+#[test]
+fn a_run_killed_at_any_moment_leaves_every_whole_group_and_earlier_results() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("calibration");
+    fs::create_dir(&out).unwrap();
+    fs::write(out.join("summary.json"), "earlier").unwrap();
+    for kill in 0..20_u64 {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_zerorate"))
+            .arg("calibrate")
+            .current_dir(folder.path())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        // 20 moments over the first second and a half, at odd distances: within the ramp, the sweep and the tests.
+        std::thread::sleep(Duration::from_millis(20 + (kill * 617) % 1500));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let left = out.join("in-progress");
+        // The half-written Parquet beside a stream that is still whole is not a recording.
+        for name in names(&left).iter().filter(|name| !name.ends_with(".partial")) {
+            let info = zerorate(&["info", "--json", &format!("calibration/in-progress/{name}")], folder.path());
+            // A kill before the header is on disk leaves no recording to speak of, and that is said.
+            let cut_at_the_head = String::from_utf8_lossy(&info.stderr).contains("before its header was whole");
+            assert!(
+                info.status.success() || cut_at_the_head,
+                "kill {kill}, {name}: {}",
+                String::from_utf8_lossy(&info.stderr)
+            );
+        }
+        assert_eq!(fs::read_to_string(out.join("summary.json")).unwrap(), "earlier");
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_before_anything_is_run() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("file"), "").unwrap();
+    fs::write(folder.path().join("bad.toml"), "[chamber]\ncold_c = 70.0\n").unwrap();
+    for (arguments, part) in [
+        (["--out", "file"], "cannot write"),
+        (["--setup", "missing.toml"], "missing.toml"),
+        (["--setup", "bad.toml"], "cold_c 70 is not below"),
+        (["--serial", "a serial of far more than thirty-two bytes"], "32 bytes"),
+        (["--plant", "other"], "paper"),
+    ] {
+        let ran = zerorate(&[&["calibrate"], &arguments[..]].concat(), folder.path());
+        let told = String::from_utf8(ran.stderr).unwrap();
+        assert_eq!(ran.status.code(), Some(2), "{arguments:?}: {told}");
+        assert!(told.contains(part), "{arguments:?}: {told}");
+    }
+}
+
+#[test]
+fn a_study_gives_a_result_a_unit_and_quantiles() {
+    let folder = tempfile::tempdir().unwrap();
+    let ran = zerorate(&["study", "--units", "4", "--seed", "3", "--json"], folder.path());
+    let study: Value = serde_json::from_slice(&ran.stdout).unwrap();
+    assert_eq!((&study["schema"], &study["units"], &study["plant"]), (&1.into(), &4.into(), &"typical".into()));
+    let results = study["results"].as_array().unwrap();
+    assert_eq!(results.len(), 4);
+    for (number, result) in results.iter().enumerate() {
+        assert_eq!(result["unit"], number);
+        let figure = |key: &str| result[key].as_f64().unwrap();
+        assert!(figure("hybrid_residual_pp_counts") < figure("drift_pp_counts"));
+        assert!(figure("floor_pp_counts") > 0.0);
+    }
+    assert_eq!(study["quantiles"]["drift_pp_counts"].as_array().unwrap().len(), 8);
+}
