@@ -5,7 +5,7 @@
 extern crate std;
 
 #[cfg(test)]
-mod behaving_parts;
+mod tests;
 
 pub mod acquisition;
 pub mod ad7949;

@@ -3,7 +3,7 @@ use std::vec::Vec;
 use heapless::spsc::Queue;
 
 use super::*;
-use crate::behaving_parts::{Part, Sets, record};
+use crate::tests::{Part, Sets, record};
 
 /// A compensator with its queues.
 struct Rig {

@@ -4,7 +4,7 @@ use heapless::spsc::Queue;
 use zerorate_core::wire::frame;
 
 use super::*;
-use crate::behaving_parts::record;
+use crate::tests::record;
 use crate::store::{MemoryStore, StoreFailed};
 
 /// A store that has worn out.
