@@ -104,7 +104,7 @@ fn measure(
 fn working_range(session: &Session<'_>, extremes: [Counts; 2], per_tap: f64) -> RangeInclusive<u16> {
     let middle = session.setup.middle().get();
     let margin = session.setup.trim.margin_taps;
-    let reach = u16::try_from(MAX_TAP_OFFSETS / 2 - 1).unwrap_or(0);
+    let most = u16::try_from(MAX_TAP_OFFSETS - 1).unwrap_or(0);
     let needed = extremes.map(|reading| {
         let shift = (session.setup.centre() - reading).0 / per_tap;
         let tap = (f64::from(middle) + shift.round()).clamp(0.0, f64::from(Taps::LAST.get()));
@@ -113,8 +113,9 @@ fn working_range(session: &Session<'_>, extremes: [Counts; 2], per_tap: f64) -> 
             tap as u16
         }
     });
-    let first = needed[0].min(needed[1]).saturating_sub(margin).clamp(middle.saturating_sub(reach), middle);
-    let last = (needed[0].max(needed[1]) + margin).clamp(middle, (middle + reach).min(Taps::LAST.get()));
+    // A drift that needs more taps than a model holds is measured as far as it does, the middle tap among them.
+    let first = needed[0].min(needed[1]).saturating_sub(margin).min(middle).max(middle.saturating_sub(most));
+    let last = (needed[0].max(needed[1]) + margin).max(middle).min(first + most).min(Taps::LAST.get());
     first..=last
 }
 
