@@ -163,8 +163,11 @@ impl SetUp {
     /// # Errors
     /// [`SetUpError`].
     pub fn parse(text: &str, name: &str) -> Result<Self, SetUpError> {
-        let setup: Self = toml::from_str(text)
-            .map_err(|error| SetUpError::Toml { path: name.into(), reason: error.to_string().trim_end().into() })?;
+        let setup: Self = toml::from_str(text).map_err(|error| {
+            let before = &text[..error.span().map_or(0, |span| span.start)];
+            let line = before.lines().count().max(1) + usize::from(before.ends_with('\n'));
+            SetUpError::Toml { path: name.into(), line, reason: error.message().replace('\n', ", ") }
+        })?;
         let contradictions = setup.contradictions();
         if contradictions.is_empty() {
             Ok(setup)
@@ -293,11 +296,13 @@ pub enum SetUpError {
         source: std::io::Error,
     },
     /// It is not TOML, or has a field that no set-up has.
-    #[error("the set-up {path} cannot be read:\n{reason}\n(`zerorate setup` prints a whole one to start from)")]
+    #[error("the set-up {path}, line {line}: {reason} (`zerorate setup` prints a whole one to start from)")]
     Toml {
         /// The file.
         path: String,
-        /// Line, column and reason.
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong there.
         reason: String,
     },
     /// It contradicts itself.

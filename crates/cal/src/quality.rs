@@ -157,7 +157,7 @@ impl Judgement {
             let advice = if allow_narrow {
                 "the calibration holds for this range alone"
             } else {
-                "record a wider range, or allow a narrow one"
+                "record a wider range, or allow a narrow one (--allow-narrow)"
             };
             let text = format!(
                 "the temperature spans {span:.1} {name} ({min:.1} to {max:.1}), less than {least:.0} {name}: {advice}"

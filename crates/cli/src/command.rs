@@ -55,6 +55,8 @@ pub enum Outcome {
     Done,
     /// The unit or the log was rejected, and the reasons were given: exit code 1.
     Rejected,
+    /// Something failed, and it was told: exit code 2.
+    Failed,
 }
 
 /// The exit code of an error; clap's own for wrong usage is the same.
@@ -81,6 +83,7 @@ fn exit_code(result: &Result<Outcome>) -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Rejected) => ExitCode::from(1),
+        Ok(Outcome::Failed) => ExitCode::from(ERROR),
         // Whoever closed the pipe, as `| head` does, has all that they wanted.
         Err(error) if is_closed_pipe(error) => ExitCode::SUCCESS,
         Err(error) => {

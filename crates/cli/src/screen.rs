@@ -4,7 +4,7 @@ mod grid;
 mod number;
 mod rate;
 
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 
 use anyhow::Result;
 use console::{Style, StyledObject, Term};
@@ -45,7 +45,7 @@ impl Page {
     /// A sentence, broken at the terminal's width; `indent` stands before its first line and as many spaces before the
     /// others.
     pub fn sentence(&mut self, indent: &str, sentence: &str) {
-        for line in broken(indent, sentence, width()) {
+        for line in broken(indent, sentence, width(&Term::stdout())) {
             self.line(line);
         }
     }
@@ -83,13 +83,30 @@ pub fn print_json(value: &impl Serialize) -> Result<()> {
 
 /// Tells something on standard error, where it does not mix with JSON.
 pub fn note(text: &str) {
-    eprintln!("note: {text}");
+    tell("note: ", text);
 }
 
 /// Tells an error on standard error, in one sentence.
 pub fn error(error: &anyhow::Error) {
     let label = Style::new().for_stderr().red().bold().apply_to("error:");
-    eprintln!("{label} {}", without_numbers(&format!("{error:#}")));
+    tell(&format!("{label} "), &sentence(error));
+}
+
+fn tell(label: &str, text: &str) {
+    for line in broken(label, text, width(&Term::stderr())) {
+        // Whoever does not listen is not told.
+        let _ = writeln!(io::stderr(), "{}", line.trim_end());
+    }
+}
+
+/// An error and its causes. Many of them have told their cause already.
+pub fn sentence(error: &anyhow::Error) -> String {
+    let told = error.chain().map(ToString::to_string).fold(String::new(), |told, cause| match () {
+        () if told.is_empty() => cause,
+        () if told.contains(&cause) => told,
+        () => format!("{told}: {cause}"),
+    });
+    without_numbers(&told)
 }
 
 /// The system's numbers for its errors say nothing to people who read the words before them.
@@ -108,12 +125,12 @@ pub fn style<D>(style: Style, text: D) -> StyledObject<D> {
     style.for_stdout().apply_to(text)
 }
 
-/// The terminal's width; without end where standard output is none, so that lines can be searched.
-fn width() -> usize {
-    if !io::stdout().is_terminal() {
+/// The width of a terminal; without end where it is none, so that lines can be searched.
+fn width(terminal: &Term) -> usize {
+    if !terminal.is_term() {
         return usize::MAX;
     }
-    Term::stdout().size_checked().map_or(80, |(_, columns)| usize::from(columns)).min(WIDEST)
+    terminal.size_checked().map_or(80, |(_, columns)| usize::from(columns)).min(WIDEST)
 }
 
 fn broken(indent: &str, sentence: &str, width: usize) -> Vec<String> {
@@ -147,6 +164,13 @@ mod tests {
             ["  - one two", "    three", "    four"]
         );
         assert_eq!(broken("", "unbreakablylong word", 5)[0].trim_end(), "unbreakablylong");
+    }
+
+    #[test]
+    fn a_cause_that_was_told_is_not_told_again() {
+        let cause = io::Error::other("the disk is full");
+        let told = anyhow::Error::new(cause).context("a.csv: the disk is full: make room").context("apply");
+        assert_eq!(sentence(&told), "apply: a.csv: the disk is full: make room");
     }
 
     #[test]

@@ -123,7 +123,7 @@ impl Apply {
                 Kind::Log => "the log that was fitted",
                 Kind::AnalogueBoard => "an analogue board (x and y, in counts)",
             };
-            format!("{} corrects the rate columns of {whose}", self.calibration.display())
+            format!("{} is for the rate columns of {whose}", self.calibration.display())
         })?;
         let temperature = table.names()[found.temperature].clone();
         let (own, of_log) = (calibration.temperature_unit, found.temperature_unit);

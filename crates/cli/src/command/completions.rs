@@ -7,7 +7,7 @@ use clap_complete::Shell;
 use super::{Cli, Outcome};
 use crate::screen;
 
-/// Print the completions of a shell: what Tab offers after `zerorate`
+/// Print what a shell offers after `zerorate` when Tab is pressed
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Completions {

@@ -24,9 +24,6 @@ use crate::{output, screen};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Fit {
-    #[command(flatten)]
-    log: LogArguments,
-
     /// The unit's serial number, for the calibration
     #[arg(long)]
     serial: Option<String>,
@@ -42,6 +39,10 @@ pub struct Fit {
     /// Print JSON on standard output, and nothing else there
     #[arg(long)]
     json: bool,
+
+    // The last: its heading would stand over what follows.
+    #[command(flatten)]
+    log: LogArguments,
 }
 
 const EXAMPLES: &str = "\

@@ -6,12 +6,12 @@ mod record;
 mod recording;
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use zerorate_cal::recording::{Recording, RecordingError};
 
 use super::Outcome;
@@ -19,7 +19,7 @@ use crate::progress::Busy;
 use crate::screen;
 use crate::screen::Page;
 
-/// Say what is in a file: recording, calibration, device record or log
+/// Say what is in a recording, calibration, device record or log
 ///
 /// The kind is told by what is in the file, not by its name. A recording that was cut off, or is still being written, is
 /// shown up to its last whole group.
@@ -50,7 +50,13 @@ enum Content {
     Calibration(calibration::Facts),
     DeviceRecord(record::Facts),
     Log(log::Facts),
-    Unreadable { error: String },
+    /// What stands beside those in a folder of results.
+    Other {
+        what: &'static str,
+    },
+    Unreadable {
+        error: String,
+    },
 }
 
 /// A file and what was found in it, as JSON has it.
@@ -71,33 +77,31 @@ struct Report<'a> {
 impl Info {
     pub fn run(&self) -> Result<Outcome> {
         let mut found = Vec::new();
-        let mut failed = None;
-        for file in &self.files {
+        let mut outcome = Outcome::Done;
+        for (place, file) in self.files.iter().enumerate() {
             let busy = Busy::reading(file);
             let content = content(file);
             drop(busy);
-            match content {
-                Ok(content) if self.json => found.push(Found { file, content }),
-                Ok(content) => show(file, &content, found.is_empty() && self.files.len() == 1)?,
-                // The other files are looked at all the same; the last error ends the program.
-                Err(error) => {
-                    if self.json {
-                        found.push(Found { file, content: Content::Unreadable { error: format!("{error:#}") } });
-                    }
-                    if let Some(earlier) = failed.replace(error) {
-                        screen::error(&earlier);
-                    }
-                }
+            let content = content.unwrap_or_else(|error| {
+                // The other files are looked at all the same.
+                screen::error(&error);
+                outcome = Outcome::Failed;
+                Content::Unreadable { error: screen::sentence(&error) }
+            });
+            if self.json {
+                found.push(Found { file, content });
+            } else {
+                show(file, &content, place + 1 < self.files.len())?;
             }
         }
         if self.json {
             screen::print_json(&Report { schema: 1, files: found })?;
         }
-        failed.map_or(Ok(Outcome::Done), Err)
+        Ok(outcome)
     }
 }
 
-fn show(file: &Path, content: &Content, only: bool) -> Result<()> {
+fn show(file: &Path, content: &Content, another: bool) -> Result<()> {
     let mut page = Page::default();
     let name = file.display().to_string();
     match content {
@@ -105,12 +109,24 @@ fn show(file: &Path, content: &Content, only: bool) -> Result<()> {
         Content::Calibration(facts) => facts.show(&name, &mut page),
         Content::DeviceRecord(facts) => facts.show(&name, &mut page),
         Content::Log(facts) => facts.show(&name, &mut page),
-        Content::Unreadable { error } => page.line(error),
+        Content::Other { what } => page.sentence("", &format!("{name}: {what}")),
+        // Told already.
+        Content::Unreadable { .. } => return Ok(()),
     }
-    if !only {
+    if another {
         page.gap();
     }
     page.print()
+}
+
+/// A summary has the tests that a calibration has not.
+fn is_summary(file: &Path) -> bool {
+    #[derive(Deserialize)]
+    struct Summary {
+        #[serde(rename = "tests")]
+        _tests: Vec<serde::de::IgnoredAny>,
+    }
+    File::open(file).is_ok_and(|file| serde_json::from_reader::<_, Summary>(BufReader::new(file)).is_ok())
 }
 
 /// What a file begins with tells what it is.
@@ -131,7 +147,16 @@ fn content(file: &Path) -> Result<Content> {
     if start.starts_with(b"ZRCR") || ends_with("bin") {
         return record::Facts::read(file).map(Content::DeviceRecord);
     }
+    if start.starts_with(b"<!DOCTYPE html") {
+        return Ok(Content::Other { what: "a report: open it in a browser" });
+    }
+    if ends_with("toml") {
+        return Ok(Content::Other { what: "a set-up file: zerorate setup --check says whether it is sound" });
+    }
     if start.trim_ascii_start().first() == Some(&b'{') {
+        if is_summary(file) {
+            return Ok(Content::Other { what: "the summary of a calibration, for programs" });
+        }
         return calibration::Facts::read(file).map(Content::Calibration);
     }
     if start.starts_with(b"PAR1") || start.starts_with(&[0xFF; 4]) || ends_with("arrows") {

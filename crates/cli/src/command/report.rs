@@ -73,8 +73,12 @@ struct Done<'a> {
 
 impl Report {
     pub fn run(&self) -> Result<Outcome> {
-        let path =
-            if self.calibration.is_dir() { self.calibration.join(CALIBRATION) } else { self.calibration.clone() };
+        let path = match self.calibration.as_path() {
+            // Names without `./` are easier to read, here and in the report.
+            folder if folder == Path::new(".") => PathBuf::from(CALIBRATION),
+            folder if folder.is_dir() => folder.join(CALIBRATION),
+            file => file.to_owned(),
+        };
         let calibration = Calibration::read(&path)?;
         if calibration.kind == Kind::AnalogueBoard {
             bail!(

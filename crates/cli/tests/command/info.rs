@@ -48,7 +48,7 @@ fn calibrations_of_a_log_and_of_a_board_are_told() {
     ran.says(&["log.json: the calibration of a log", "U7", "log.csv (log, SHA-256", "-17.0 to 73.0", "rms, mrad/s"]);
     ran.says(&[
         "board.json: the calibration of an analogue board",
-        "a tap moves it by -31.3 counts",
+        "a tap moves it by 31.2 counts",
         "starts in mode hybrid",
     ]);
 }
@@ -98,6 +98,21 @@ fn of_several_files_each_is_told_though_one_cannot_be_read() {
     ran.says(&["log.csv: a log", "error: nothing.bin: cannot be read", "error: .: this is a folder"]);
     let json = zerorate(folder.path(), &["info", "nothing.bin", "log.csv", "--json"]).json();
     assert_eq!((&json["files"][0]["kind"], &json["files"][1]["kind"]), (&"unreadable".into(), &"log".into()));
+    let log = &json["files"][1];
+    assert_eq!(
+        (&log["rows"], &log["time"]["seconds"], &log["rate_unit"]),
+        (&8400.into(), &4199.5.into(), &"rad/s".into())
+    );
+}
+
+#[test]
+fn what_stands_beside_results_is_named() {
+    let folder = folder_with("summary.json", "{\"schema\": 1, \"tests\": []}");
+    fs::write(folder.path().join("report.html"), "<!DOCTYPE html><html>").unwrap();
+    fs::write(folder.path().join("bench.toml"), "[board]").unwrap();
+    let ran = zerorate(folder.path(), &["info", "summary.json", "report.html", "bench.toml"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    ran.says(&["summary.json: the summary", "report.html: a report", "zerorate setup --check"]);
 }
 
 #[test]

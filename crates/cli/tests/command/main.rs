@@ -41,6 +41,8 @@ impl Ran {
         for inside in ["os error", "panicked", "Some(", "Err(", "RUST_BACKTRACE"] {
             assert!(!self.err.contains(inside), "{}", self.err);
         }
+        let told: Vec<&str> = self.err.trim_end().split(": ").collect();
+        assert!((1..told.len()).all(|part| !told[..part].contains(&told[part])), "told twice: {}", self.err);
         self.says(parts);
     }
 

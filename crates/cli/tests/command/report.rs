@@ -14,7 +14,7 @@ fn the_report_made_again_is_the_one_that_fit_made() {
         assert_eq!(ran.code, 0, "{}", ran.err);
         ran.says(&["report.html, from "]);
         let read = |name| fs::read_to_string(folder.path().join(name)).unwrap();
-        assert_eq!(read("report.html").replace("./log.csv", "log.csv"), read("first.html"), "{options:?}");
+        assert!(read("report.html") == read("first.html"), "another report, with {options:?}");
     }
 }
 

@@ -40,8 +40,15 @@ fn a_set_up_that_contradicts_itself_is_refused_with_every_contradiction() {
 #[test]
 fn what_is_no_set_up_is_named_by_line() {
     let folder = folder_with("bench.toml", "[chamber]\ncold = -40.0\n");
-    let ran = zerorate(folder.path(), &["setup", "--check", "bench.toml"]);
-    assert_eq!(ran.code, 2);
-    ran.says(&["bench.toml", "line 2", "unknown field `cold`"]);
+    let check = ["setup", "--check", "bench.toml"];
+    zerorate(folder.path(), &check).is_error(&[
+        "bench.toml, line 2: unknown field `cold`",
+        "`cold_c`",
+        "zerorate setup",
+    ]);
+    fs::write(folder.path().join("bench.toml"), "[board]\n\nconverter_bits = \n").unwrap();
+    zerorate(folder.path(), &check).is_error(&["bench.toml, line 3: "]);
+    fs::write(folder.path().join("bench.toml"), "[chamber]\ncold_c = \"cold\"\n").unwrap();
+    zerorate(folder.path(), &check).is_error(&["bench.toml, line 2: invalid type: string \"cold\", expected f64"]);
     zerorate(folder.path(), &["setup", "--check", "nothing.toml"]).is_error(&["nothing.toml", "No such file"]);
 }

@@ -8,7 +8,7 @@ use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::report::LogReport;
 
-use crate::screen::{Grid, Page, RateScale, aligned, significant, style, thousands};
+use crate::screen::{Grid, Page, RateScale, aligned, style, thousands};
 
 /// The page: verdict, curves, what was left out, what was guessed, what to do next.
 pub fn page(fit: &LogFit, over: ResidualOver, written: &[PathBuf], next: &Option<(&'static str, String)>) -> Page {
@@ -120,10 +120,4 @@ fn left_out(page: &mut Page, report: &LogReport) {
         grid.row([thousands(count), reason.to_owned(), names]);
     }
     page.grid(&grid);
-    for stretch in &report.left_out {
-        let times = format!("{} s to {} s", significant(stretch.start_s), significant(stretch.end_s));
-        let [min, max] = stretch.temperature;
-        let unit = &report.temperature_unit;
-        page.sentence("  ", &format!("{}: {times}, at {min:.1} to {max:.1} {unit}", stretch.reason));
-    }
 }

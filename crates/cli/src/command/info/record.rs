@@ -69,8 +69,8 @@ impl Facts {
         ]);
         page.gap();
         let mut grid = Grid::new("llrrrrrrl");
-        grid.head(["", "", "calibrated", "drift pp", "one tap", "taps", "", "dead band", "starts"]);
-        grid.head(["axis", "model", "counts", "counts", "counts", "measured", "edges", "taps", "in mode"]);
+        grid.head(["", "", "calibrated", "drift", "one tap", "taps", "", "dead", "starts"]);
+        grid.head(["axis", "model", "counts", "pp", "counts", "measured", "edges", "band", "in mode"]);
         for axis in &self.axes {
             let [min, max] = axis.temperature_counts;
             grid.row([

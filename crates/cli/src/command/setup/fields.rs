@@ -8,10 +8,8 @@ use toml::{Table, Value};
 use zerorate_bench::setup::SetUp;
 
 /// The file's first lines.
-const HEAD: &str = "\
-# The set-up of a board and its bench. Every field may be left out: its value is then the one that
-# `zerorate setup` prints here. Check a file with: zerorate setup --check FILE
-";
+const HEAD: &str = "The set-up of a board and its bench. A field may be left out: its value is then the one that \
+                    `zerorate setup` prints. `zerorate setup --check FILE` checks a file.";
 
 /// A section: its name, what it is, its fields, each with what it is.
 type Section = (&'static str, &'static str, &'static [(&'static str, &'static str)]);
@@ -35,7 +33,7 @@ const SECTIONS: &[Section] = &[
     ),
     (
         "acquisition",
-        "How groups are taken. Their product is the time of a group: 1.5 s, 40 groups a minute.",
+        "How groups are taken. Length times period is a group's time: 1.5 s, or 40 groups a minute.",
         &[
             ("group_length", "Samples averaged to a group, 1 to 512."),
             ("sample_period_us", "Time from sample to sample, microseconds."),
@@ -90,17 +88,17 @@ const SECTIONS: &[Section] = &[
 ];
 
 /// The widest line of a comment.
-const WIDTH: usize = 98;
+const WIDTH: usize = 80;
 
 /// A set-up as a TOML file that explains itself.
 pub fn commented(setup: &SetUp) -> Result<String> {
     let table = Table::try_from(setup).context("the set-up cannot be written as TOML")?;
-    let mut text = HEAD.to_owned();
+    let mut text = comment(HEAD);
     for (section, about, fields) in SECTIONS {
-        write!(text, "\n{}[{section}]\n", comment(about))?;
+        writeln!(text, "\n{}[{section}]", comment(about))?;
         for (field, about) in *fields {
             let value = value(&table, section, field)?;
-            write!(text, "{}{field} = {value}\n", comment(about))?;
+            writeln!(text, "{}{field} = {value}", comment(about))?;
         }
     }
     Ok(text)
@@ -162,7 +160,7 @@ mod tests {
         for setup in [SetUp::paper(), SetUp::typical()] {
             let text = commented(&setup).unwrap();
             assert_eq!(SetUp::parse(&text, "printed").unwrap(), setup);
-            assert!(text.lines().all(|line| line.len() <= WIDTH + 2), "{text}");
+            assert!(text.lines().filter(|line| line.starts_with('#')).all(|line| line.len() <= WIDTH), "{text}");
         }
     }
 
