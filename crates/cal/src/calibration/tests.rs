@@ -252,7 +252,8 @@ fn an_axis_whose_wiper_cannot_follow_is_named_and_runs_digitally() {
     let mut board = board();
     let line = TrimLine::new(-0.3, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap();
     if let Some(trim) = board.axes.get_mut("y").and_then(|y| y.trim.as_mut()) {
-        trim.trim.line = line;
+        // A tap of 3 counts, and no tap measured: the drift of 380 counts needs more than the table of edges holds.
+        trim.trim = Trim { line, measured: None };
     }
     let made = board.to_device_record().unwrap();
     assert_eq!(made.digital_only.iter().map(|(axis, _)| *axis).collect::<Vec<_>>(), [Axis::Y]);
