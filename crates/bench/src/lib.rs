@@ -6,6 +6,8 @@ pub mod characterise;
 pub mod client;
 pub mod error;
 pub mod evaluate;
+#[cfg(feature = "gateware")]
+pub mod gateware;
 pub mod instruments;
 pub mod link;
 pub mod output;

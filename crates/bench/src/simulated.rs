@@ -52,7 +52,9 @@ impl OnPlant for DirectAcquisition<ConverterSpi> {
         while self.is_running() {
             plant.borrow_mut().next_scan();
             if self.tick() == Ok(true) {
-                return plant.borrow_mut().take_truth();
+                // The plant counts on over a start, the acquisition begins again.
+                let truth = plant.borrow_mut().take_truth()?;
+                return Some(Truth { set: self.waiting_number()?, ..truth });
             }
         }
         None
@@ -205,16 +207,20 @@ impl Supply for SimulatedSupply {
 /// The simulated bench about a plant, its device reading whole sets from the acquisition port.
 #[must_use]
 pub fn bench(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
-    assemble::<PortAcquisition<PortSpi>>(plant, setup, unit)
+    bench_on::<PortAcquisition<PortSpi>>(plant, setup, unit)
 }
 
 /// The simulated bench about a plant, its device driving the A/D itself.
 #[must_use]
 pub fn direct_bench(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
-    assemble::<DirectAcquisition<ConverterSpi>>(plant, setup, unit)
+    bench_on::<DirectAcquisition<ConverterSpi>>(plant, setup, unit)
 }
 
-fn assemble<A: OnPlant + 'static>(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
+/// The simulated bench about a plant, its device on an acquisition of any kind.
+#[must_use]
+pub fn bench_on<A: OnPlant + 'static>(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
+    let mut plant = plant;
+    plant.scan_every(setup.acquisition.sample_period_us);
     let plant = plant.share();
     let identity = DeviceIdentity { unit: unit.clone(), firmware: firmware_version() };
     let timing =

@@ -62,6 +62,12 @@ impl<SPI: SpiDevice> DirectAcquisition<SPI> {
         self.waiting = Some(full);
         Ok(true)
     }
+
+    /// The number of the set that waits to be read.
+    #[must_use]
+    pub fn waiting_number(&self) -> Option<u32> {
+        self.waiting.as_ref().map(|set| set.number)
+    }
 }
 
 impl<SPI: SpiDevice> Acquisition for DirectAcquisition<SPI>

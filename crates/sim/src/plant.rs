@@ -180,6 +180,11 @@ impl Plant {
         self.scan(at_ns);
     }
 
+    /// Sets the time from scan to scan of a processor that drives the A/D, in place of its parameter.
+    pub fn scan_every(&mut self, period_us: u32) {
+        self.parameters.direct_scan_period_us = period_us;
+    }
+
     /// The truth of all scans since the last take, when the processor drives the A/D; `None` if there were none.
     pub fn take_truth(&mut self) -> Option<Truth> {
         let number = self.takes;

@@ -23,7 +23,9 @@ impl Plant {
         self.now_ns
     }
 
-    pub(crate) fn held(&self) -> [u16; 4] {
+    /// The last scan as the A/D sees it, counts: temperature X, zero-rate X, temperature Y, zero-rate Y.
+    #[must_use]
+    pub fn held(&self) -> [u16; 4] {
         self.held
     }
 

@@ -1,0 +1,81 @@
+//! The acquisition gateware itself in the simulated bench: the verilated block between the plant's A/D inputs and the
+//! device's port.
+//!
+//! Its clock is simulated edge by edge, so it scans as fast as its SPI port lets it ([`scan_period_us`]), while the plant
+//! goes on with every scan by the period that the set-up asks for: the plant's time is the plant's. What the device reads
+//! does not depend on it, as long as a set is read before the next scan begins.
+//!
+//! Whole sets are read with their samples, so a group costs as the square of its length: 0.2 s of a processor's time at
+//! 50 scans, 10 s at 500. A shortened test has few and short groups, further apart.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use zerorate_device::acquisition::{Acquisition, Set, Timing};
+use zerorate_device::port::{PortAcquisition, PortError};
+use zerorate_gateware::{Bench, Port, Scale, SharedPort, Timing as Clocking};
+use zerorate_sim::{SharedPlant, Truth};
+
+use crate::simulated::OnPlant;
+
+/// Scan to scan at the block, for sets of so many scans: a scan takes 38 us, reading status and head at 10 MHz 58 us, a
+/// scan's samples 6.4 us, and starting anew 20 us. So a tap that follows from a set is there before the next scan.
+#[must_use]
+pub fn scan_period_us(set_length: u16) -> u32 {
+    130 + u32::from(set_length) * 13 / 2
+}
+
+/// For the phases in which the clocks of block and processor meet. What is read does not depend on it.
+const SEED: u32 = 1;
+
+/// The device's port with the verilated block at its other end.
+pub struct GatewareAcquisition {
+    port: PortAcquisition<SharedPort>,
+    board: SharedPort,
+    /// Scans a set, while it runs.
+    running: Option<u16>,
+    /// Sets since it was started.
+    sets: u32,
+}
+
+impl Acquisition for GatewareAcquisition {
+    type Error = PortError<core::convert::Infallible>;
+
+    fn start(&mut self, timing: Timing) -> Result<(), Self::Error> {
+        self.port.start(Timing { scan_period_us: scan_period_us(timing.set_length), ..timing })?;
+        self.running = Some(timing.set_length);
+        self.sets = 0;
+        Ok(())
+    }
+
+    fn stop(&mut self) -> Result<(), Self::Error> {
+        self.running = None;
+        self.port.stop()
+    }
+
+    fn read_set(&mut self, set: &mut Set, with_scans: bool) -> Result<bool, Self::Error> {
+        self.port.read_set(set, with_scans)
+    }
+}
+
+impl OnPlant for GatewareAcquisition {
+    fn connect(plant: &SharedPlant) -> Self {
+        let inputs = Rc::clone(plant);
+        let mut board = Bench::new(Scale::Board, SEED, move |channel| inputs.borrow().held()[channel]);
+        let moving = Rc::clone(plant);
+        board.at_each_scan(move || moving.borrow_mut().next_scan());
+        let board = SharedPort(Rc::new(RefCell::new(Port::new(board, Clocking::FASTEST, u64::from(SEED)))));
+        Self { port: PortAcquisition::new(board.clone()), board, running: None, sets: 0 }
+    }
+
+    fn run_set(&mut self, plant: &SharedPlant) -> Option<Truth> {
+        // The set, and the period before its first scan.
+        let set_length = self.running?;
+        let at_most_us = (u64::from(set_length) + 2) * u64::from(scan_period_us(set_length));
+        let is_ready = self.board.0.borrow_mut().wait_for_data_ready(at_most_us);
+        let truth = is_ready.then(|| plant.borrow_mut().take_truth()).flatten()?;
+        // The plant counts on over a start, the port begins again.
+        self.sets += 1;
+        Some(Truth { set: self.sets - 1, ..truth })
+    }
+}
