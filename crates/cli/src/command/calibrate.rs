@@ -1,5 +1,6 @@
 //! `zerorate calibrate`.
 
+mod acquisition;
 mod page;
 
 use std::path::PathBuf;
@@ -11,8 +12,8 @@ use zerorate_bench::calibrate::calibrate;
 use zerorate_bench::calibrated::Unit;
 use zerorate_bench::run::Progress;
 use zerorate_bench::setup::SetUp;
-use zerorate_bench::simulated;
 
+use self::acquisition::Acquisition;
 use super::Outcome;
 use crate::plant::Plant;
 use crate::screen;
@@ -37,6 +38,10 @@ pub struct Calibrate {
     /// The seed that everything in the simulated board is drawn from
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+
+    /// What stands between the simulated A/D and the processor; the results are the same
+    #[arg(long, value_enum, default_value_t = Acquisition::Port)]
+    acquisition: Acquisition,
 
     /// The set-up file of board and bench; without it the plant's own (see `zerorate setup`)
     #[arg(long, value_name = "FILE")]
@@ -69,7 +74,7 @@ impl Calibrate {
             None => kind.setup(),
         };
         let unit = Unit::new(&self.serial, Some((kind, self.seed)))?;
-        let mut bench = simulated::bench(kind.build(self.seed), &setup, &unit.serial);
+        let mut bench = self.acquisition.bench(kind, self.seed, &setup, &unit)?;
         let mut bar = Bar::new(&setup);
         let result = calibrate(&mut bench, &setup, unit, &self.out, &mut bar);
         bar.finish();

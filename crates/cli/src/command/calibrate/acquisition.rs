@@ -1,0 +1,58 @@
+//! What stands between the simulated A/D and the processor.
+
+use anyhow::Result;
+use clap::ValueEnum;
+use zerorate_bench::calibrated::Unit;
+use zerorate_bench::instruments::Bench;
+use zerorate_bench::plants::PlantKind;
+use zerorate_bench::setup::SetUp;
+use zerorate_bench::simulated;
+
+/// An acquisition by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Acquisition {
+    /// The simulated acquisition port
+    Port,
+    /// None: the processor drives the A/D itself
+    Direct,
+    /// The FPGA's block, verilated; slow, and only in a build with the feature `gateware`
+    Gateware,
+}
+
+impl Acquisition {
+    /// The simulated bench with this acquisition.
+    pub fn bench(self, kind: PlantKind, seed: u64, setup: &SetUp, unit: &Unit) -> Result<Bench> {
+        match self {
+            Self::Port => Ok(simulated::bench(kind.build(seed), setup, &unit.serial)),
+            Self::Direct => Ok(simulated::direct_bench(kind.build(seed), setup, &unit.serial)),
+            Self::Gateware => gateware(kind, seed, setup, unit),
+        }
+    }
+}
+
+#[cfg(feature = "gateware")]
+#[allow(clippy::unnecessary_wraps)] // Without the feature it is an error.
+fn gateware(kind: PlantKind, seed: u64, setup: &SetUp, unit: &Unit) -> Result<Bench> {
+    Ok(simulated::bench_on::<zerorate_bench::gateware::GatewareAcquisition>(kind.build(seed), setup, &unit.serial))
+}
+
+#[cfg(not(feature = "gateware"))]
+fn gateware(_: PlantKind, _: u64, _: &SetUp, _: &Unit) -> Result<Bench> {
+    anyhow::bail!(
+        "this zerorate was built without the verilated gateware: with verilator and g++ there, \
+         `cargo build --release --features gateware` builds one with it, and `cargo xtask gateware` runs it"
+    )
+}
+
+#[cfg(all(test, not(feature = "gateware")))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_build_without_the_gateware_says_how_to_get_it() {
+        let unit = Unit::new("ZR-0001", None).expect("a serial number");
+        let setup = SetUp::paper();
+        let refused = Acquisition::Gateware.bench(PlantKind::Paper, 1, &setup, &unit).err();
+        assert!(refused.is_some_and(|why| why.to_string().contains("--features gateware")));
+    }
+}
