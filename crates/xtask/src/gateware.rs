@@ -8,12 +8,16 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
 
+use crate::cargo;
 use crate::provide;
 use crate::steps::{Outcome, Step};
 use crate::workspace::Workspace;
 
 /// Where everything is, from the root.
 const BLOCK: &str = "gateware/acquisition";
+
+/// A test of few and short groups, for the block's clock is simulated edge by edge.
+const SHORTENED: &str = "gateware/acquisition/shortened.toml";
 
 /// Programs, and Debian's packages of them.
 const PROGRAMS: [(&str, &str); 5] = [
@@ -44,16 +48,30 @@ const CROSSINGS: [(&str, f64, &str); 3] = [
     ("negedge sck -> <async>", 0.5e3 / SCK_MHZ - 25.0, "half a period of SCK less 25 ns"),
 ];
 
+/// A part of the chore: its name, what to do when it fails, and what it does.
+type Part = (&'static str, &'static str, fn(&Workspace) -> Result<Outcome>);
+
+const PARTS: [Part; 6] = [
+    ("tools", "install what it names", tools),
+    ("lint", "mend what Verilator points at", lint),
+    ("proof", "see the assertions of banks.sv", proof),
+    ("simulation", "see gateware/acquisition/sim/README.md", simulation),
+    ("bench", "see crates/bench/src/gateware.rs", bench),
+    ("synthesis", "see the logs in target/gateware", synthesis),
+];
+
 /// The chore's steps.
 pub fn steps(workspace: &Workspace) -> Vec<Step<'_>> {
-    let within = |step: fn(&Workspace) -> Result<Outcome>| move || step(workspace);
-    vec![
-        Step::new("tools", "install what it names", within(tools)),
-        Step::new("lint", "mend what Verilator points at", within(lint)),
-        Step::new("proof", "see the assertions of banks.sv", within(proof)),
-        Step::new("simulation", "see gateware/acquisition/sim/README.md", within(simulation)),
-        Step::new("synthesis", "see the logs in target/gateware", within(synthesis)),
-    ]
+    PARTS.iter().map(|&(name, remedy, part)| Step::new(name, remedy, move || part(workspace))).collect()
+}
+
+/// All of them as one.
+pub fn check(workspace: &Workspace) -> Result<Outcome> {
+    for (name, remedy, part) in PARTS {
+        println!("    {name}");
+        part(workspace).with_context(|| format!("{name} ({remedy})"))?;
+    }
+    Ok(Outcome::Passed)
 }
 
 fn tools(_: &Workspace) -> Result<Outcome> {
@@ -100,6 +118,28 @@ fn simulation(workspace: &Workspace) -> Result<Outcome> {
         cargo.current_dir(&folder).env("CARGO_TARGET_DIR", out(workspace)?);
         provide::succeed(cargo.args(arguments))?;
     }
+    Ok(Outcome::Passed)
+}
+
+/// A unit tested through the block: by groups against the simulated port, then the whole of `calibrate`, shortened.
+fn bench(workspace: &Workspace) -> Result<Outcome> {
+    let packages = ["--package", "zerorate-bench", "--package", "zerorate", "--features", "gateware"];
+    cargo::run(workspace, &[&["clippy"][..], &packages, &["--all-targets", "--", "-D", "warnings"]].concat())?;
+    cargo::run(workspace, &["test", "--package", "zerorate-bench", "--features", "gateware", "--test", "gateware"])?;
+    let out = out(workspace)?;
+    let summary = |acquisition: &str| -> Result<Value> {
+        let folder = out.join(acquisition);
+        let mut calibrate = vec!["run", "--package", "zerorate", "--features", "gateware", "--", "calibrate"];
+        let folder_name = folder.to_string_lossy();
+        calibrate.extend(["--acquisition", acquisition, "--setup", SHORTENED, "--out", &folder_name]);
+        cargo::run(workspace, &calibrate)?;
+        let mut summary: Value = serde_json::from_str(&fs::read_to_string(folder.join("summary.json"))?)?;
+        let took = summary.as_object_mut().and_then(|summary| summary.remove("wall_s"));
+        took.context("summary.json has no wall_s")?;
+        Ok(summary)
+    };
+    ensure!(summary("port")? == summary("gateware")?, "the gateware's summary is not the port's");
+    println!("    the summaries of port and gateware are the same");
     Ok(Outcome::Passed)
 }
 

@@ -36,15 +36,17 @@ enum Chore {
     /// Run every check, in order, and stop at the first that fails
     ///
     /// Formatting, lints, documentation and tests by cargo; the rules of ARCHITECTURE.md by reading the sources; then
-    /// the built command against numpy, against damaged recordings, and its report in a headless browser. Python's
-    /// venv and Chromium are installed if this runs as root on Debian, and named if it does not.
+    /// the built command against numpy and against damaged recordings; the circuit in ngspice and the gateware by the FPGA
+    /// tools, as the chores `circuit` and `gateware` do; last the report in a headless browser. What that needs is
+    /// installed if this runs as root on Debian, and named if it does not.
     ///
     /// Recordings are looked for in ../shared/data, or in the folder that the variable ZERORATE_DATA names.
     Test {
-        /// Leave out what needs Python or a browser
+        /// Leave out what needs Python, ngspice, the FPGA tools or a browser
         #[arg(long)]
         fast: bool,
-        /// Run these steps only: format, clippy, rustdoc, tests, no_std, arrows, house, build, numpy, damage, report
+        /// Run these steps only: format, clippy, rustdoc, tests, no_std, arrows, house, build, numpy, damage, circuit,
+        /// gateware, report
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -55,8 +57,8 @@ enum Chore {
     Circuit,
     /// Check the acquisition gateware and build it for the iCEBreaker
     ///
-    /// Verilator's lint, a proof by yosys, the tests of the verilated block, synthesis and place-and-route: the table of
-    /// gateware/acquisition/README.md. What that needs is installed if this runs as root on Debian, and named if not.
+    /// Verilator's lint, a proof by yosys, the tests of the verilated block, a shortened test of a unit through it, synthesis
+    /// and place-and-route: the table of gateware/acquisition/README.md. What that needs is installed if this runs as root on Debian, and named if not.
     Gateware,
 }
 
@@ -70,7 +72,6 @@ fn main() -> Result<ExitCode> {
     })
 }
 
-/// Not among the checks of `cargo xtask test` yet.
 fn circuit(workspace: &Workspace) -> Step<'_> {
     Step::new("circuit", "see hardware/README.md", || circuit::check(workspace))
 }
@@ -90,6 +91,9 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("numpy", "see crates/xtask/python/compare_fit.py", within(python::compare_fit))
             .skipped_if(fast, "--fast"),
         Step::new("damage", "see crates/xtask/python/damaged_recordings.py", within(python::damaged_recordings))
+            .skipped_if(fast, "--fast"),
+        circuit(workspace).skipped_if(fast, "--fast"),
+        Step::new("gateware", "`cargo xtask gateware` runs it alone", within(gateware::check))
             .skipped_if(fast, "--fast"),
         Step::new("report", "look at target/report-screenshots", within(report::check)).skipped_if(fast, "--fast"),
     ]
