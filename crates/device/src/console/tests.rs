@@ -4,8 +4,8 @@ use heapless::spsc::Queue;
 use zerorate_core::wire::frame;
 
 use super::*;
-use crate::tests::record;
 use crate::store::{MemoryStore, StoreFailed};
+use crate::tests::record;
 
 /// A store that has worn out.
 struct WornOut;
