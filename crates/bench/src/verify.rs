@@ -30,7 +30,7 @@ pub fn deploy(session: &mut Session<'_>, character: &Character) -> Result<(), Be
     Ok(())
 }
 
-/// Runs one compensation test and evaluates it. A mode that the axis's law cannot run is replaced by the digital one.
+/// Runs one compensation test and evaluates it. The device refuses a mode that the axis's law cannot run.
 ///
 /// # Errors
 /// [`BenchError`].

@@ -32,7 +32,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// A set-up of a tenth of the groups, for what does not depend on how many there are.
+/// A set-up with a shorter ramp and two soaks, for what does not depend on how long they are.
 fn short_set_up(folder: &Path) {
     let text = "[chamber]\nramp_groups = 1600\nsoak_s = 600.0\nsoaks_c = [0.0, 20.0]\n";
     fs::write(folder.join("short.toml"), text).unwrap();
