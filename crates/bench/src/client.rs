@@ -199,6 +199,7 @@ impl DeviceClient {
     /// Forgets the groups that have arrived and were not asked for.
     pub fn discard_groups(&mut self) {
         self.groups.clear();
+        self.samples = [Vec::new(), Vec::new()];
     }
 
     fn ask(&mut self, request: Request) -> Result<Answer, ClientError> {

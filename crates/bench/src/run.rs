@@ -3,7 +3,7 @@
 use zerorate_cal::recording::{GroupRow, RecordingWriter};
 use zerorate_core::drift::Coverage;
 use zerorate_core::units::{Axis, Celsius, Counts, Kelvins, Seconds};
-use zerorate_core::wire::{GroupReport, Request};
+use zerorate_core::wire::{GroupReport, Request, SampleWindow};
 use zerorate_sim::Truth;
 
 use crate::error::BenchError;
@@ -169,7 +169,7 @@ impl<'b> Session<'b> {
     ///
     /// # Errors
     /// [`BenchError`].
-    pub fn start(&mut self, samples: bool) -> Result<(), BenchError> {
+    pub fn start(&mut self, samples: SampleWindow) -> Result<(), BenchError> {
         self.bench.device.order(Request::SetStream { groups: true, samples })?;
         self.bench.device.order(Request::SetAcquisition { run: true })?;
         self.watches = Default::default();
@@ -178,6 +178,12 @@ impl<'b> Session<'b> {
             witness.take();
         }
         Ok(())
+    }
+
+    /// Samples in a group's first second.
+    #[must_use]
+    pub fn first_second(&self) -> usize {
+        1_000_000 / self.setup.acquisition.sample_period_us.max(1) as usize
     }
 
     /// Stops the acquisition.
@@ -209,7 +215,7 @@ impl<'b> Session<'b> {
     pub fn take(&mut self, phase: Phase, recorder: &mut Recorder) -> Result<Taken, BenchError> {
         let group = self.bench.device.next_group()?;
         self.taken = group.report.group.0 + 1;
-        let first_second = 1_000_000 / self.setup.acquisition.sample_period_us.max(1) as usize;
+        let first_second = self.first_second();
         let jumps =
             Axis::BOTH.map(|axis| self.watches[axis.index()].largest_jump(&group.samples[axis.index()], first_second));
         let truth = self

@@ -1,9 +1,18 @@
 //! What a tap change does to the user of the samples: the largest jump of the corrected output.
 
-use zerorate_core::wire::Sample;
+use zerorate_core::units::Axis;
+use zerorate_core::wire::{Sample, SampleWindow};
 
 /// Samples that the output is low-passed by, and over which a jump is measured.
 const WINDOW: usize = 20;
+
+/// The samples that [`StepWatch`] looks at: of an axis, the first so many of each group, and the last of the one before.
+#[must_use]
+pub fn window(axis: Axis, first: usize) -> SampleWindow {
+    let mut axes = [false; 2];
+    axes[axis.index()] = true;
+    SampleWindow { axes, first: u16::try_from(first).unwrap_or(u16::MAX), last: WINDOW as u16 }
+}
 
 /// Watches one axis's corrected samples. A tap is changed when a group closes, so its jump, if any, lies at the
 /// beginning of the next group; each group's is measured over its first second.
@@ -73,6 +82,21 @@ mod tests {
         assert!(watch.largest_jump(&flat(8200.0), 333).abs() < 1e-9);
         assert!((watch.largest_jump(&flat(8231.0), 333) - 31.0).abs() < 1e-9);
         assert!(watch.largest_jump(&flat(8231.0), 333).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_window_of_samples_shows_the_same_jumps_as_whole_groups() {
+        let (mut whole, mut part) = (StepWatch::default(), StepWatch::default());
+        let first = 60;
+        for group in 0..5_u32 {
+            let all = samples((0..500_u32).map(|k| f64::from((k * 7919 + group * 104_729) % 97)));
+            let (before, from) = window(Axis::X, first).of(Axis::X, 500);
+            let sent = [&all[..usize::from(before)], &all[usize::from(from)..]].concat();
+            assert_eq!(sent.len(), 80);
+            let jumps = [whole.largest_jump(&all, first), part.largest_jump(&sent, first)];
+            assert_eq!(jumps[0].to_bits(), jumps[1].to_bits());
+            assert!(jumps[0] > 0.0);
+        }
     }
 
     #[test]

@@ -10,6 +10,7 @@ use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::{Axis, Celsius, Taps};
+use zerorate_core::wire::SampleWindow;
 use zerorate_device::trim_part::{Max5494Trim, TrimPart};
 use zerorate_sim::{Plant, PlantDelay, PlantParameters, PotentiometerSpi};
 
@@ -65,7 +66,7 @@ fn take(mut bench: Bench, setup: &SetUp, groups: u32) -> Vec<Taken> {
     let mut session = Session::new(&mut bench, setup, &mut progress);
     session.begin().unwrap();
     session.bench.chamber.set(Celsius(60.0)).unwrap();
-    session.start(true).unwrap();
+    session.start(SampleWindow::ALL).unwrap();
     let mut taken = session.until(groups / 2, Phase::Heating, &mut Recorder::discarding()).unwrap();
     session.bench.device.set_taps([Taps::new(520).unwrap(), Taps::new(490).unwrap()]).unwrap();
     taken.extend(session.until(groups, Phase::Heating, &mut Recorder::discarding()).unwrap());

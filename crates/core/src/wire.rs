@@ -18,7 +18,7 @@ use crate::record::{RecordError, UnitSerial};
 use crate::units::{Axis, GroupNumber, Taps};
 
 /// The version of this table. Host and device compare it in the answer to [`Request::Identity`].
-pub const WIRE_VERSION: u16 = 1;
+pub const WIRE_VERSION: u16 = 2;
 /// Bytes of a calibration in one message.
 pub const CHUNK: usize = 128;
 /// Samples in one message.
@@ -64,8 +64,8 @@ pub enum Request {
     SetStream {
         /// A [`GroupReport`] for every group.
         groups: bool,
-        /// Every sample, too.
-        samples: bool,
+        /// Which of its samples, too.
+        samples: SampleWindow,
     },
     /// Puts a part of a record in the device's buffer; it changes nothing yet. Answered at once.
     WriteCalibration {
@@ -90,6 +90,44 @@ pub enum Request {
     /// Makes the present taps those of power-up: a store in the potentiometer's non-volatile register, which wears
     /// (50 000 stores). Between groups.
     StorePowerUpTap,
+}
+
+/// Which of a group's samples are uploaded: the first so many and the last so many of each axis that is asked for.
+///
+/// A line carries far fewer samples than the board takes, and most who ask look at the beginning of a group alone, after
+/// a tap change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct SampleWindow {
+    /// Whether X's and Y's are.
+    pub axes: [bool; 2],
+    /// How many from the group's first sample on.
+    pub first: u16,
+    /// How many up to the group's last sample.
+    pub last: u16,
+}
+
+impl SampleWindow {
+    /// No samples.
+    pub const NONE: Self = Self { axes: [false; 2], first: 0, last: 0 };
+    /// Every sample of both axes.
+    pub const ALL: Self = Self { axes: [true; 2], first: u16::MAX, last: 0 };
+
+    /// Whether any sample is asked for.
+    #[must_use]
+    pub const fn is_open(&self) -> bool {
+        (self.axes[0] || self.axes[1]) && (self.first > 0 || self.last > 0)
+    }
+
+    /// The samples of a group of `n` that are asked for of an axis: those before the first number returned, and those
+    /// from the second on.
+    #[must_use]
+    pub fn of(&self, axis: Axis, n: u16) -> (u16, u16) {
+        if !self.axes[axis.index()] {
+            return (0, n);
+        }
+        let first = self.first.min(n);
+        (first, n.saturating_sub(self.last).max(first))
+    }
 }
 
 /// What the device sends.

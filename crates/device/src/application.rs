@@ -11,9 +11,9 @@ use crate::store::RecordStore;
 use crate::trim_part::TrimPart;
 
 /// Commands between console and compensator.
-const COMMANDS: usize = 8;
-/// Reports of one set with all its samples: 2 x 21 blocks of 25, its group, and some answers.
-const REPORTS: usize = 64;
+pub const COMMANDS: usize = 8;
+/// Reports between compensator and console: a group, some answers, and some blocks of samples at a time.
+pub const REPORTS: usize = 12;
 
 /// Compensator and console, joined by their queues.
 pub struct Application<A, P, S> {
@@ -48,7 +48,7 @@ impl<A: Acquisition, P: TrimPart, S: RecordStore> Application<A, P, S> {
     /// Data ready: closes the group and sends what there is to say.
     pub fn data_ready(&mut self, line: &mut impl Transmit) {
         self.service();
-        self.console.upload(&mut self.reports.split().1, line);
+        self.upload(line);
     }
 
     /// Bytes from the host: acts on the commands in them and answers.
@@ -61,7 +61,19 @@ impl<A: Acquisition, P: TrimPart, S: RecordStore> Application<A, P, S> {
             }
             if has_work {
                 self.service();
-                self.console.upload(&mut self.reports.split().1, line);
+                self.upload(line);
+            }
+        }
+    }
+
+    /// Sends what there is, and the samples that had no room in the queue.
+    fn upload(&mut self, line: &mut impl Transmit) {
+        loop {
+            let (mut reports, mut reported) = self.reports.split();
+            let more = self.compensator.stream(&mut reports);
+            self.console.upload(&mut reported, line);
+            if !more {
+                break;
             }
         }
     }

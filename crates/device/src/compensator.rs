@@ -6,12 +6,14 @@ use heapless::Vec;
 use heapless::spsc::{Consumer, Producer};
 use zerorate_core::compensate::{AxisCompensation, AxisLaw, Mode};
 use zerorate_core::drift::Coverage;
-use zerorate_core::group::GroupSums;
 use zerorate_core::units::{Axis, GroupNumber, Taps};
-use zerorate_core::wire::{AxisReport, FaultCounts, GroupReport, Refusal, SAMPLES_PER_BLOCK, Sample, SampleBlock};
+use zerorate_core::wire::{AxisReport, FaultCounts, GroupReport, Refusal, SampleWindow};
 
-use crate::acquisition::{Acquisition, Set, Timing, axis_samples};
+use crate::acquisition::{Acquisition, Set, Timing};
+use crate::compensator::samples::Stream;
 use crate::trim_part::TrimPart;
+
+mod samples;
 
 /// Commands that may wait for their group.
 const MAX_WAITING: usize = 8;
@@ -40,8 +42,8 @@ pub enum Action {
     StorePowerUpTap,
     /// Starts the acquisition anew, or stops it.
     SetAcquisition(bool),
-    /// Whether every sample is reported.
-    SetSamples(bool),
+    /// Which samples are reported.
+    SetSamples(SampleWindow),
 }
 
 impl Action {
@@ -67,7 +69,7 @@ pub enum Report {
     /// A closed group.
     Group(GroupReport),
     /// Some of a group's samples.
-    Samples(SampleBlock),
+    Samples(zerorate_core::wire::SampleBlock),
 }
 
 /// What the task below the interrupt may look at.
@@ -90,7 +92,9 @@ pub struct Compensator<A, P> {
     axes: [AxisCompensation; 2],
     set: Set,
     running: bool,
-    with_samples: bool,
+    window: SampleWindow,
+    /// The last group, while its samples are on their way out.
+    stream: Option<Stream>,
     waiting: Vec<Scheduled, MAX_WAITING>,
     status: Status,
 }
@@ -113,7 +117,8 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             axes: Axis::BOTH.map(|_| AxisCompensation::new(None, Taps::MIDDLE)),
             set: Set::default(),
             running: false,
-            with_samples: false,
+            window: SampleWindow::NONE,
+            stream: None,
             waiting: Vec::new(),
             status,
         }
@@ -155,9 +160,12 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     }
 
     /// The interrupt: called when a set is ready, and when a command was queued.
+    ///
+    /// The samples of a group that are asked for are too many for the queue: after each time that the reports have been
+    /// taken out, [`stream`](Self::stream) goes on with them.
     pub fn service(&mut self, commands: &mut Consumer<'_, Scheduled>, reports: &mut Producer<'_, Report>) {
         if self.running {
-            match self.acquisition.read_set(&mut self.set, self.with_samples) {
+            match self.read_set(reports) {
                 Ok(true) => {
                     self.close_group(reports);
                     self.run_commands(reports);
@@ -166,6 +174,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
                 Err(_) => self.status.faults.acquisition_errors += 1,
             }
         }
+        self.stream(reports);
         while let Some(command) = commands.dequeue() {
             if self.running && command.action.waits_for_a_group() {
                 if self.waiting.push(command).is_err() {
@@ -176,6 +185,36 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
                 self.answer(command.sequence, result, reports);
             }
         }
+    }
+
+    fn read_set(&mut self, reports: &mut Producer<'_, Report>) -> Result<bool, A::Error> {
+        let read = self.acquisition.read_set(&mut self.set, self.window.is_open());
+        // The samples of the group before are gone with its set; the group itself is not.
+        if let (Some(stream), Ok(true) | Err(_)) = (&self.stream, &read) {
+            self.status.faults.dropped_uploads += stream.left(&self.window);
+            let report = stream.report.clone();
+            self.stream = None;
+            self.report(Report::Group(report), reports);
+        }
+        read
+    }
+
+    /// Goes on reporting the samples of the last group as far as the queue has room; `true` while there are more.
+    pub fn stream(&mut self, reports: &mut Producer<'_, Report>) -> bool {
+        let Some(stream) = &mut self.stream else { return false };
+        // What is answered meanwhile finds room as well.
+        while reports.len() + samples::KEPT_FREE < reports.capacity() {
+            let Some(block) = stream.next_block(&self.window, &self.set.scans) else {
+                let report = stream.report.clone();
+                self.stream = None;
+                self.report(Report::Group(report), reports);
+                return false;
+            };
+            if reports.enqueue(Report::Samples(block)).is_err() {
+                self.status.faults.dropped_uploads += 1;
+            }
+        }
+        true
     }
 
     /// Runs the waiting commands whose group is about to begin, in the order in which they came.
@@ -212,8 +251,9 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
                 Refusal::TrimPartFailed
             }),
             Action::SetAcquisition(run) => self.set_acquisition(run),
-            Action::SetSamples(with_samples) => {
-                self.with_samples = with_samples;
+            Action::SetSamples(window) => {
+                self.window = window;
+                self.stream = None;
                 Ok(())
             }
         }
@@ -233,6 +273,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         let done = if run { self.acquisition.start(self.timing) } else { self.acquisition.stop() };
         done.map_err(|_| Refusal::AcquisitionFailed)?;
         self.running = run;
+        self.stream = None;
         if run {
             self.status.group = GroupNumber(0);
             self.set.lost = 0;
@@ -255,22 +296,26 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         let group = GroupNumber(self.set.number);
         let missed = group.0.saturating_sub(self.status.group.0);
         self.status.faults.lost_sets += missed;
-        let axes = Axis::BOTH.map(|axis| self.close_axis(axis, group, missed, reports));
+        for axis in Axis::BOTH {
+            let n = self.set.sums[axis.index()].n;
+            self.axes[axis.index()].skip_lost(missed.saturating_mul(n));
+        }
+        let before = self.axes.clone();
+        let axes = Axis::BOTH.map(|axis| self.close_axis(axis));
         self.status.group = GroupNumber(group.0.wrapping_add(1));
-        self.report(Report::Group(GroupReport { group, lost: self.set.lost, axes }), reports);
+        let report = GroupReport { group, lost: self.set.lost, axes };
+        if self.set.scans.is_empty() {
+            self.report(Report::Group(report), reports);
+        } else {
+            self.stream = Some(Stream::new(before, report));
+        }
     }
 
-    fn close_axis(
-        &mut self,
-        axis: Axis,
-        group: GroupNumber,
-        missed: u32,
-        reports: &mut Producer<'_, Report>,
-    ) -> AxisReport {
+    fn close_axis(&mut self, axis: Axis) -> AxisReport {
         let sums = self.set.sums[axis.index()];
-        self.pass_samples(axis, group, missed, &sums, reports);
         let law = self.laws.as_ref().map(|laws| &laws[axis.index()]);
         let state = &mut self.axes[axis.index()];
+        state.skip_samples(sums.n);
         let (tap, mode) = (state.tap(), state.mode());
         let outcome = state.close_group(law, &sums);
         // A write that fails leaves the shadow as it was; the law asks again with the next group.
@@ -287,35 +332,6 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             coverage: outcome.coverage,
             saturated,
             moved_to,
-        }
-    }
-
-    /// Takes the group's samples past the axis's state, one by one where they are asked for.
-    fn pass_samples(
-        &mut self,
-        axis: Axis,
-        group: GroupNumber,
-        missed: u32,
-        sums: &GroupSums,
-        reports: &mut Producer<'_, Report>,
-    ) {
-        let state = &mut self.axes[axis.index()];
-        state.skip_lost(missed.saturating_mul(sums.n));
-        if self.set.scans.is_empty() {
-            state.skip_samples(sums.n);
-            return;
-        }
-        let mut index = 0_u16;
-        for scans in self.set.scans.chunks(SAMPLES_PER_BLOCK) {
-            let samples = scans.iter().map(|scan| {
-                let (temperature, zro) = axis_samples(scan, axis);
-                Sample { temperature, zro, corrected_q16: state.sample(zro).0 }
-            });
-            let block = SampleBlock { group, axis, index, samples: samples.collect() };
-            index += u16::try_from(scans.len()).unwrap_or(u16::MAX);
-            if reports.enqueue(Report::Samples(block)).is_err() {
-                self.status.faults.dropped_uploads += 1;
-            }
         }
     }
 }

@@ -4,7 +4,7 @@ use crc::{CRC_32_MPEG_2, Crc};
 use embedded_hal::spi::{Operation, SpiDevice};
 use zerorate_core::group::GroupSums;
 
-use crate::acquisition::{Acquisition, MAX_SET_LENGTH, Set, Timing};
+use crate::acquisition::{Acquisition, Set, Timing};
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_MPEG_2);
 
@@ -30,8 +30,6 @@ const STATUS_READY: u32 = 1;
 
 /// Words 0 to 15: set number, length, lost, sums, sums of squares, CRC.
 const HEAD_BYTES: usize = 64;
-/// Four samples of 16 bits.
-const SCAN_BYTES: usize = 8;
 const CRC_BYTES: usize = 4;
 
 /// What can go wrong at the port.
@@ -62,14 +60,13 @@ pub enum PortError<E> {
 pub struct PortAcquisition<SPI> {
     spi: SPI,
     set_length: u16,
-    scans: [u8; MAX_SET_LENGTH * SCAN_BYTES + CRC_BYTES],
 }
 
 impl<SPI: SpiDevice> PortAcquisition<SPI> {
     /// A master on an SPI device in mode 0, up to 10 MHz.
     #[must_use]
     pub const fn new(spi: SPI) -> Self {
-        Self { spi, set_length: Timing::PAPER.set_length, scans: [0; MAX_SET_LENGTH * SCAN_BYTES + CRC_BYTES] }
+        Self { spi, set_length: Timing::PAPER.set_length }
     }
 
     /// Gives the SPI device back.
@@ -124,27 +121,48 @@ where
         if self.read_word(STATUS)? & STATUS_READY == 0 {
             return Ok(false);
         }
+        let read = self.read_burst(set, with_scans);
+        if read.is_err() {
+            set.scans.clear();
+        }
+        read.map(|()| true)
+    }
+}
+
+impl<SPI: SpiDevice> PortAcquisition<SPI> {
+    /// The scans are read straight into the set's memory: a second buffer would be a sixth of a board's RAM.
+    fn read_burst(&mut self, set: &mut Set, with_scans: bool) -> Result<(), PortError<SPI::Error>> {
         let header = [READ | SET, 0];
         let mut head = [0; HEAD_BYTES];
-        let wanted = if with_scans { usize::from(self.set_length) * SCAN_BYTES + CRC_BYTES } else { 0 };
-        let scans = &mut self.scans[..wanted];
-        let mut burst = [Operation::Write(&header), Operation::Read(&mut head), Operation::Read(scans)];
-        self.spi.transaction(&mut burst).map_err(PortError::Spi)?;
+        let mut crc = [0; CRC_BYTES];
+        set.scans.clear();
+        // A port has no set beyond this memory: one that says so is refused by its length or its CRC.
+        let _ = set.scans.resize_default(if with_scans { usize::from(self.set_length) } else { 0 });
+        let samples = set.scans.as_flattened_mut();
+        let mut burst = [
+            Operation::Write(&header),
+            Operation::Read(&mut head),
+            Operation::Read(bytemuck::cast_slice_mut(samples)),
+            Operation::Read(&mut crc),
+        ];
+        let operations = if with_scans { burst.len() } else { 2 };
+        self.spi.transaction(&mut burst[..operations]).map_err(PortError::Spi)?;
 
         let words = checked(&head).ok_or(PortError::Damaged)?;
         let head = Head::parse(words);
         if head.length != self.set_length {
             return Err(PortError::Length { found: head.length });
         }
+        if with_scans && CRC.checksum(bytemuck::cast_slice(samples)) != u32::from_be_bytes(crc) {
+            return Err(PortError::Damaged);
+        }
+        for sample in samples {
+            *sample = u16::from_be(*sample);
+        }
         set.number = head.number;
         set.lost = head.lost;
         set.sums = head.sums;
-        set.scans.clear();
-        if with_scans {
-            let samples = checked(&self.scans[..wanted]).ok_or(PortError::Damaged)?;
-            set.scans.extend(samples.chunks_exact(SCAN_BYTES).map(|scan| core::array::from_fn(|k| half_word(scan, k))));
-        }
-        Ok(true)
+        Ok(())
     }
 }
 

@@ -3,10 +3,11 @@
 
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::{Axis, Seconds};
-use zerorate_core::wire::Request;
+use zerorate_core::wire::{Request, SampleWindow};
 
 use crate::error::BenchError;
 use crate::run::{Phase, Recorder, Session, Taken};
+use crate::steps;
 
 /// The groups of one test.
 #[derive(Debug, Clone)]
@@ -26,7 +27,7 @@ pub struct TestRun {
 pub struct Extent {
     /// Whether the cooling ramp follows.
     pub cooling: bool,
-    /// Whether every sample is streamed, to see what a tap change does to them.
+    /// Whether samples are streamed, to see what a tap change does to them.
     pub samples: bool,
 }
 
@@ -50,7 +51,7 @@ pub fn run(
     session.bench.device.order(Request::SetMode { axis, mode })?;
     session.bench.device.order(Request::SetMode { axis: axis.other(), mode: Mode::Off })?;
     session.soak("cold soak", cold, soak)?;
-    session.start(extent.samples)?;
+    session.start(if extent.samples { steps::window(axis, session.first_second()) } else { SampleWindow::NONE })?;
     let name =
         |direction: &str| format!("compensation test, {} {}, {direction}", axis.name().to_uppercase(), mode.name());
     session.progress.phase(&name("heating"), ramp_groups);

@@ -3,6 +3,7 @@
 //! Soak an hour at the cold end, send the chamber to the hot end, record; the model is made from the first hour.
 
 use zerorate_core::units::{Axis, Seconds};
+use zerorate_core::wire::SampleWindow;
 
 use crate::error::BenchError;
 use crate::run::{Phase, Recorder, Session, Taken};
@@ -17,7 +18,7 @@ pub fn run(session: &mut Session<'_>, recorder: &mut Recorder) -> Result<Vec<Tak
     let (soak, soak_groups, ramp_groups) = (Seconds(chamber.soak_s), chamber.soak_groups, chamber.ramp_groups);
     session.begin()?;
     session.soak("cold soak", cold, soak)?;
-    session.start(false)?;
+    session.start(SampleWindow::NONE)?;
     session.progress.phase("full-temperature ramp", ramp_groups);
     session.until(soak_groups, Phase::Soak, recorder)?;
     session.bench.chamber.set(hot)?;

@@ -1,6 +1,7 @@
 //! The traditional test, to compare with: one soak after another, each until everything inside is at one temperature.
 
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds};
+use zerorate_core::wire::SampleWindow;
 
 use crate::error::BenchError;
 use crate::run::{Phase, Recorder, Session, Taken};
@@ -30,7 +31,7 @@ pub fn run(session: &mut Session<'_>, recorder: &mut Recorder) -> Result<Soaks, 
     for (index, &temperature) in temperatures.iter().enumerate() {
         let what = format!("soak {} of {} at {temperature:.0} C", index + 1, temperatures.len());
         session.soak(&what, Celsius(temperature), hold)?;
-        session.start(false)?;
+        session.start(SampleWindow::NONE)?;
         let taken = session.until(GROUPS, Phase::Soak, recorder)?;
         session.stop()?;
         recorder.next_run();

@@ -9,6 +9,7 @@ use std::ops::RangeInclusive;
 use zerorate_cal::trim_fit::{SupplyPoint, TapReading};
 use zerorate_core::trim::MAX_TAP_OFFSETS;
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps, Volts};
+use zerorate_core::wire::SampleWindow;
 
 use crate::error::BenchError;
 use crate::run::{Phase, Recorder, Session};
@@ -46,7 +47,7 @@ pub fn run(
     let outputs = [Axis::X, Axis::Y].map(|axis| session.bench.supply.gyro_output(axis));
     let [x, y] = outputs;
     let room = Volts(f64::midpoint(x?.0, y?.0));
-    session.start(false)?;
+    session.start(SampleWindow::NONE)?;
     session.progress.phase("trim experiment", 0);
     let measured = measure(session, room, extremes, recorder);
     session.bench.supply.connect_gyros()?;

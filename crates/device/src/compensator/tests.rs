@@ -9,7 +9,7 @@ use crate::tests::{Part, Sets, record};
 struct Rig {
     compensator: Compensator<Sets, Part>,
     commands: Queue<Scheduled, 8>,
-    reports: Queue<Report, 64>,
+    reports: Queue<Report, 12>,
     sets: Sets,
     part: Part,
 }
@@ -43,7 +43,14 @@ impl Rig {
     fn service(&mut self) -> Vec<Report> {
         let (mut reports, _) = self.reports.split();
         self.compensator.service(&mut self.commands.split().1, &mut reports);
-        core::iter::from_fn(|| self.reports.dequeue()).collect()
+        let mut all = Vec::new();
+        loop {
+            let more = self.compensator.stream(&mut self.reports.split().0);
+            all.extend(core::iter::from_fn(|| self.reports.dequeue()));
+            if !more {
+                return all;
+            }
+        }
     }
 
     fn writes(&self) -> Vec<(Axis, u16)> {
@@ -138,7 +145,7 @@ fn lost_sets_are_counted_and_the_groups_keep_their_numbers() {
 fn every_sample_is_reported_when_asked_for_with_its_correction() {
     let mut rig = Rig::calibrated();
     rig.order(None, Action::SetMode(Axis::X, Mode::Digital));
-    rig.order(None, Action::SetSamples(true));
+    rig.order(None, Action::SetSamples(SampleWindow::ALL));
     rig.order(None, Action::SetAcquisition(true));
     rig.set(0, 8500, 8541);
     let reports = rig.set(1, 8500, 8541);
@@ -152,6 +159,62 @@ fn every_sample_is_reported_when_asked_for_with_its_correction() {
         .collect();
     assert_eq!(corrected.len(), 500);
     assert!(corrected.iter().all(|c| (c - 8200.0).abs() < 1.0), "8541 is the drift at 8500");
+}
+
+/// Axis, first index and number of the blocks of samples.
+fn blocks(reports: &[Report]) -> Vec<(Axis, u16, usize)> {
+    reports
+        .iter()
+        .filter_map(|report| match report {
+            Report::Samples(block) => Some((block.axis, block.index, block.samples.len())),
+            _ => None,
+        })
+        .collect()
+}
+
+#[test]
+fn a_window_of_samples_is_the_same_as_in_the_whole_group() {
+    let mut whole = Rig::calibrated();
+    let mut part = Rig::calibrated();
+    let window = SampleWindow { axes: [false, true], first: 60, last: 20 };
+    for (rig, window) in [(&mut whole, SampleWindow::ALL), (&mut part, window)] {
+        rig.order(None, Action::SetMode(Axis::Y, Mode::Hybrid));
+        rig.order(None, Action::SetSamples(window));
+        rig.order(None, Action::SetAcquisition(true));
+        rig.set(0, 8500, 8541);
+    }
+    let (all, some) = (whole.set(1, 8500, 8541), part.set(1, 8500, 8541));
+    assert_eq!(blocks(&some), [(Axis::Y, 0, 25), (Axis::Y, 25, 25), (Axis::Y, 50, 10), (Axis::Y, 480, 20)]);
+    assert_eq!(blocks(&all).len(), 40);
+    let sample = |reports: &[Report], index: u16| {
+        reports.iter().find_map(|report| match report {
+            Report::Samples(block) if block.axis == Axis::Y && block.index <= index => {
+                block.samples.get(usize::from(index - block.index)).copied()
+            }
+            _ => None,
+        })
+    };
+    for index in (0..60).chain(480..500) {
+        assert_eq!(sample(&all, index), sample(&some, index), "sample {index}");
+        assert!(sample(&some, index).is_some());
+    }
+    assert_eq!(all.last(), some.last(), "the group follows its samples");
+    assert!(matches!(all.last(), Some(Report::Group(_))));
+}
+
+#[test]
+fn samples_that_a_new_set_overtakes_are_counted_and_their_group_is_reported() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetSamples(SampleWindow::ALL));
+    rig.order(None, Action::SetAcquisition(true));
+    rig.sets.push(0, 9000, 8400);
+    rig.compensator.service(&mut rig.commands.split().1, &mut rig.reports.split().0);
+    // Nobody goes on with the stream.
+    let sent = core::iter::from_fn(|| rig.reports.dequeue()).count();
+    let reports = rig.set(1, 9000, 8400);
+    assert!(matches!(&reports[0], Report::Group(group) if group.group == GroupNumber(0)));
+    assert_eq!(rig.compensator.status().faults.dropped_uploads as usize, 40 - sent);
+    assert_eq!(blocks(&reports).len(), 40);
 }
 
 #[test]

@@ -41,14 +41,16 @@ fn word_write(address: u8, word: u32) -> Vec<Transaction<u8>> {
     vec![Transaction::transaction_start(), Transaction::write_vec(bytes), Transaction::transaction_end()]
 }
 
+/// The burst with its scans, if there are any; the last four bytes are their CRC.
 fn set_read(head: Vec<u8>, scans: Vec<u8>) -> Vec<Transaction<u8>> {
-    vec![
-        Transaction::transaction_start(),
-        Transaction::write_vec(vec![0x10, 0]),
-        Transaction::read_vec(head),
-        Transaction::read_vec(scans),
-        Transaction::transaction_end(),
-    ]
+    let mut reads =
+        vec![Transaction::transaction_start(), Transaction::write_vec(vec![0x10, 0]), Transaction::read_vec(head)];
+    if let Some((samples, crc)) = scans.split_last_chunk::<4>() {
+        reads.push(Transaction::read_vec(samples.to_vec()));
+        reads.push(Transaction::read_vec(crc.to_vec()));
+    }
+    reads.push(Transaction::transaction_end());
+    reads
 }
 
 const SCANS: [[u16; 4]; 2] = [[8500, 8541, 8501, 8763], [8502, 16_383, 8499, 0]];
