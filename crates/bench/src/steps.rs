@@ -5,13 +5,15 @@ use zerorate_core::wire::{Sample, SampleWindow};
 
 /// Samples that the output is low-passed by, and over which a jump is measured.
 const WINDOW: usize = 20;
+#[allow(clippy::cast_possible_truncation)] // 20
+const LAST: u16 = WINDOW as u16;
 
 /// The samples that [`StepWatch`] looks at: of an axis, the first so many of each group, and the last of the one before.
 #[must_use]
 pub fn window(axis: Axis, first: usize) -> SampleWindow {
     let mut axes = [false; 2];
     axes[axis.index()] = true;
-    SampleWindow { axes, first: u16::try_from(first).unwrap_or(u16::MAX), last: WINDOW as u16 }
+    SampleWindow { axes, first: u16::try_from(first).unwrap_or(u16::MAX), last: LAST }
 }
 
 /// Watches one axis's corrected samples. A tap is changed when a group closes, so its jump, if any, lies at the

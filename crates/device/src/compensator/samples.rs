@@ -9,6 +9,9 @@ use crate::acquisition::{Scan, axis_samples};
 /// Places in the queue of reports that samples leave free.
 pub(super) const KEPT_FREE: usize = 4;
 
+#[allow(clippy::cast_possible_truncation)] // 25
+const BLOCK: u16 = SAMPLES_PER_BLOCK as u16;
+
 /// A closed group whose samples are being reported. Its own report follows the last of them.
 pub(super) struct Stream {
     pub(super) report: GroupReport,
@@ -32,7 +35,7 @@ impl Stream {
             let state = &mut self.axes[self.axis.index()];
             state.skip_samples(u32::from(index - self.index));
             self.index = index;
-            let end = end.min(index.saturating_add(SAMPLES_PER_BLOCK as u16));
+            let end = end.min(index.saturating_add(BLOCK));
             let Some(run) = scans.get(usize::from(index)..usize::from(end)).filter(|run| !run.is_empty()) else {
                 if self.axis == Axis::Y {
                     return None;
@@ -59,7 +62,7 @@ impl Stream {
 
     /// Blocks that are still to come of a whole group.
     pub(super) fn left(&self, window: &SampleWindow) -> u32 {
-        let blocks = |samples: u16| u32::from(samples).div_ceil(SAMPLES_PER_BLOCK as u32);
+        let blocks = |samples: u16| u32::from(samples.div_ceil(BLOCK));
         let of = |axis: Axis, from: u16| {
             let n = u16::try_from(self.report.axes[axis.index()].sums.n).unwrap_or(u16::MAX);
             let (first, last_from) = window.of(axis, n);
