@@ -9,6 +9,10 @@ use crate::provide;
 use crate::steps::Outcome;
 use crate::workspace::Workspace;
 
+/// Every crate of an ordinary check. What builds some of them says so with `--workspace` too, and a feature instead of a
+/// package: then cargo chooses the same features of every dependency, and builds it once.
+pub const EVERY_CRATE: [&str; 1] = ["--workspace"];
+
 /// Every file stands as rustfmt would write it.
 pub fn format(workspace: &Workspace) -> Result<Outcome> {
     run(workspace, &["fmt", "--all", "--check"])
@@ -16,19 +20,25 @@ pub fn format(workspace: &Workspace) -> Result<Outcome> {
 
 /// Clippy and the compiler have nothing to say, tests, benchmarks and examples included.
 pub fn lint(workspace: &Workspace) -> Result<Outcome> {
-    run(workspace, &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])
+    run(workspace, &[&["clippy"], &EVERY_CRATE[..], &["--all-targets", "--", "-D", "warnings"]].concat())
 }
 
 /// The documentation of our own crates builds, and no link in it is broken.
 pub fn document(workspace: &Workspace) -> Result<Outcome> {
     println!("    with RUSTDOCFLAGS='-D warnings'");
-    let arguments = ["doc", "--workspace", "--no-deps"];
+    let arguments = [&["doc"], &EVERY_CRATE[..], &["--no-deps"]].concat();
     run_with(command(workspace).env("RUSTDOCFLAGS", "-D warnings"), &arguments)
 }
 
 /// All tests pass.
 pub fn test(workspace: &Workspace) -> Result<Outcome> {
-    run(workspace, &["test", "--workspace"])
+    run(workspace, &[&["test"], &EVERY_CRATE[..]].concat())
+}
+
+/// The driver can be published alone: it is packed, unpacked and built as a registry would have it.
+pub fn publish(workspace: &Workspace) -> Result<Outcome> {
+    run(workspace, &["build", "--package", "max5494", "--no-default-features"])?;
+    run(workspace, &["publish", "--dry-run", "--allow-dirty", "--package", "max5494"])
 }
 
 /// Builds the command as its users do, for the steps that run it.

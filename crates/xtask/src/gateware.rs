@@ -123,16 +123,17 @@ fn simulation(workspace: &Workspace) -> Result<Outcome> {
 
 /// A unit tested through the block: by groups against the simulated port, then the whole of `calibrate`, shortened.
 fn bench(workspace: &Workspace) -> Result<Outcome> {
-    let packages = ["--package", "zerorate-bench", "--package", "zerorate", "--features", "gateware"];
-    cargo::run(workspace, &[&["clippy"][..], &packages, &["--all-targets", "--", "-D", "warnings"]].concat())?;
-    cargo::run(workspace, &["test", "--package", "zerorate-bench", "--features", "gateware", "--test", "gateware"])?;
+    let with_gateware = [&cargo::EVERY_CRATE[..], &["--features", "zerorate/gateware"]].concat();
+    cargo::run(workspace, &[&["clippy"], &with_gateware[..], &["--all-targets", "--", "-D", "warnings"]].concat())?;
+    cargo::run(workspace, &[&["test"], &with_gateware[..], &["--test", "gateware"]].concat())?;
+    cargo::run(workspace, &[&["build"], &with_gateware[..], &["--bin", "zerorate"]].concat())?;
     let out = out(workspace)?;
     let summary = |acquisition: &str| -> Result<Value> {
         let folder = out.join(acquisition);
-        let mut calibrate = vec!["run", "--package", "zerorate", "--features", "gateware", "--", "calibrate"];
-        let folder_name = folder.to_string_lossy();
-        calibrate.extend(["--acquisition", acquisition, "--setup", SHORTENED, "--out", &folder_name]);
-        cargo::run(workspace, &calibrate)?;
+        println!("    zerorate calibrate --acquisition {acquisition}");
+        let mut zerorate = Command::new(workspace.target.join("debug").join("zerorate"));
+        zerorate.current_dir(&workspace.root).args(["calibrate", "--acquisition", acquisition, "--setup", SHORTENED]);
+        provide::succeed(zerorate.arg("--out").arg(&folder))?;
         let mut summary: Value = serde_json::from_str(&fs::read_to_string(folder.join("summary.json"))?)?;
         let took = summary.as_object_mut().and_then(|summary| summary.remove("wall_s"));
         took.context("summary.json has no wall_s")?;

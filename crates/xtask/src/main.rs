@@ -45,7 +45,7 @@ enum Chore {
         /// Leave out what needs Python, ngspice, the FPGA tools or a browser
         #[arg(long)]
         fast: bool,
-        /// Run these steps only: format, clippy, rustdoc, tests, no_std, arrows, house, build, numpy, damage, circuit,
+        /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, arrows, house, build, numpy, damage, circuit,
         /// gateware, report
         #[arg(value_name = "STEP")]
         only: Vec<String>,
@@ -84,6 +84,7 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("clippy", "mend what it points at", within(cargo::lint)),
         Step::new("rustdoc", "mend what it points at", within(cargo::document)),
         Step::new("tests", "`cargo test -p CRATE NAME` runs one", within(cargo::test)),
+        Step::new("publish", "mend crates/max5494", within(cargo::publish)),
         Step::new("no_std", "see ARCHITECTURE.md, Arrows", within(no_std::check)),
         Step::new("arrows", "see ARCHITECTURE.md, Arrows", within(arrows::check)),
         Step::new("house", "see CONTRIBUTING.md, Habits", within(house::check)),
