@@ -12,8 +12,12 @@ use crate::steps::Outcome;
 use crate::workspace::Workspace;
 
 /// The board's side: folder in crates/ and package.
-const BOARD_SIDE: [(&str, &str); 3] =
-    [("core", "zerorate-core"), ("max5494", "max5494"), ("device", "zerorate-device")];
+const BOARD_SIDE: [(&str, &str); 4] = [
+    ("core", "zerorate-core"),
+    ("max5494", "max5494"),
+    ("device", "zerorate-device"),
+    ("lockstep", "zerorate-lockstep"),
+];
 
 /// Any target without std would do; this is the firmware's.
 const BARE_TARGET: &str = "thumbv7em-none-eabihf";

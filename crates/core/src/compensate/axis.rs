@@ -72,7 +72,7 @@ impl AxisLaw {
     /// What is to be subtracted from a settled reading: `V(T) + effect(N) - V0`, in integers.
     #[must_use]
     pub fn correction(&self, code: TemperatureCode, tap: Taps) -> Q16 {
-        Q16(self.drift_from_centre(code) + self.effects.get(tap).0)
+        Q16(self.drift_from_centre(code).wrapping_add(self.effects.get(tap).0))
     }
 
     fn drift_from_centre(&self, code: TemperatureCode) -> i32 {
@@ -121,10 +121,11 @@ impl FixedEffects {
         let offset = i32::from(tap.get()) - i32::from(self.first);
         #[allow(clippy::cast_possible_wrap, clippy::cast_possible_truncation)] // at most 96
         let last = self.measured.len() as i32 - 1;
-        let nearest = offset.clamp(0, last);
-        #[allow(clippy::cast_sign_loss)] // clamped to 0 and above
+        let nearest = offset.min(last).max(0);
+        #[allow(clippy::cast_sign_loss)] // 0 and above
         let measured = self.measured.get(nearest as usize).copied().unwrap_or(0);
-        Q16(measured.saturating_add((offset - nearest).saturating_mul(self.per_tap)))
+        // Both ends of the part fit (see `new`) and so does all between them: what wraps on the way comes back.
+        Q16(measured.wrapping_add((offset - nearest).wrapping_mul(self.per_tap)))
     }
 }
 
@@ -140,9 +141,25 @@ pub struct GroupOutcome {
     pub move_to: Option<Taps>,
 }
 
+/// Temperature codes, from one to another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Hold {
+    from: u16,
+    to: u16,
+}
+
+impl Hold {
+    /// No code: the law is asked.
+    const NONE: Self = Self { from: 1, to: 0 };
+    /// Every code: the wiper is not moved.
+    const ALL: Self = Self { from: 0, to: u16::MAX };
+}
+
 /// The state of one axis: mode, interval of the table, the last commanded tap, and the correction in force.
 #[derive(Debug, Clone)]
 pub struct AxisCompensation {
+    /// The codes at which the wiper is where the law wants it: all that an update looks at until an edge is crossed.
+    hold: Hold,
     mode: Mode,
     tap: Taps,
     interval: Option<usize>,
@@ -160,6 +177,7 @@ impl AxisCompensation {
         let low_pass = law.map_or(LowPass::NONE, |law| law.low_pass);
         let effect = law.map_or(Q16::default(), |law| law.effects.get(tap));
         Self {
+            hold: Hold::NONE,
             mode: Mode::Off,
             tap,
             interval: None,
@@ -185,13 +203,16 @@ impl AxisCompensation {
     pub fn set_mode(&mut self, mode: Mode) {
         self.mode = mode;
         self.interval = None;
+        self.hold = Hold::NONE;
     }
 
     /// The wiper was written. Its effect reaches the samples through the low-pass.
     pub fn wiper_written(&mut self, law: Option<&AxisLaw>, tap: Taps) {
         self.tap = tap;
+        self.hold = Hold::NONE;
         if let Some(law) = law {
             self.settling.wiper_written(law.effects.get(tap));
+            self.hold_present_interval(law);
         }
     }
 
@@ -229,15 +250,47 @@ impl AxisCompensation {
         self.drift_from_centre = Some(drift);
         let correction = i64::from(drift) * i64::from(sums.n) + effect_sum;
         let corrected = mean_q16(sums, if self.mode.corrects() { correction } else { 0 });
-        GroupOutcome { corrected, coverage: law.coverage(code), move_to: self.tap_wanted(law, code) }
+        GroupOutcome { corrected, coverage: law.coverage(code), move_to: self.update(law, code) }
     }
 
-    fn tap_wanted(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
-        let edges = law.edges.as_ref().filter(|_| self.mode.moves_wiper())?;
+    /// The tap that the law asks for at a temperature code, when it is not the one last commanded. Once it has been
+    /// written, [`wiper_written`](Self::wiper_written) is to be called; until then the law goes on asking.
+    ///
+    /// Two compares, until an edge is crossed.
+    #[inline]
+    #[must_use]
+    pub fn update(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
+        if self.hold.from <= code.0 && code.0 <= self.hold.to {
+            return None;
+        }
+        self.cross(law, code)
+    }
+
+    /// An edge was crossed, or it is not known yet where the edges are.
+    #[inline(never)]
+    fn cross(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
+        let Some(edges) = law.edges.as_ref().filter(|_| self.mode.moves_wiper()) else {
+            self.hold = Hold::ALL;
+            return None;
+        };
         let interval = self.interval.map_or_else(|| edges.find(code), |now| edges.next(now, code));
         self.interval = Some(interval);
         let tap = edges.intervals().get(interval)?.tap;
-        (tap != self.tap).then_some(tap)
+        if tap == self.tap {
+            self.hold_present_interval(law);
+            return None;
+        }
+        self.hold = Hold::NONE;
+        Some(tap)
+    }
+
+    /// The wiper is where the present interval wants it: so it stays as far as the dead band holds it.
+    fn hold_present_interval(&mut self, law: &AxisLaw) {
+        let edges = law.edges.as_ref().filter(|_| self.mode.moves_wiper());
+        let interval = self.interval.and_then(|index| edges?.intervals().get(index));
+        if let Some(interval) = interval.filter(|interval| interval.tap == self.tap) {
+            self.hold = Hold { from: interval.hold_down_to, to: interval.hold_up_to };
+        }
     }
 }
 

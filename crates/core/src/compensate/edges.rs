@@ -132,13 +132,23 @@ impl EdgeTable {
     }
 
     /// The interval after a group at a temperature code, from the one before it: two compares unless an edge was
-    /// crossed.
+    /// crossed, and then most often a neighbour.
     #[must_use]
     pub fn next(&self, index: usize, code: TemperatureCode) -> usize {
         match self.intervals.get(index) {
             Some(now) if now.hold_down_to <= code.0 && code.0 <= now.hold_up_to => index,
-            _ => self.find(code),
+            Some(now) => {
+                let neighbour = if code.0 > now.hold_up_to { index + 1 } else { index.wrapping_sub(1) };
+                if self.holds(neighbour, code) { neighbour } else { self.find(code) }
+            }
+            None => self.find(code),
         }
+    }
+
+    /// Whether a code lies in an interval.
+    fn holds(&self, index: usize, code: TemperatureCode) -> bool {
+        let starts = |index: usize| self.intervals.get(index).is_some_and(|interval| interval.first <= code.0);
+        starts(index) && !starts(index.wrapping_add(1))
     }
 
     /// Checks a stored table before it is believed: in order, and in agreement with the law at both sides of every

@@ -66,10 +66,10 @@ enum Form {
         middle: u16,
         /// Left shift from codes to Q32.
         shift: u32,
-        /// Right shift from the coefficients' fractional bits to Q16.
+        /// Left shift from the coefficients' fractional bits to Q16.
         to_q16: u32,
-        /// Highest order first, as Horner takes them.
-        coefficients: Vec<i32, { MAX_ORDER + 1 }>,
+        /// Highest order first, as Horner takes them; zeros before a lower order's, so that there is no loop to count.
+        coefficients: [i32; MAX_ORDER + 1],
     },
     Table {
         /// The code of the first knot.
@@ -107,9 +107,11 @@ impl FixedDrift {
         let code = code.0.clamp(self.first, self.last);
         match &self.form {
             Form::Polynomial { middle, shift, to_q16, coefficients } => {
-                let u = (i32::from(code) - i32::from(*middle)) << shift;
-                let sum = coefficients.iter().fold(0, |sum, &c| multiply_high(sum, u) + c);
-                Q16(sum << (16 - to_q16))
+                let u = (i32::from(code) - i32::from(*middle)).wrapping_shl(*shift);
+                // The shifts are below 32; the mask tells the compiler.
+                let [c5, c4, c3, c2, c1, c0] = *coefficients;
+                let sum = [c4, c3, c2, c1, c0].iter().fold(c5, |sum, &c| multiply_high(sum, u).wrapping_add(c));
+                Q16(sum.wrapping_shl(*to_q16))
             }
             Form::Table { first, pieces_per_code, knots } => {
                 let position = u64::from(code.saturating_sub(*first)) * u64::from(*pieces_per_code);
@@ -159,8 +161,11 @@ fn polynomial_form(
     if !(fits(at(first)) && fits(at(last)) && fits(at(middle))) {
         return Err(Unrepresentable::TooLarge);
     }
-    let coefficients = in_u.iter().rev().filter_map(|&c| to_fixed(c, fraction_bits)).collect();
-    Ok(Form::Polynomial { middle, shift: 32 - bits, to_q16: fraction_bits, coefficients })
+    let mut coefficients = [0; MAX_ORDER + 1];
+    for (slot, &c) in coefficients.iter_mut().rev().zip(&in_u) {
+        *slot = to_fixed(c, fraction_bits).ok_or(Unrepresentable::TooLarge)?;
+    }
+    Ok(Form::Polynomial { middle, shift: 32 - bits, to_q16: 16 - fraction_bits, coefficients })
 }
 
 fn table_form(table: &Table, scale: TemperatureScale) -> Result<Form, Unrepresentable> {

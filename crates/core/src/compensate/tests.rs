@@ -299,6 +299,53 @@ proptest! {
         assert_correction_is_close(&law);
     }
 
+    /// What an axis remembers to be quick changes nothing: it asks for what the table says, whatever happens to wiper
+    /// and mode in between.
+    #[test]
+    fn an_update_asks_for_what_the_table_says(
+        events in prop::collection::vec((0..8_u8, 30_000..62_000_u16), 1..400), dead_band in 0.0..0.4_f64,
+    ) {
+        let law = paper_x(TURNING, dead_band);
+        let table = EdgeTable::solve(&law).unwrap();
+        let axis_law = AxisLaw::new(&law, Some(&table), LowPass::NONE).unwrap();
+        let mut axis = AxisCompensation::new(Some(&axis_law), Taps::MIDDLE);
+        let (mut mode, mut tap, mut interval) = (Mode::Off, Taps::MIDDLE, None);
+        let mut code = 34_000_u16;
+        for (event, number) in events {
+            match event {
+                0 => {
+                    mode = [Mode::Off, Mode::Trim, Mode::Digital, Mode::Hybrid][usize::from(number % 4)];
+                    interval = None;
+                    axis.set_mode(mode);
+                }
+                1 => {
+                    tap = Taps::new(490 + number % 40).unwrap();
+                    axis.wiper_written(Some(&axis_law), tap);
+                }
+                // A small step, and a jump.
+                2..=6 => code = code.saturating_add_signed(i16::try_from(number % 601).unwrap() - 300),
+                _ => code = number,
+            }
+            let code = TemperatureCode(code);
+            let wanted = mode.moves_wiper().then(|| {
+                let now = interval.map_or_else(|| table.find(code), |before| {
+                    let held: Interval = table.intervals()[before];
+                    let holds = (held.hold_down_to..=held.hold_up_to).contains(&code.0);
+                    if holds { before } else { table.find(code) }
+                });
+                interval = Some(now);
+                table.intervals()[now].tap
+            });
+            let asked = axis.update(&axis_law, code);
+            prop_assert_eq!(asked, wanted.filter(|&wanted| wanted != tap));
+            // Every other write fails.
+            if let Some(asked) = asked.filter(|_| number % 2 == 0) {
+                tap = asked;
+                axis.wiper_written(Some(&axis_law), tap);
+            }
+        }
+    }
+
     #[test]
     fn any_table_law_agrees_with_its_table_and_its_integers(
         knots in prop::collection::vec(8000.0..8400.0_f64, 2..=9),

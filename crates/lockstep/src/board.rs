@@ -1,0 +1,283 @@
+//! The board's side: handles on buses whose parts are at the other end of the channel.
+
+use core::cell::RefCell;
+
+use critical_section::Mutex;
+use embedded_hal::delay::DelayNs;
+use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
+use embedded_storage::nor_flash::{self, NorFlash, NorFlashErrorKind, ReadNorFlash};
+use heapless::Vec;
+
+use crate::message::{Answer, Board, Bus, MAX_REQUEST, Poll, Request, Transfer, VERSION};
+
+/// Two pipes to the host: every byte arrives, or it is an error.
+pub trait Line {
+    /// What can go wrong.
+    type Error: core::fmt::Debug;
+
+    /// Writes all bytes.
+    ///
+    /// # Errors
+    /// When the host is gone.
+    fn write(&mut self, bytes: &[u8]) -> Result<(), Self::Error>;
+
+    /// Fills `bytes`, waiting as long as it takes.
+    ///
+    /// # Errors
+    /// When the host is gone.
+    fn read(&mut self, bytes: &mut [u8]) -> Result<(), Self::Error>;
+}
+
+/// The bus, or the host, could not do what was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BusFailed;
+
+impl core::fmt::Display for BusFailed {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("the other end of the lock-step channel could not do it")
+    }
+}
+
+impl core::error::Error for BusFailed {}
+
+impl embedded_hal::spi::Error for BusFailed {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
+
+impl nor_flash::NorFlashError for BusFailed {
+    fn kind(&self) -> NorFlashErrorKind {
+        NorFlashErrorKind::Other
+    }
+}
+
+/// The channel to the host: a request out, its answer in.
+pub struct Channel<L> {
+    line: L,
+}
+
+impl<L: Line> Channel<L> {
+    /// A channel on a line.
+    pub const fn new(line: L) -> Self {
+        Self { line }
+    }
+
+    /// Says that the board has started, and learns what board it is.
+    ///
+    /// # Errors
+    /// [`BusFailed`], when the host is gone or speaks another version.
+    pub fn hello(&mut self) -> Result<Board, BusFailed> {
+        let mut bytes = [0; Board::BYTES];
+        self.ask(&Request::Hello { version: VERSION }, [bytes.as_mut_slice()])?;
+        let board = Board::from_bytes(&bytes);
+        if board.version == VERSION { Ok(board) } else { Err(BusFailed) }
+    }
+
+    /// Asks whether a set is ready.
+    ///
+    /// # Errors
+    /// [`BusFailed`], when the host is gone.
+    pub fn poll(&mut self, poll: Poll) -> Result<bool, BusFailed> {
+        let mut buffer = [0; 16];
+        let bytes = Request::Poll(poll).encode(&mut buffer).ok_or(BusFailed)?;
+        self.line.write(bytes).map_err(|_| BusFailed)?;
+        match self.answer()? {
+            Answer::SetReady => Ok(true),
+            Answer::Done => Ok(false),
+            Answer::Failed => Err(BusFailed),
+        }
+    }
+
+    /// Says where the firmware has panicked.
+    ///
+    /// # Errors
+    /// [`BusFailed`], when the host is gone.
+    pub fn panicked(&mut self, file: &str, line: u32) -> Result<(), BusFailed> {
+        self.ask(&Request::Panicked { file, line }, [])
+    }
+
+    fn ask<'b>(
+        &mut self,
+        request: &Request<'_>,
+        answers: impl IntoIterator<Item = &'b mut [u8]>,
+    ) -> Result<(), BusFailed> {
+        let mut buffer = [0; 2 + MAX_REQUEST];
+        let bytes = request.encode(&mut buffer).ok_or(BusFailed)?;
+        self.exchange(bytes, answers)
+    }
+
+    /// Sends an encoded request and reads the bytes of its answer.
+    fn exchange<'b>(
+        &mut self,
+        request: &[u8],
+        answers: impl IntoIterator<Item = &'b mut [u8]>,
+    ) -> Result<(), BusFailed> {
+        self.line.write(request).map_err(|_| BusFailed)?;
+        if self.answer()? != Answer::Done {
+            return Err(BusFailed);
+        }
+        answers.into_iter().try_for_each(|bytes| self.line.read(bytes).map_err(|_| BusFailed))
+    }
+
+    fn answer(&mut self) -> Result<Answer, BusFailed> {
+        let mut byte = [0];
+        self.line.read(&mut byte).map_err(|_| BusFailed)?;
+        Answer::of(byte[0]).ok_or(BusFailed)
+    }
+}
+
+/// A channel that interrupts and tasks share. Each request is asked and answered with interrupts off: half of one
+/// must not be overtaken by another.
+pub type SharedChannel<L> = Mutex<RefCell<Channel<L>>>;
+
+/// Asks and is answered, alone.
+fn alone<L, T>(
+    channel: &SharedChannel<L>,
+    act: impl FnOnce(&mut Channel<L>) -> Result<T, BusFailed>,
+) -> Result<T, BusFailed> {
+    critical_section::with(|section| {
+        let mut channel = channel.borrow(section).try_borrow_mut().map_err(|_| BusFailed)?;
+        act(&mut channel)
+    })
+}
+
+/// Asks a shared channel whether a set is ready.
+///
+/// # Errors
+/// [`BusFailed`], when the host is gone.
+pub fn poll<L: Line>(channel: &SharedChannel<L>, poll: Poll) -> Result<bool, BusFailed> {
+    alone(channel, |channel| channel.poll(poll))
+}
+
+/// An SPI device at the other end of a channel.
+pub struct LockstepSpi<'c, L> {
+    channel: &'c SharedChannel<L>,
+    bus: Bus,
+}
+
+impl<'c, L> LockstepSpi<'c, L> {
+    /// A part on the board's SPI.
+    pub const fn new(channel: &'c SharedChannel<L>, bus: Bus) -> Self {
+        Self { channel, bus }
+    }
+}
+
+impl<L> ErrorType for LockstepSpi<'_, L> {
+    type Error = BusFailed;
+}
+
+impl<L: Line> SpiDevice for LockstepSpi<'_, L> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), BusFailed> {
+        let mut transfers = Vec::new();
+        for operation in &*operations {
+            let transfer = match operation {
+                Operation::Read(bytes) => Transfer::Read(u16::try_from(bytes.len()).map_err(|_| BusFailed)?),
+                Operation::Write(bytes) => Transfer::Write(bytes),
+                Operation::TransferInPlace(bytes) => Transfer::Exchange(bytes),
+                Operation::Transfer(read, write) if read.len() == write.len() => Transfer::Exchange(write),
+                Operation::Transfer(..) => return Err(BusFailed),
+                Operation::DelayNs(ns) => Transfer::Delay(*ns),
+            };
+            transfers.push(transfer).map_err(|_| BusFailed)?;
+        }
+        let mut request = [0; 2 + MAX_REQUEST];
+        let request = Request::Transaction { bus: self.bus, transfers }.encode(&mut request).ok_or(BusFailed)?;
+        alone(self.channel, |channel| {
+            let reads = operations.iter_mut().filter_map(|operation| match operation {
+                Operation::Read(bytes) | Operation::TransferInPlace(bytes) | Operation::Transfer(bytes, _) => {
+                    Some(&mut **bytes)
+                }
+                Operation::Write(_) | Operation::DelayNs(_) => None,
+            });
+            channel.exchange(request, reads)
+        })
+    }
+}
+
+/// A delay on the bench's timeline.
+pub struct LockstepDelay<'c, L> {
+    channel: &'c SharedChannel<L>,
+}
+
+impl<'c, L> LockstepDelay<'c, L> {
+    /// The bench's time.
+    pub const fn new(channel: &'c SharedChannel<L>) -> Self {
+        Self { channel }
+    }
+}
+
+impl<L: Line> DelayNs for LockstepDelay<'_, L> {
+    fn delay_ns(&mut self, ns: u32) {
+        // Without a host there is no bench, and no time to wait for.
+        let _ = alone(self.channel, |channel| channel.ask(&Request::Delay { ns }, []));
+    }
+}
+
+/// A NOR flash at the other end of a channel: `CAPACITY` bytes in sectors of `SECTOR`, written by words.
+pub struct LockstepFlash<'c, L, const CAPACITY: usize, const SECTOR: usize> {
+    channel: &'c SharedChannel<L>,
+}
+
+impl<'c, L, const CAPACITY: usize, const SECTOR: usize> LockstepFlash<'c, L, CAPACITY, SECTOR> {
+    /// Bytes in one request.
+    const CHUNK: usize = 512;
+
+    /// The flash.
+    pub const fn new(channel: &'c SharedChannel<L>) -> Self {
+        Self { channel }
+    }
+}
+
+impl<L: Line, const CAPACITY: usize, const SECTOR: usize> LockstepFlash<'_, L, CAPACITY, SECTOR> {
+    fn ask<'b>(
+        &mut self,
+        request: &Request<'_>,
+        answers: impl IntoIterator<Item = &'b mut [u8]>,
+    ) -> Result<(), BusFailed> {
+        alone(self.channel, |channel| channel.ask(request, answers))
+    }
+}
+
+impl<L, const CAPACITY: usize, const SECTOR: usize> nor_flash::ErrorType for LockstepFlash<'_, L, CAPACITY, SECTOR> {
+    type Error = BusFailed;
+}
+
+impl<L: Line, const CAPACITY: usize, const SECTOR: usize> ReadNorFlash for LockstepFlash<'_, L, CAPACITY, SECTOR> {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), BusFailed> {
+        let mut at = offset;
+        for chunk in bytes.chunks_mut(Self::CHUNK) {
+            let length = u16::try_from(chunk.len()).map_err(|_| BusFailed)?;
+            self.ask(&Request::FlashRead { offset: at, length }, [chunk])?;
+            at += u32::from(length);
+        }
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        CAPACITY
+    }
+}
+
+impl<L: Line, const CAPACITY: usize, const SECTOR: usize> NorFlash for LockstepFlash<'_, L, CAPACITY, SECTOR> {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = SECTOR;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), BusFailed> {
+        self.ask(&Request::FlashErase { from, to }, [])
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), BusFailed> {
+        let mut at = offset;
+        for chunk in bytes.chunks(Self::CHUNK) {
+            self.ask(&Request::FlashWrite { offset: at, bytes: chunk }, [])?;
+            at += u32::try_from(chunk.len()).map_err(|_| BusFailed)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;
