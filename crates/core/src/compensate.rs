@@ -4,10 +4,14 @@
 //! [`EdgeTable`] and [`FixedDrift`]: integers only, made from the f64 law by the host, and compared with it at all
 //! 65 536 temperature codes in the tests. Coefficients ([`AxisLaw`]) are kept apart from state ([`AxisCompensation`]).
 //!
+//! A drift with history ([`crate::drift::History`]) has no table of edges: the device evaluates it ([`FixedHistory`]) and
+//! compares it with the middles between taps, in counts. Mode trim stays with the static table.
+//!
 //! Signs: a reading `R` at tap `N` is `V(T) + effect(N)`. The correction is what is subtracted from it,
 //! `V(T) + effect(N) - V0`, so that the corrected reading is the centre `V0` at rest.
 
 mod axis;
+mod dynamic;
 mod edges;
 mod fixed;
 mod law;
@@ -16,6 +20,7 @@ mod settling;
 use serde::{Deserialize, Serialize};
 
 pub use axis::{AxisCompensation, AxisLaw, GroupOutcome, LawRefused};
+pub use dynamic::{FixedHistory, FixedHistoryState};
 pub use edges::{EdgeError, EdgeTable, Interval, MAX_INTERVALS};
 pub use fixed::{FixedDrift, Q16, Unrepresentable};
 pub use law::StaticLaw;

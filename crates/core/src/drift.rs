@@ -5,12 +5,16 @@
 //! variable `x = (T - centre) / half_span`, in which order 5 is still well conditioned; [`Polynomial::raw_coefficients`]
 //! gives the form that papers print.
 
+mod history;
 mod polynomial;
 mod table;
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
+pub use history::{
+    History, HistoryState, KNOWN_FROM, Knowledge, MAX_HISTORY_TERMS, Memory, Term, evaluate_dynamic, lean,
+};
 pub(crate) use polynomial::substitute;
 pub use polynomial::{MAX_ORDER, Polynomial};
 pub use table::{MAX_KNOTS, Table};
@@ -155,6 +159,17 @@ pub enum Shape {
     Table(Table),
 }
 
+impl Shape {
+    /// The reading at a temperature, held nowhere. NaN gives NaN.
+    #[must_use]
+    pub fn evaluate(&self, temperature: f64) -> f64 {
+        match self {
+            Self::Polynomial(polynomial) => polynomial.evaluate(temperature),
+            Self::Table(table) => table.evaluate(temperature),
+        }
+    }
+}
+
 /// Zero-rate output over temperature: a shape and the range over which it holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drift {
@@ -170,11 +185,7 @@ impl Drift {
     #[must_use]
     pub fn evaluate(&self, temperature: f64) -> (f64, Coverage) {
         let held = temperature.clamp(self.valid.min, self.valid.max);
-        let zro = match &self.shape {
-            Shape::Polynomial(polynomial) => polynomial.evaluate(held),
-            Shape::Table(table) => table.evaluate(held),
-        };
-        (zro, self.valid.coverage(temperature))
+        (self.shape.evaluate(held), self.valid.coverage(temperature))
     }
 
     /// The temperatures inside the valid range at which the curve turns round, coldest first. Between two of them

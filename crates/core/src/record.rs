@@ -9,12 +9,14 @@ use heapless::String;
 use serde::{Deserialize, Serialize};
 
 use crate::compensate::{AxisLaw, EdgeTable, LawRefused, LowPass, Mode, StaticLaw};
-use crate::drift::Drift;
+use crate::drift::{Drift, History};
 use crate::trim::Trim;
 use crate::units::{Axis, TemperatureScale};
 
 /// The version of the body that this code reads and writes.
-pub const RECORD_VERSION: u16 = 1;
+///
+/// 1: static laws. 2: each axis may carry a history with its group period.
+pub const RECORD_VERSION: u16 = 2;
 /// More bytes than any record takes.
 pub const MAX_RECORD_BYTES: usize = 6144;
 
@@ -39,6 +41,18 @@ pub struct AxisRecord {
     pub start_up_mode: Mode,
     /// The law solved for its edges; `None` where it has none and only the digital mode can run.
     pub edges: Option<EdgeTable>,
+    /// What the drift remembers of its temperatures; `None` where it is a function of temperature alone. With one,
+    /// `drift` is the curve for when the history is unknown, and the law of mode trim.
+    pub history: Option<HistoryRecord>,
+}
+
+/// A history and the time step that it runs by.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HistoryRecord {
+    /// The terms and their curve, in counts.
+    pub history: History,
+    /// The time from group to group, seconds.
+    pub group_period_s: f64,
 }
 
 impl AxisRecord {
@@ -53,7 +67,12 @@ impl AxisRecord {
     /// # Errors
     /// [`LawRefused`], when its numbers do not fit or its table of edges disagrees with it.
     pub fn law(&self, temperature_scale: TemperatureScale) -> Result<AxisLaw, LawRefused> {
-        AxisLaw::new(&self.static_law(temperature_scale), self.edges.as_ref(), self.low_pass)
+        let law = self.static_law(temperature_scale);
+        let fixed = AxisLaw::new(&law, self.edges.as_ref(), self.low_pass)?;
+        match &self.history {
+            None => Ok(fixed),
+            Some(record) => fixed.with_history(&record.history, &law, record.group_period_s),
+        }
     }
 }
 

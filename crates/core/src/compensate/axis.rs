@@ -3,11 +3,12 @@
 use heapless::Vec;
 
 use super::Mode;
+use super::dynamic::{FixedHistory, FixedHistoryState};
 use super::edges::{EdgeError, EdgeTable};
 use super::fixed::{FixedDrift, Q16, Unrepresentable};
 use super::law::StaticLaw;
 use super::settling::{LowPass, Settling};
-use crate::drift::Coverage;
+use crate::drift::{Coverage, History, Knowledge};
 use crate::group::GroupSums;
 use crate::trim::{MAX_TAP_OFFSETS, Trim};
 use crate::units::{Taps, TemperatureCode};
@@ -20,6 +21,8 @@ pub struct AxisLaw {
     effects: FixedEffects,
     centre: Q16,
     low_pass: LowPass,
+    /// What makes the law dynamic; `None` where the drift is a function of temperature alone.
+    history: Option<FixedHistory>,
 }
 
 /// Why a law cannot be run.
@@ -60,7 +63,30 @@ impl AxisLaw {
             effects: FixedEffects::new(&law.trim).ok_or(too_large)?,
             centre: Q16::from_counts(law.trim.line.centre().0).ok_or(too_large)?,
             low_pass,
+            history: None,
         })
+    }
+
+    /// The same law with a history ([`crate::drift::History`]), which modes digital and hybrid follow; mode trim stays
+    /// with the static drift. `group_period_s` is the time from group to group, seconds.
+    ///
+    /// # Errors
+    /// [`LawRefused::Unrepresentable`], when the history's numbers do not fit.
+    pub fn with_history(
+        mut self,
+        history: &History,
+        law: &StaticLaw,
+        group_period_s: f64,
+    ) -> Result<Self, LawRefused> {
+        let fixed = FixedHistory::new(history, &law.drift, law.temperature_scale, group_period_s, law.dead_band);
+        self.history = Some(fixed.map_err(LawRefused::Unrepresentable)?);
+        Ok(self)
+    }
+
+    /// Whether the drift has a history.
+    #[must_use]
+    pub const fn is_dynamic(&self) -> bool {
+        self.history.is_some()
     }
 
     /// Whether the law can move the wiper.
@@ -93,7 +119,7 @@ impl AxisLaw {
 
 /// What each tap adds to the reading, in Q16: as measured, and on from the nearer end of what was measured.
 #[derive(Debug, Clone, PartialEq, Eq)]
-struct FixedEffects {
+pub(super) struct FixedEffects {
     first: u16,
     /// Without a measurement the middle tap alone, which adds nothing to itself.
     measured: Vec<i32, MAX_TAP_OFFSETS>,
@@ -102,7 +128,7 @@ struct FixedEffects {
 
 impl FixedEffects {
     /// `None` when an effect does not fit: some tap would move the reading by more than 32 767 counts.
-    fn new(trim: &Trim) -> Option<Self> {
+    pub(super) fn new(trim: &Trim) -> Option<Self> {
         for end in [Taps::FIRST, Taps::LAST] {
             Q16::from_counts(trim.effect(end).0)?;
         }
@@ -117,7 +143,7 @@ impl FixedEffects {
         Some(Self { first: first.get(), measured, per_tap })
     }
 
-    fn get(&self, tap: Taps) -> Q16 {
+    pub(super) fn get(&self, tap: Taps) -> Q16 {
         let offset = i32::from(tap.get()) - i32::from(self.first);
         #[allow(clippy::cast_possible_wrap, clippy::cast_possible_truncation)] // at most 96
         let last = self.measured.len() as i32 - 1;
@@ -137,6 +163,8 @@ pub struct GroupOutcome {
     pub corrected: Q16,
     /// Where the temperature lies against the calibrated range; `Invalid` for an empty group.
     pub coverage: Coverage,
+    /// Whether the history that the correction rests on was seen; `Known` for a static law.
+    pub knowledge: Knowledge,
     /// The tap that the law asks for, when it is not the one last commanded.
     pub move_to: Option<Taps>,
 }
@@ -168,6 +196,7 @@ pub struct AxisCompensation {
     settling: Settling,
     /// The wiper's effect over the samples of the group that is being filled, Q16.
     effect_sum: i64,
+    history: FixedHistoryState,
 }
 
 impl AxisCompensation {
@@ -184,6 +213,7 @@ impl AxisCompensation {
             drift_from_centre: None,
             settling: Settling::new(low_pass, effect),
             effect_sum: 0,
+            history: FixedHistoryState::default(),
         }
     }
 
@@ -239,18 +269,38 @@ impl AxisCompensation {
         let _ = self.settling.next_samples(n);
     }
 
+    /// Groups were lost before the one that is being filled: the history goes on without their temperatures.
+    pub fn lose_groups(&mut self, groups: u32) {
+        FixedHistory::lose(&mut self.history, groups);
+    }
+
     /// Closes a group: the correction for its mean, and the tap for its temperature.
     pub fn close_group(&mut self, law: Option<&AxisLaw>, sums: &GroupSums) -> GroupOutcome {
         let effect_sum = core::mem::take(&mut self.effect_sum);
         let (Some(law), Some(code)) = (law, sums.temperature_code()) else {
-            let coverage = Coverage::Invalid;
-            return GroupOutcome { corrected: mean_q16(sums, 0), coverage, move_to: None };
+            // An empty group has no temperature, and its time has passed all the same.
+            self.lose_groups(1);
+            let (coverage, knowledge) = (Coverage::Invalid, Knowledge::Known);
+            return GroupOutcome { corrected: mean_q16(sums, 0), coverage, knowledge, move_to: None };
         };
-        let drift = law.drift_from_centre(code);
+        let (drift, knowledge) = match &law.history {
+            None => (law.drift_from_centre(code), Knowledge::Known),
+            Some(history) => {
+                history.advance(&mut self.history, code);
+                let (drift, knowledge) = history.drift(&self.history, law.drift.evaluate(code));
+                (drift.0.saturating_sub(law.centre.0), knowledge)
+            }
+        };
         self.drift_from_centre = Some(drift);
         let correction = i64::from(drift) * i64::from(sums.n) + effect_sum;
         let corrected = mean_q16(sums, if self.mode.corrects() { correction } else { 0 });
-        GroupOutcome { corrected, coverage: law.coverage(code), move_to: self.update(law, code) }
+        let move_to = match &law.history {
+            Some(history) if self.mode == Mode::Hybrid && law.moves_wiper() => {
+                Some(history.tap(&law.effects, self.tap, drift)).filter(|&tap| tap != self.tap)
+            }
+            _ => self.update(law, code),
+        };
+        GroupOutcome { corrected, coverage: law.coverage(code), knowledge, move_to }
     }
 
     /// The tap that the law asks for at a temperature code, when it is not the one last commanded. Once it has been

@@ -199,7 +199,7 @@ fn multiply_high(a: i32, b: i32) -> i32 {
 }
 
 /// The nearest fixed-point number with so many fractional bits; `None` when it does not fit.
-fn to_fixed(value: f64, fraction_bits: u32) -> Option<i32> {
+pub(super) fn to_fixed(value: f64, fraction_bits: u32) -> Option<i32> {
     let scaled = libm::round(value * f64::from(1_u32 << fraction_bits));
     if !(f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&scaled) {
         return None;

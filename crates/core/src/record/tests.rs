@@ -1,5 +1,5 @@
 use super::*;
-use crate::drift::{Polynomial, Scale, Shape, ValidRange};
+use crate::drift::{Memory, Polynomial, Scale, Shape, Term, ValidRange};
 use crate::trim::TrimLine;
 use crate::units::{Counts, Taps};
 
@@ -15,6 +15,7 @@ fn record() -> DeviceRecord {
         low_pass: LowPass::first_order(40.0, 0.003, 0.0001),
         start_up_mode: Mode::Hybrid,
         edges: None,
+        history: None,
     };
     let law = axis.static_law(TemperatureScale::QUARTER_COUNTS);
     axis.edges = Some(EdgeTable::solve(&law).unwrap());
@@ -73,4 +74,24 @@ fn a_table_that_does_not_belong_to_the_law_is_refused() {
     other.dead_band = 0.4;
     wrong.axes[0].edges = Some(EdgeTable::solve(&other).unwrap());
     assert!(matches!(wrong.axes[0].law(wrong.temperature_scale), Err(LawRefused::Edges(_))));
+}
+
+/// A history makes the law dynamic, and a device refuses one that it cannot run.
+#[test]
+fn a_history_travels_with_the_record_and_is_checked() {
+    let mut with = record();
+    let curve = with.axes[0].drift.shape.clone();
+    let terms = [
+        Term { memory: Memory::Play { half_width: 200.0 }, weight: 0.1, share: 0.75 },
+        Term { memory: Memory::Lag { time_constant_s: 240.0 }, weight: -0.02, share: 0.25 },
+    ];
+    let history = History::new(curve, &terms).unwrap();
+    with.axes[0].history = Some(HistoryRecord { history, group_period_s: 0.5 });
+    let mut buffer = [0; MAX_RECORD_BYTES];
+    let read = DeviceRecord::decode(with.encode(&mut buffer).unwrap()).unwrap();
+    assert_eq!(read, with);
+    let dynamic = |axis: Axis| read.axis(axis).law(read.temperature_scale).map(|law| law.is_dynamic());
+    assert_eq!((dynamic(Axis::X), dynamic(Axis::Y)), (Ok(true), Ok(false)));
+    with.axes[0].history.as_mut().unwrap().group_period_s = f64::NAN;
+    assert!(matches!(with.axes[0].law(with.temperature_scale), Err(LawRefused::Unrepresentable(_))));
 }
