@@ -131,7 +131,7 @@ pub fn compose_axis(
         reason.map(|reason| DigitalOnly { reason, instead_of: start_up_mode.moves_wiper().then_some(start_up_mode) });
     let starts = digital_only.and_then(|digital_only| digital_only.instead_of).map_or(start_up_mode, |_| Mode::Digital);
     let StaticLaw { drift, trim, .. } = law;
-    let record = AxisRecord { drift, trim, dead_band, low_pass, start_up_mode: starts, edges };
+    let record = AxisRecord { drift, trim, dead_band, low_pass, start_up_mode: starts, edges, history: None };
     record.law(temperature_scale)?;
     Ok(Composed { record, digital_only })
 }

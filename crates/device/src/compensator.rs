@@ -299,6 +299,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         for axis in Axis::BOTH {
             let n = self.set.sums[axis.index()].n;
             self.axes[axis.index()].skip_lost(missed.saturating_mul(n));
+            self.axes[axis.index()].lose_groups(missed);
         }
         let before = self.axes.clone();
         let axes = Axis::BOTH.map(|axis| self.close_axis(axis));

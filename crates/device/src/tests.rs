@@ -86,6 +86,7 @@ pub fn record(unit: &str) -> DeviceRecord {
         low_pass: LowPass::NONE,
         start_up_mode: Mode::Hybrid,
         edges: None,
+        history: None,
     };
     axis.edges = Some(EdgeTable::solve(&axis.static_law(TemperatureScale::QUARTER_COUNTS)).unwrap());
     DeviceRecord {

@@ -52,6 +52,7 @@ fn record() -> DeviceRecord {
             low_pass: LowPass::first_order(40.0, 0.003, 0.0001),
             start_up_mode: Mode::Hybrid,
             edges: None,
+            history: None,
         };
         axis.edges = Some(EdgeTable::solve(&axis.static_law(TemperatureScale::QUARTER_COUNTS)).unwrap());
         axis

@@ -72,12 +72,7 @@ impl AxisLaw {
     ///
     /// # Errors
     /// [`LawRefused::Unrepresentable`], when the history's numbers do not fit.
-    pub fn with_history(
-        mut self,
-        history: &History,
-        law: &StaticLaw,
-        group_period_s: f64,
-    ) -> Result<Self, LawRefused> {
+    pub fn with_history(mut self, history: &History, law: &StaticLaw, group_period_s: f64) -> Result<Self, LawRefused> {
         let fixed = FixedHistory::new(history, &law.drift, law.temperature_scale, group_period_s, law.dead_band);
         self.history = Some(fixed.map_err(LawRefused::Unrepresentable)?);
         Ok(self)

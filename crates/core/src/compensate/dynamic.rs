@@ -120,7 +120,7 @@ impl FixedHistory {
                 FixedMemory::Lag { kept, part } => {
                     let (kept, follows) = over_groups(kept, part, groups);
                     memory.ahead = lag(kept, follows, memory.ahead, rise);
-                    memory.forgotten = narrow(u64::from(memory.forgotten) * kept >> 32);
+                    memory.forgotten = narrow((u64::from(memory.forgotten) * kept) >> 32);
                 }
             }
         }

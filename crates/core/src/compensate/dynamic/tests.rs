@@ -1,5 +1,7 @@
 //! The integer history against the f64 one, over ramps and random walks, and the axis that runs it.
 
+#![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_sign_loss)] // codes of a test
+
 use std::vec::Vec;
 
 use proptest::prelude::*;
