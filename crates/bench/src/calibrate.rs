@@ -81,7 +81,7 @@ pub fn calibrate(
 
     let line = session.bench.device.counts();
     if line != LineCounts::default() {
-        let LineCounts { lost_uploads, damaged_frames } = line;
+        let LineCounts { lost_uploads, damaged_frames, .. } = line;
         character.warnings.push(format!(
             "the line to the device lost {lost_uploads} uploads and damaged {damaged_frames} frames: groups may be missing"
         ));

@@ -1,26 +1,30 @@
 //! The host's end of the wire: commands out, answers and groups in.
+//!
+//! On a line in real time a command that is not answered is sent again with the same number, up to eight times in four
+//! seconds: the device does it once and answers as often as it is asked. Groups that never came are named.
 
-use std::collections::VecDeque;
+mod conversation;
+
+use std::ops::RangeInclusive;
+use std::time::{Duration, Instant};
 
 use zerorate_core::record::DeviceRecord;
 use zerorate_core::units::{Axis, GroupNumber, Taps};
-use zerorate_core::wire::frame::{self, Receiver};
-use zerorate_core::wire::{
-    Answer, CHUNK, Command, FaultCounts, GroupReport, Identity, Message, Refusal, Request, Sample, Upload, WIRE_VERSION,
-};
+use zerorate_core::wire::{Answer, CHUNK, FaultCounts, GroupReport, Identity, Refusal, Request, Sample, WIRE_VERSION};
 
+use self::conversation::Conversation;
 use crate::link::{Link, LinkError};
+
+/// How often a device that lost its power is looked for.
+const LOOK_AGAIN: Duration = Duration::from_millis(300);
+
+/// Opens the line again.
+pub type Reopen = Box<dyn FnMut() -> Result<Box<dyn Link>, LinkError>>;
 
 /// A device on a line.
 pub struct DeviceClient {
-    link: Box<dyn Link>,
-    receiver: Receiver,
-    bytes: Vec<u8>,
-    sequence: u16,
-    next_upload: Option<u32>,
-    groups: VecDeque<Group>,
-    samples: [Vec<Sample>; 2],
-    counts: LineCounts,
+    conversation: Conversation,
+    reopen: Option<Reopen>,
 }
 
 /// What the host noticed of the line.
@@ -30,6 +34,8 @@ pub struct LineCounts {
     pub lost_uploads: u32,
     /// Frames that could not be read.
     pub damaged_frames: u32,
+    /// Commands that were sent again because no answer came.
+    pub sent_again: u32,
 }
 
 /// A group as it arrived.
@@ -37,7 +43,7 @@ pub struct LineCounts {
 pub struct Group {
     /// The report.
     pub report: GroupReport,
-    /// The samples of X and Y, where they were streamed.
+    /// The samples of X and Y, where they were streamed and all of them arrived.
     pub samples: [Vec<Sample>; 2],
 }
 
@@ -51,10 +57,40 @@ pub enum ClientError {
     #[error("the device refused: {0}")]
     Refused(Refusal),
     /// The device speaks another version.
-    #[error("the device speaks version {device} of the wire, this program {WIRE_VERSION}: update the older of the two")]
+    #[error("the device speaks version {device} of the wire, this program {WIRE_VERSION}: update {}", older(*device))]
     Version {
         /// The device's version.
         device: u16,
+    },
+    /// Whole frames arrive that say nothing this program knows.
+    #[error(
+        "the device speaks, and nothing of version {WIRE_VERSION} of the wire, which this program speaks: update the older of firmware and program"
+    )]
+    OtherTongue,
+    /// Bytes arrive and no frame.
+    #[error(
+        "bytes arrive, but no message is whole: is this the board's port, and the rate right (serial:PATH@BAUD; the boards' is 115200)?"
+    )]
+    Noise,
+    /// The device is there and does not answer.
+    #[error("the device does not answer although it was asked {what} {tries} times: the line to it damages too much, or it hangs; switch it off and on")]
+    Unanswered {
+        /// What it was asked, as "to write a wiper".
+        what: &'static str,
+        /// How often.
+        tries: u32,
+    },
+    /// The device answers and sends no groups.
+    #[error("the device answers and sends no groups: its acquisition stands still (`zerorate device faults` may say why)")]
+    NoGroups,
+    /// The device began anew in the middle of something.
+    #[error("the device has started anew in the middle of the run: it lost its power, or its watchdog restarted it")]
+    Restarted,
+    /// The device did not come back.
+    #[error("the device did not start anew within {waited_s} s of being asked for it: was its power switched off and on?")]
+    NoRestart {
+        /// How long was waited, seconds.
+        waited_s: u64,
     },
     /// The answer is of another kind than the question.
     #[error("the device gave an answer that does not belong to the question")]
@@ -69,35 +105,76 @@ pub enum ClientError {
     Record(#[from] zerorate_core::record::RecordError),
 }
 
+const fn older(device: u16) -> &'static str {
+    if device < WIRE_VERSION { "the device's firmware" } else { "this program" }
+}
+
 impl DeviceClient {
     /// A device on a line; nothing is said yet.
     #[must_use]
     pub fn new(link: Box<dyn Link>) -> Self {
-        Self {
-            link,
-            receiver: Receiver::new(),
-            bytes: Vec::new(),
-            sequence: 0,
-            next_upload: None,
-            groups: VecDeque::new(),
-            samples: [Vec::new(), Vec::new()],
-            counts: LineCounts::default(),
-        }
+        Self { conversation: Conversation::new(link), reopen: None }
+    }
+
+    /// How the line is opened again when it went with the device's power, as a USB port does.
+    pub fn reopen_with(&mut self, reopen: Reopen) {
+        self.reopen = Some(reopen);
     }
 
     /// What the host noticed of the line.
     #[must_use]
     pub const fn counts(&self) -> LineCounts {
-        self.counts
+        self.conversation.counts
+    }
+
+    /// The numbers of the groups that never came, since the last call.
+    pub fn take_lost_groups(&mut self) -> Vec<RangeInclusive<u32>> {
+        std::mem::take(&mut self.conversation.lost_groups)
     }
 
     /// The device has lost its power and started anew: it counts uploads from 0 again, and what was under way is gone.
     pub fn restarted(&mut self) {
-        self.receiver = Receiver::new();
-        self.bytes.clear();
-        self.next_upload = None;
-        self.groups.clear();
-        self.samples = [Vec::new(), Vec::new()];
+        self.conversation.forget();
+    }
+
+    /// Waits until the device has lost its power and is back, up to `patience`; `look` is asked ten times a second
+    /// whether to go on waiting.
+    ///
+    /// # Errors
+    /// [`ClientError::NoRestart`]; whatever `look` says.
+    pub fn await_restart<E: From<ClientError>>(
+        &mut self,
+        patience: Duration,
+        mut look: impl FnMut() -> Result<(), E>,
+    ) -> Result<Identity, E> {
+        let began = Instant::now();
+        let mut looked = began;
+        let mut gone = false;
+        while began.elapsed() < patience {
+            look()?;
+            // The question makes a device that is back say a number, and the number tells whether it began anew.
+            if !gone && looked.elapsed() > LOOK_AGAIN {
+                looked = Instant::now();
+                gone = self.conversation.send(Request::Faults, None).is_err();
+            }
+            match self.conversation.next_answer() {
+                Ok(_) => {}
+                Err(ClientError::Restarted) => {
+                    self.restarted();
+                    return Ok(self.identify()?);
+                }
+                Err(_) => gone = true,
+            }
+            if gone {
+                std::thread::sleep(LOOK_AGAIN);
+                let Some(Ok(link)) = self.reopen.as_mut().map(|reopen| reopen()) else { continue };
+                self.conversation.replace_link(link);
+                if let Ok(identity) = self.identify() {
+                    return Ok(identity);
+                }
+            }
+        }
+        Err(ClientError::NoRestart { waited_s: patience.as_secs() }.into())
     }
 
     /// Shakes hands: who is it, and does it speak this version?
@@ -106,7 +183,11 @@ impl DeviceClient {
     /// [`ClientError`].
     pub fn identify(&mut self) -> Result<Identity, ClientError> {
         match self.ask(Request::Identity)? {
-            Answer::Identity(identity) if identity.wire_version == WIRE_VERSION => Ok(identity),
+            Answer::Identity(identity) if identity.wire_version == WIRE_VERSION => {
+                let period_us = u64::from(identity.samples_per_group) * u64::from(identity.sample_period_us);
+                self.conversation.group_period = Duration::from_micros(period_us);
+                Ok(identity)
+            }
             Answer::Identity(identity) => Err(ClientError::Version { device: identity.wire_version }),
             _ => Err(ClientError::Confused),
         }
@@ -163,9 +244,10 @@ impl DeviceClient {
     /// [`ClientError`].
     pub fn set_taps(&mut self, taps: [Taps; 2]) -> Result<GroupNumber, ClientError> {
         let mut from = GroupNumber(0);
-        let sent = Axis::BOTH.map(|axis| self.send(Request::SetTap { axis, tap: taps[axis.index()] }));
-        for sequence in sent {
-            let (group, answer) = self.answer_to(sequence?)?;
+        let sent =
+            Axis::BOTH.map(|axis| self.conversation.send(Request::SetTap { axis, tap: taps[axis.index()] }, None));
+        for sent in sent {
+            let (group, answer) = self.conversation.answer_to(&sent?)?;
             accepted(answer)?;
             from = from.max(group);
         }
@@ -177,8 +259,16 @@ impl DeviceClient {
     /// # Errors
     /// [`ClientError`].
     pub fn order(&mut self, request: Request) -> Result<GroupNumber, ClientError> {
-        let sequence = self.send(request)?;
-        let (group, answer) = self.answer_to(sequence)?;
+        self.order_at(request, None)
+    }
+
+    /// Gives an order that is to hold from a group on, the next one without it; returns the first group for which it
+    /// does. The answer comes when that group is about to begin.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn order_at(&mut self, request: Request, at: Option<GroupNumber>) -> Result<GroupNumber, ClientError> {
+        let (group, answer) = self.conversation.ask(request, at)?;
         accepted(answer).map(|()| group)
     }
 
@@ -187,83 +277,38 @@ impl DeviceClient {
     /// # Errors
     /// [`ClientError`].
     pub fn next_group(&mut self) -> Result<Group, ClientError> {
-        loop {
-            if let Some(group) = self.groups.pop_front() {
-                return Ok(group);
-            }
-            // An answer that comes meanwhile is one that nobody waits for any more.
-            self.next_answer()?;
-        }
+        self.group_within(self.conversation.too_late())?.ok_or(ClientError::NoGroups)
+    }
+
+    /// Waits for the next group, on a line in real time no longer than `patience`.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn group_within(&mut self, patience: Duration) -> Result<Option<Group>, ClientError> {
+        self.conversation.group_before(Instant::now() + patience)
+    }
+
+    /// How long a group takes, as the device said when hands were shaken.
+    #[must_use]
+    pub const fn group_period(&self) -> Duration {
+        self.conversation.group_period
+    }
+
+    /// Whether time passes on the device while nobody waits for it.
+    #[must_use]
+    pub fn in_real_time(&self) -> bool {
+        self.conversation.in_real_time()
     }
 
     /// Forgets the groups that have arrived and were not asked for.
     pub fn discard_groups(&mut self) {
-        self.groups.clear();
-        self.samples = [Vec::new(), Vec::new()];
+        self.conversation.discard_groups();
     }
 
     fn ask(&mut self, request: Request) -> Result<Answer, ClientError> {
-        let sequence = self.send(request)?;
-        match self.answer_to(sequence)?.1 {
+        match self.conversation.ask(request, None)?.1 {
             Answer::Refused(refusal) => Err(ClientError::Refused(refusal)),
             answer => Ok(answer),
-        }
-    }
-
-    fn send(&mut self, request: Request) -> Result<u16, ClientError> {
-        self.sequence = self.sequence.wrapping_add(1);
-        let command = Command { sequence: self.sequence, at: None, request };
-        let frame = frame::encode(&command).map_err(|_| ClientError::Confused)?;
-        self.link.send(&frame)?;
-        Ok(self.sequence)
-    }
-
-    /// Waits for the answer to a command; groups that come meanwhile are kept.
-    fn answer_to(&mut self, sequence: u16) -> Result<(GroupNumber, Answer), ClientError> {
-        loop {
-            match self.next_answer()? {
-                Some((to, group, answer)) if to == sequence => return Ok((group, answer)),
-                _ => {}
-            }
-        }
-    }
-
-    /// Takes the next upload: an answer is returned, a group kept.
-    fn next_answer(&mut self) -> Result<Option<(u16, GroupNumber, Answer)>, ClientError> {
-        let upload = self.next_upload()?;
-        if let Some(expected) = self.next_upload {
-            let lost = upload.sequence.wrapping_sub(expected);
-            self.counts.lost_uploads = self.counts.lost_uploads.saturating_add(lost);
-        }
-        self.next_upload = Some(upload.sequence.wrapping_add(1));
-        match upload.message {
-            Message::Answer { to, group, answer } => return Ok(Some((to, group, answer))),
-            Message::Samples(block) => self.samples[block.axis.index()].extend(block.samples),
-            Message::Group(report) => {
-                let samples = core::mem::take(&mut self.samples);
-                self.groups.push_back(Group { report, samples });
-            }
-        }
-        Ok(None)
-    }
-
-    fn next_upload(&mut self) -> Result<Upload, ClientError> {
-        loop {
-            let mut taken = 0;
-            let mut found = None;
-            for &byte in &self.bytes {
-                taken += 1;
-                found = self.receiver.push::<Upload>(byte);
-                if found.is_some() {
-                    break;
-                }
-            }
-            self.bytes.drain(..taken);
-            match found {
-                Some(Ok(upload)) => return Ok(upload),
-                Some(Err(_)) => self.counts.damaged_frames += 1,
-                None => self.link.receive(&mut self.bytes)?,
-            }
         }
     }
 }

@@ -3,6 +3,7 @@
 pub mod calibrate;
 pub mod calibrated;
 pub mod characterise;
+pub mod choice;
 pub mod client;
 pub mod error;
 pub mod evaluate;

@@ -1,5 +1,11 @@
 //! The line to a device: bytes, nothing more.
 
+pub mod serial;
+pub mod tcp;
+mod threaded;
+
+pub use threaded::ThreadedLink;
+
 /// A line that bytes are sent and received on.
 pub trait Link {
     /// Sends bytes.
@@ -8,11 +14,18 @@ pub trait Link {
     /// [`LinkError`], when the line is gone.
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError>;
 
-    /// Waits for bytes and appends them to `into`.
+    /// Waits for bytes and appends them to `into`. A line [in real time](Self::in_real_time) returns without any after
+    /// a tenth of a second, so that whoever waits can look at the clock; another waits until there are some.
     ///
     /// # Errors
     /// [`LinkError`], when the line is gone or stays silent.
     fn receive(&mut self, into: &mut Vec<u8>) -> Result<(), LinkError>;
+
+    /// Whether time passes on the other side while nobody waits for it, and bytes may be lost on the way. Then what is
+    /// not answered is sent again, and silence is an error.
+    fn in_real_time(&self) -> bool {
+        false
+    }
 }
 
 /// Why a line does not work.
@@ -22,6 +35,16 @@ pub enum LinkError {
     #[error("the device says nothing: is it powered, and its acquisition running?")]
     Silent,
     /// The line is gone.
-    #[error("the line to the device is gone: {0}")]
+    #[error("the line to the device is gone: {0}. Check cable and power")]
     Gone(std::io::Error),
+    /// The line cannot be opened.
+    #[error("{line} cannot be opened: {reason}: {remedy}")]
+    NotOpened {
+        /// The line, as people write it.
+        line: String,
+        /// What the system says.
+        reason: String,
+        /// What to do.
+        remedy: &'static str,
+    },
 }
