@@ -109,7 +109,9 @@ mod tests {
 
     #[test]
     fn what_names_no_device_is_told_what_would() {
-        for text in ["", "usb", "serial:", "tcp:", "tcp:host", "tcp::5555", "tcp:host:port", "tcp:host:0", "/dev/ttyUSB0"] {
+        for text in
+            ["", "usb", "serial:", "tcp:", "tcp:host", "tcp::5555", "tcp:host:port", "tcp:host:0", "/dev/ttyUSB0"]
+        {
             let error = text.parse::<DeviceChoice>().unwrap_err().to_string();
             assert!(error.contains("serial:PATH"), "{error}");
         }

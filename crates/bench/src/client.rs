@@ -73,7 +73,9 @@ pub enum ClientError {
     )]
     Noise,
     /// The device is there and does not answer.
-    #[error("the device does not answer although it was asked {what} {tries} times: the line to it damages too much, or it hangs; switch it off and on")]
+    #[error(
+        "the device does not answer although it was asked {what} {tries} times: the line to it damages too much, or it hangs; switch it off and on"
+    )]
     Unanswered {
         /// What it was asked, as "to write a wiper".
         what: &'static str,
@@ -81,13 +83,17 @@ pub enum ClientError {
         tries: u32,
     },
     /// The device answers and sends no groups.
-    #[error("the device answers and sends no groups: its acquisition stands still (`zerorate device faults` may say why)")]
+    #[error(
+        "the device answers and sends no groups: its acquisition stands still (`zerorate device faults` may say why)"
+    )]
     NoGroups,
     /// The device began anew in the middle of something.
     #[error("the device has started anew in the middle of the run: it lost its power, or its watchdog restarted it")]
     Restarted,
     /// The device did not come back.
-    #[error("the device did not start anew within {waited_s} s of being asked for it: was its power switched off and on?")]
+    #[error(
+        "the device did not start anew within {waited_s} s of being asked for it: was its power switched off and on?"
+    )]
     NoRestart {
         /// How long was waited, seconds.
         waited_s: u64,

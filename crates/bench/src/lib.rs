@@ -23,3 +23,4 @@ pub mod story;
 pub mod study;
 pub mod summary;
 pub mod verify;
+pub mod virtual_board;

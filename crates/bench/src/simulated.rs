@@ -64,7 +64,7 @@ impl OnPlant for DirectAcquisition<ConverterSpi> {
 type Potentiometer = Max5494Trim<PotentiometerSpi, PlantDelay>;
 
 /// The native device: the application, what it runs on, and the bytes on their way to the host.
-struct NativeDevice<A> {
+pub(crate) struct NativeDevice<A> {
     plant: SharedPlant,
     identity: DeviceIdentity,
     timing: Timing,
@@ -79,14 +79,39 @@ impl<A: OnPlant> NativeDevice<A> {
         Self { plant, identity, timing, application, outgoing: Vec::new(), truths: Vec::new() }
     }
 
-    fn power_cycle(&mut self) {
+    /// The device on a plant of its own.
+    pub(crate) fn of_plant(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Self {
+        let mut plant = plant;
+        plant.scan_every(setup.acquisition.sample_period_us);
+        let identity = DeviceIdentity { unit: unit.clone(), firmware: firmware_version() };
+        let timing =
+            Timing { scan_period_us: setup.acquisition.sample_period_us, set_length: setup.acquisition.group_length };
+        Self::new(plant.share(), identity, timing)
+    }
+
+    pub(crate) const fn plant(&self) -> &SharedPlant {
+        &self.plant
+    }
+
+    /// What the device has said since the last call; a board in real time has nobody who asks for its truth.
+    pub(crate) fn said(&mut self) -> Vec<u8> {
+        self.truths.clear();
+        core::mem::take(&mut self.outgoing)
+    }
+
+    pub(crate) fn group_period(&self) -> Seconds {
+        Seconds(f64::from(self.timing.set_length) * f64::from(self.timing.scan_period_us) * 1e-6)
+    }
+
+    pub(crate) fn power_cycle(&mut self) {
         self.plant.borrow_mut().power_cycle();
         let store = self.application.store().clone();
         self.outgoing.clear();
         self.application = start(&self.plant, &self.identity, self.timing, store);
     }
 
-    fn run_set(&mut self) -> Result<(), LinkError> {
+    /// Lets the plant run until a set is full, and the application take it.
+    pub(crate) fn run_set(&mut self) -> Result<(), LinkError> {
         let truth = self.application.acquisition().run_set(&self.plant).ok_or(LinkError::Silent)?;
         self.truths.push(truth);
         let Self { application, outgoing, .. } = self;
@@ -97,7 +122,7 @@ impl<A: OnPlant> NativeDevice<A> {
         Ok(())
     }
 
-    fn hear(&mut self, bytes: &[u8]) {
+    pub(crate) fn hear(&mut self, bytes: &[u8]) {
         let Self { application, outgoing, .. } = self;
         application.receive(bytes, &mut |bytes: &[u8]| {
             outgoing.extend_from_slice(bytes);
@@ -219,13 +244,9 @@ pub fn direct_bench(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
 /// The simulated bench about a plant, its device on an acquisition of any kind.
 #[must_use]
 pub fn bench_on<A: OnPlant + 'static>(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
-    let mut plant = plant;
-    plant.scan_every(setup.acquisition.sample_period_us);
-    let plant = plant.share();
-    let identity = DeviceIdentity { unit: unit.clone(), firmware: firmware_version() };
-    let timing =
-        Timing { scan_period_us: setup.acquisition.sample_period_us, set_length: setup.acquisition.group_length };
-    let device = Rc::new(RefCell::new(NativeDevice::<A>::new(Rc::clone(&plant), identity, timing)));
+    let device = NativeDevice::<A>::of_plant(plant, setup, unit);
+    let plant = Rc::clone(&device.plant);
+    let device = Rc::new(RefCell::new(device));
     let set_point = plant.borrow().chamber_air();
     Bench {
         device: DeviceClient::new(Box::new(NativeLink(Rc::clone(&device)))),

@@ -8,6 +8,7 @@ mod info;
 mod report;
 mod setup;
 mod study;
+mod virtual_board;
 
 use std::io;
 use std::process::ExitCode;
@@ -45,6 +46,7 @@ enum Command {
     Info(info::Info),
     Study(study::Study),
     Setup(setup::Setup),
+    VirtualBoard(virtual_board::Serve),
     Completions(completions::Completions),
 }
 
@@ -73,6 +75,7 @@ impl Cli {
             Command::Info(info) => info.run(),
             Command::Study(study) => study.run(),
             Command::Setup(setup) => setup.run(),
+            Command::VirtualBoard(board) => board.run(),
             Command::Completions(completions) => completions.run(),
         };
         exit_code(&result)

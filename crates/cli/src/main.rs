@@ -1,6 +1,7 @@
 //! The command `zerorate`.
 
 mod command;
+mod interrupt;
 mod log_arguments;
 mod output;
 mod plant;

@@ -183,7 +183,9 @@ impl Conversation {
         let Some(upload) = self.next_upload()? else { return Ok(None) };
         if let Some(expected) = self.next_upload {
             match upload.sequence.wrapping_sub(expected) {
-                lost if lost <= u32::MAX / 2 => self.counts.lost_uploads = self.counts.lost_uploads.saturating_add(lost),
+                lost if lost <= u32::MAX / 2 => {
+                    self.counts.lost_uploads = self.counts.lost_uploads.saturating_add(lost)
+                }
                 // A device counts down only when it has begun anew.
                 _ => self.restarted = true,
             }

@@ -25,7 +25,9 @@ pub fn open(address: &str) -> Result<Box<dyn Link>, LinkError> {
     let found = address.to_socket_addrs().map_err(|error| failed(error, "check the host's name"))?;
     let unreachable = |error: io::Error| {
         let remedy = match error.kind() {
-            io::ErrorKind::ConnectionRefused => "nothing listens there: start the board's server first, or check the port",
+            io::ErrorKind::ConnectionRefused => {
+                "nothing listens there: start the board's server first, or check the port"
+            }
             _ => "check host, port and network",
         };
         failed(error, remedy)

@@ -69,7 +69,9 @@ impl Link for ThreadedLink {
         match self.heard.recv_timeout(LOOK_EVERY) {
             Ok(Ok(bytes)) => into.extend(bytes),
             Ok(Err(error)) => return Err(LinkError::Gone(error)),
-            Err(RecvTimeoutError::Timeout) => return self.cut.take().map_or(Ok(()), |error| Err(LinkError::Gone(error))),
+            Err(RecvTimeoutError::Timeout) => {
+                return self.cut.take().map_or(Ok(()), |error| Err(LinkError::Gone(error)));
+            }
             Err(RecvTimeoutError::Disconnected) => return Err(LinkError::Gone(io::ErrorKind::BrokenPipe.into())),
         }
         Ok(())

@@ -1,0 +1,205 @@
+//! A board to try things on without one: the native device on the simulated bench, served on a socket or a
+//! pseudo-terminal in real time, or so many times faster.
+//!
+//! It behaves as a board does: groups come by themselves while the acquisition runs, nothing waits for the host, and
+//! what the host does not take in time is lost. Chamber, supply and power obey a person, by orders in words.
+
+mod order;
+mod socket;
+
+use std::io;
+use std::sync::mpsc::{Receiver, TryRecvError};
+use std::time::{Duration, Instant};
+
+use zerorate_core::record::UnitSerial;
+use zerorate_core::units::{Axis, Seconds};
+use zerorate_device::port::PortAcquisition;
+use zerorate_sim::{Plant, PortSpi};
+
+use self::order::Order;
+use self::socket::Socket;
+use crate::setup::SetUp;
+use crate::simulated::NativeDevice;
+
+pub use self::socket::{ListenOn, UnknownPlace};
+
+/// The most that the board's time falls behind before it lets the rest go: a process that was halted goes on where it
+/// was, as a board in a debugger does.
+const MOST_BEHIND: Duration = Duration::from_millis(250);
+/// Bytes on their way to a host that does not take them; what comes on top is lost.
+const MOST_PENDING: usize = 1 << 16;
+/// How long sets are made before the host is looked at again.
+const SLICE: Duration = Duration::from_millis(20);
+
+/// A board on a socket.
+pub struct VirtualBoard {
+    device: NativeDevice<PortAcquisition<PortSpi>>,
+    socket: Socket,
+    speed: f64,
+    /// Where the board's time should be by the wall clock.
+    due: Seconds,
+    looked: Instant,
+    pending: Vec<u8>,
+    damage: Damage,
+    acquiring: bool,
+}
+
+impl VirtualBoard {
+    /// A board about a plant, listening. At `speed` its time, and so the chamber's, runs so many times faster.
+    ///
+    /// # Errors
+    /// When it cannot listen there.
+    pub fn new(plant: Plant, setup: &SetUp, unit: &UnitSerial, on: &ListenOn, speed: f64) -> io::Result<Self> {
+        let device = NativeDevice::of_plant(plant, setup, unit);
+        let due = device.plant().borrow().time();
+        let socket = Socket::open(on)?;
+        let damage = Damage { rate: 0.0, state: 0x9E37_79B9_7F4A_7C15 };
+        Ok(Self { device, socket, speed, due, looked: Instant::now(), pending: Vec::new(), damage, acquiring: false })
+    }
+
+    /// Where it listens, as `--device` and `--port` take it.
+    #[must_use]
+    pub fn address(&self) -> String {
+        self.socket.address()
+    }
+
+    /// Serves until it is told to end, by `quit` or by `go_on`. Orders come as lines; `answer` gets what is said to them.
+    ///
+    /// # Errors
+    /// When the socket fails.
+    pub fn serve(
+        &mut self,
+        orders: &Receiver<String>,
+        mut answer: impl FnMut(&str),
+        mut go_on: impl FnMut() -> bool,
+    ) -> io::Result<()> {
+        let mut incoming = Vec::new();
+        self.looked = Instant::now();
+        while go_on() {
+            loop {
+                match orders.try_recv() {
+                    Ok(line) if line.trim().is_empty() => {}
+                    Ok(line) => match line.parse() {
+                        Ok(Order::Quit) => return Ok(()),
+                        Ok(order) => answer(&self.obey(order)),
+                        Err(unknown) => answer(&unknown),
+                    },
+                    // Nobody gives orders any more: the board stays as it is.
+                    Err(TryRecvError::Empty | TryRecvError::Disconnected) => break,
+                }
+            }
+            self.socket.exchange(&mut incoming, &mut self.pending)?;
+            self.damage.do_to(&mut incoming);
+            self.device.hear(&incoming);
+            incoming.clear();
+            self.pass_time();
+            let said = self.device.said();
+            if self.socket.is_connected() && self.pending.len() < MOST_PENDING {
+                let from = self.pending.len();
+                self.pending.extend(said);
+                self.damage.do_to(&mut self.pending[from..]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets the board's time follow the wall clock.
+    fn pass_time(&mut self) {
+        let passed = self.looked.elapsed().min(MOST_BEHIND);
+        self.looked = Instant::now();
+        self.due = self.due + Seconds(passed.as_secs_f64() * self.speed);
+        let began = Instant::now();
+        let period = self.device.group_period();
+        while self.behind() >= period.0 {
+            self.acquiring = self.device.run_set().is_ok();
+            if !self.acquiring {
+                let behind = self.behind();
+                self.device.plant().borrow_mut().wait(Seconds(behind));
+            } else if began.elapsed() > SLICE {
+                // Faster than this machine can: as fast as it can, then.
+                let most = self.speed * MOST_BEHIND.as_secs_f64();
+                let now = self.device.plant().borrow().time();
+                self.due = Seconds(self.due.0.min(now.0 + most.max(period.0)));
+                return;
+            }
+        }
+    }
+
+    fn behind(&self) -> f64 {
+        (self.due - self.device.plant().borrow().time()).0
+    }
+
+    fn obey(&mut self, order: Order) -> String {
+        let plant = self.device.plant().clone();
+        match order {
+            Order::Chamber(set_point) => match plant.borrow_mut().chamber_set_point(set_point) {
+                Ok(()) => format!("chamber: on its way to {:.1} C", set_point.0),
+                Err(outside) => format!("chamber: refused: {outside}"),
+            },
+            Order::Feed(volts) => {
+                plant.borrow_mut().connect_supply(volts);
+                format!("supply: {:.6} V to both inputs", volts.0)
+            }
+            Order::Gyros => {
+                plant.borrow_mut().connect_gyro();
+                "supply: off, the gyros are back".into()
+            }
+            Order::Voltmeter => {
+                let volts = Axis::BOTH.map(|axis| plant.borrow().rate_volts(axis).0);
+                format!("voltmeter: x {:.6} y {:.6}", volts[0], volts[1])
+            }
+            Order::Power => {
+                self.device.power_cycle();
+                "power: off and on".into()
+            }
+            Order::Break(fault) => {
+                plant.borrow_mut().inject(fault);
+                format!("broken: {fault:?}")
+            }
+            Order::Mend => {
+                plant.borrow_mut().clear_faults();
+                self.damage.rate = 0.0;
+                "everything is mended".into()
+            }
+            Order::ByteErrors(rate) => {
+                self.damage.rate = rate;
+                format!("line: one byte in {:.0} is damaged", 1.0 / rate)
+            }
+            Order::Status => {
+                let plant = plant.borrow();
+                format!(
+                    "status: air {:.2} C, {:.1} s, acquisition {}",
+                    plant.chamber_air().0,
+                    plant.time().0,
+                    if self.acquiring { "runs" } else { "stands still" }
+                )
+            }
+            Order::Quit => String::new(),
+        }
+    }
+}
+
+/// A bad line: single bits of it turned over now and then.
+struct Damage {
+    rate: f64,
+    state: u64,
+}
+
+impl Damage {
+    fn do_to(&mut self, bytes: &mut [u8]) {
+        if self.rate <= 0.0 {
+            return;
+        }
+        for byte in bytes {
+            // xorshift64: any sequence without a pattern will do.
+            self.state ^= self.state << 13;
+            self.state ^= self.state >> 7;
+            self.state ^= self.state << 17;
+            #[allow(clippy::cast_precision_loss)] // a probability
+            let drawn = (self.state >> 11) as f64 / (1_u64 << 53) as f64;
+            if drawn < self.rate {
+                *byte ^= 1 << (self.state % 8);
+            }
+        }
+    }
+}
