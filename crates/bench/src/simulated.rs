@@ -15,9 +15,9 @@ use zerorate_device::compensator::Compensator;
 use zerorate_device::console::DeviceIdentity;
 use zerorate_device::direct::DirectAcquisition;
 use zerorate_device::port::PortAcquisition;
-use zerorate_device::store::MemoryStore;
+use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
-use zerorate_sim::{ConverterSpi, Plant, PlantDelay, PortSpi, PotentiometerSpi, SharedPlant, Truth};
+use zerorate_sim::{ConverterSpi, Flash, FlashPart, Plant, PlantDelay, PortSpi, PotentiometerSpi, SharedPlant, Truth};
 
 use crate::client::DeviceClient;
 use crate::instruments::{Bench, Chamber, InstrumentError, Supply, Surroundings, Witness};
@@ -63,20 +63,30 @@ impl OnPlant for DirectAcquisition<ConverterSpi> {
 
 type Potentiometer = Max5494Trim<PotentiometerSpi, PlantDelay>;
 
+/// The flash that the native device keeps its record in: erased in pages of 4 KiB, written in words of four bytes.
+type RecordFlash = FlashPart<PAGE, 4>;
+const PAGE: usize = 4096;
+/// The fewest pages that two of the longest records fit in.
+const PAGES: usize = 4;
+#[allow(clippy::cast_possible_truncation)] // 16 KiB
+const FLASH_BYTES: u32 = (PAGES * PAGE) as u32;
+
 /// The native device: the application, what it runs on, and the bytes on their way to the host.
 pub(crate) struct NativeDevice<A> {
     plant: SharedPlant,
     identity: DeviceIdentity,
     timing: Timing,
-    application: Application<A, Potentiometer, MemoryStore>,
+    flash: RecordFlash,
+    application: Application<A, Potentiometer, FlashStore<RecordFlash>>,
     outgoing: Vec<u8>,
     truths: Vec<Truth>,
 }
 
 impl<A: OnPlant> NativeDevice<A> {
     fn new(plant: SharedPlant, identity: DeviceIdentity, timing: Timing) -> Self {
-        let application = start(&plant, &identity, timing, MemoryStore::default());
-        Self { plant, identity, timing, application, outgoing: Vec::new(), truths: Vec::new() }
+        let flash = FlashPart::new(Flash::erased(PAGES));
+        let application = start(&plant, &identity, timing, &flash);
+        Self { plant, identity, timing, flash, application, outgoing: Vec::new(), truths: Vec::new() }
     }
 
     /// The device on a plant of its own.
@@ -105,9 +115,8 @@ impl<A: OnPlant> NativeDevice<A> {
 
     pub(crate) fn power_cycle(&mut self) {
         self.plant.borrow_mut().power_cycle();
-        let store = self.application.store().clone();
         self.outgoing.clear();
-        self.application = start(&self.plant, &self.identity, self.timing, store);
+        self.application = start(&self.plant, &self.identity, self.timing, &self.flash);
     }
 
     /// Lets the plant run until a set is full, and the application take it.
@@ -136,8 +145,9 @@ fn start<A: OnPlant>(
     plant: &SharedPlant,
     identity: &DeviceIdentity,
     timing: Timing,
-    store: MemoryStore,
-) -> Application<A, Potentiometer, MemoryStore> {
+    flash: &RecordFlash,
+) -> Application<A, Potentiometer, FlashStore<RecordFlash>> {
+    let Ok(store) = FlashStore::new(flash.clone(), 0..FLASH_BYTES) else { unreachable!("the pages are enough") };
     let part = Max5494Trim::new(PotentiometerSpi::new(plant), PlantDelay::new(plant));
     Application::new(Compensator::new(A::connect(plant), part, timing), identity.clone(), store)
 }

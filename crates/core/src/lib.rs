@@ -4,6 +4,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod checksum;
 pub mod compensate;
 pub mod drift;
 pub mod group;

@@ -4,10 +4,10 @@
 //! CRC-32 (IEEE) of all before it. The version changes when the body's meaning does; a device refuses one it does
 //! not know, and runs uncompensated.
 
-use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
+use crate::checksum::CRC_32;
 use crate::compensate::{AxisLaw, EdgeTable, LawRefused, LowPass, Mode, StaticLaw};
 use crate::drift::{Drift, History};
 use crate::trim::Trim;
@@ -21,7 +21,6 @@ pub const RECORD_VERSION: u16 = 2;
 pub const MAX_RECORD_BYTES: usize = 6144;
 
 const MAGIC: [u8; 4] = *b"ZRCR";
-const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// A unit's serial, up to 32 bytes of UTF-8.
 pub type UnitSerial = String<32>;
@@ -143,7 +142,7 @@ impl DeviceRecord {
         let room = buffer.len() - 4;
         let body = postcard::to_slice(self, &mut buffer[head..room]).map_err(|_| RecordError::TooLong)?.len();
         let end = head + body;
-        let crc = CRC.checksum(&buffer[..end]).to_le_bytes();
+        let crc = CRC_32.checksum(&buffer[..end]).to_le_bytes();
         buffer[end..end + 4].copy_from_slice(&crc);
         Ok(&buffer[..end + 4])
     }
@@ -163,7 +162,7 @@ impl DeviceRecord {
         if found != RECORD_VERSION {
             return Err(RecordError::UnknownVersion { found });
         }
-        if CRC.checksum(content).to_le_bytes() != crc {
+        if CRC_32.checksum(content).to_le_bytes() != crc {
             return Err(RecordError::Damaged);
         }
         postcard::from_bytes(&content[head..]).map_err(|_| RecordError::Malformed)

@@ -192,10 +192,68 @@ pub struct Identity {
     pub samples_per_group: u16,
     /// Microseconds from sample to sample.
     pub sample_period_us: u32,
-    /// Whether a calibration is in use.
-    pub calibrated: bool,
+    /// Whether a calibration is in use, and why not.
+    pub calibration: CalibrationState,
     /// The group that is being filled.
     pub group: GroupNumber,
+}
+
+/// Whether a calibration is in use, and why not. Without one the device runs uncompensated at the middle tap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum CalibrationState {
+    /// The stored record is in use.
+    InUse,
+    /// The record stored last is damaged; the one before it is in use.
+    OlderInUse,
+    /// Nothing was ever stored.
+    Blank,
+    /// What is stored is damaged.
+    Damaged,
+    /// The stored record has a version that the firmware does not know.
+    UnknownVersion {
+        /// The version found.
+        found: u16,
+    },
+    /// The stored record is another unit's.
+    OtherUnit,
+    /// The stored record's laws cannot be run.
+    LawRefused,
+    /// The flash does not answer.
+    Unreachable,
+}
+
+impl CalibrationState {
+    /// Whether the device compensates.
+    #[must_use]
+    pub const fn is_in_use(self) -> bool {
+        matches!(self, Self::InUse | Self::OlderInUse)
+    }
+}
+
+impl core::fmt::Display for CalibrationState {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::InUse => f.write_str("in use"),
+            Self::OlderInUse => {
+                f.write_str("the one before the last is in use, the last one is damaged: deploy it again")
+            }
+            Self::Blank => f.write_str("none stored, the device runs uncompensated: deploy one"),
+            Self::Damaged => f.write_str("damaged, the device runs uncompensated: deploy it again"),
+            Self::UnknownVersion { found } => write!(
+                f,
+                "a record of version {found}, which the firmware does not know, so it runs uncompensated: make the record anew from calibration.json and deploy it"
+            ),
+            Self::OtherUnit => {
+                f.write_str("another unit's record is stored, the device runs uncompensated: deploy this unit's")
+            }
+            Self::LawRefused => {
+                f.write_str("the stored record's law cannot be run, the device runs uncompensated: compose it again")
+            }
+            Self::Unreachable => {
+                f.write_str("the flash does not answer, the device runs uncompensated: check the flash's wiring")
+            }
+        }
+    }
 }
 
 /// Why a command was not done.

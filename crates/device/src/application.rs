@@ -40,7 +40,7 @@ impl<A: Acquisition, P: TrimPart, S: RecordStore> Application<A, P, S> {
         self.compensator.acquisition()
     }
 
-    /// Where the record is kept: what survives when power goes.
+    /// Where the record is kept.
     pub const fn store(&self) -> &S {
         self.console.store()
     }

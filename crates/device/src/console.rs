@@ -6,14 +6,16 @@
 use heapless::Vec;
 use heapless::spsc::{Consumer, Producer};
 use zerorate_core::compensate::{AxisLaw, Mode};
-use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, UnitSerial};
+use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, RecordError, UnitSerial};
 use zerorate_core::units::{Axis, GroupNumber};
 use zerorate_core::wire::frame::{Receiver, encode};
-use zerorate_core::wire::{Answer, CHUNK, Command, Identity, Message, Refusal, Request, Upload, WIRE_VERSION};
+use zerorate_core::wire::{
+    Answer, CHUNK, CalibrationState, Command, Identity, Message, Refusal, Request, Upload, WIRE_VERSION,
+};
 
 use crate::acquisition::Timing;
 use crate::compensator::{Action, Report, Scheduled, Status};
-use crate::store::RecordStore;
+use crate::store::{RecordStore, Stored};
 
 /// The line to the host.
 pub trait Transmit {
@@ -50,7 +52,9 @@ pub struct Console<S> {
     with_groups: bool,
     damaged_frames: u32,
     dropped_uploads: u32,
-    install: Option<Laws>,
+    calibration: CalibrationState,
+    /// The buffer holds a checked record that is to be taken into use.
+    install: bool,
 }
 
 impl<S: RecordStore> Console<S> {
@@ -58,8 +62,7 @@ impl<S: RecordStore> Console<S> {
     /// [`take_laws`](Self::take_laws); otherwise the device runs uncompensated, and keeps talking.
     #[must_use]
     pub fn new(identity: DeviceIdentity, timing: Timing, store: S) -> Self {
-        let install = laws_of(store.bytes(), &identity.unit).ok();
-        Self {
+        let mut console = Self {
             identity,
             timing,
             store,
@@ -69,7 +72,38 @@ impl<S: RecordStore> Console<S> {
             with_groups: false,
             damaged_frames: 0,
             dropped_uploads: 0,
-            install,
+            calibration: CalibrationState::Blank,
+            install: false,
+        };
+        console.calibration = console.load();
+        console.install = console.calibration.is_in_use();
+        console
+    }
+
+    /// Reads the stored record into the buffer and checks it.
+    fn load(&mut self) -> CalibrationState {
+        let stored = self.store.stored();
+        let length = usize::from(stored.length());
+        self.buffer.clear();
+        if self.buffer.resize_default(length).is_err() {
+            return CalibrationState::Damaged;
+        }
+        if self.store.read(0, &mut self.buffer) != Ok(length) {
+            return CalibrationState::Unreachable;
+        }
+        let in_use = match stored {
+            Stored::Blank => return CalibrationState::Blank,
+            Stored::Damaged => return CalibrationState::Damaged,
+            Stored::Unreachable => return CalibrationState::Unreachable,
+            Stored::Whole(_) => CalibrationState::InUse,
+            Stored::Older(_) => CalibrationState::OlderInUse,
+        };
+        match laws_of(&self.buffer, &self.identity.unit) {
+            Ok(_) => in_use,
+            Err(Refusal::OtherUnit) => CalibrationState::OtherUnit,
+            Err(Refusal::LawRefused) => CalibrationState::LawRefused,
+            Err(Refusal::Record(RecordError::UnknownVersion { found })) => CalibrationState::UnknownVersion { found },
+            Err(_) => CalibrationState::Damaged,
         }
     }
 
@@ -78,9 +112,15 @@ impl<S: RecordStore> Console<S> {
         &self.store
     }
 
-    /// The laws that are to be taken into use, once.
+    /// The laws that are to be taken into use, once. They are made here, from the buffered record, so that they need not
+    /// be kept twice.
     pub fn take_laws(&mut self) -> Option<Laws> {
-        self.install.take()
+        if !core::mem::take(&mut self.install) {
+            return None;
+        }
+        let laws = laws_of(&self.buffer, &self.identity.unit).ok();
+        self.buffer.clear();
+        laws
     }
 
     /// Takes a byte from the host; acts on it when it ends a frame. `true` when the compensator has work.
@@ -175,7 +215,7 @@ impl<S: RecordStore> Console<S> {
             firmware: self.identity.firmware,
             samples_per_group: self.timing.set_length,
             sample_period_us: self.timing.scan_period_us,
-            calibrated: status.calibrated,
+            calibration: self.calibration,
             group: status.group,
         }
     }
@@ -187,11 +227,15 @@ impl<S: RecordStore> Console<S> {
         faults
     }
 
-    fn read_calibration(&self, offset: u16) -> Answer {
-        let stored = self.store.bytes();
-        let rest = stored.get(usize::from(offset)..).unwrap_or(&[]);
-        let bytes = rest.iter().take(CHUNK).copied().collect();
-        Answer::Calibration { length: u16::try_from(stored.len()).unwrap_or(u16::MAX), offset, bytes }
+    fn read_calibration(&mut self, offset: u16) -> Answer {
+        let mut bytes = Vec::<u8, CHUNK>::from_array([0; CHUNK]);
+        match self.store.read(usize::from(offset), &mut bytes) {
+            Ok(n) => {
+                bytes.truncate(n);
+                Answer::Calibration { length: self.store.stored().length(), offset, bytes }
+            }
+            Err(_) => Answer::Refused(Refusal::StoreFailed),
+        }
     }
 
     fn write_calibration(&mut self, offset: u16, bytes: &[u8]) -> Result<(), Refusal> {
@@ -206,10 +250,11 @@ impl<S: RecordStore> Console<S> {
     /// Everything is checked before anything is stored: a record that cannot be run never replaces one that can.
     fn commit_calibration(&mut self, length: u16) -> Result<(), Refusal> {
         let record = self.buffer.get(..usize::from(length)).ok_or(Refusal::OutOfBuffer)?;
-        let laws = laws_of(record, &self.identity.unit)?;
+        laws_of(record, &self.identity.unit)?;
         self.store.commit(record).map_err(|_| Refusal::StoreFailed)?;
-        self.install = Some(laws);
-        self.buffer.clear();
+        self.buffer.truncate(usize::from(length));
+        self.calibration = CalibrationState::InUse;
+        self.install = true;
         Ok(())
     }
 }

@@ -1,38 +1,90 @@
 //! Where the record is kept between power cycles.
+//!
+//! A store keeps one record and is read in pieces: a board has no room for a second copy of it in memory.
+
+mod blocking;
+mod flash;
 
 use heapless::Vec;
 use zerorate_core::record::MAX_RECORD_BYTES;
 
-/// A store for one record: flash on a board, memory in a simulated one.
-pub trait RecordStore {
-    /// The stored record's bytes; empty where there is none.
-    fn bytes(&self) -> &[u8];
+pub use flash::{FlashStore, Unusable};
 
-    /// Replaces the stored record; on an error the old one is still there.
+/// A store for one record: flash on a board, memory in a test.
+pub trait RecordStore {
+    /// What is stored.
+    fn stored(&self) -> Stored;
+
+    /// Reads a part of the stored record, from an offset in bytes; returns how many bytes there were, fewer than asked
+    /// for at the record's end.
     ///
     /// # Errors
     /// [`StoreFailed`].
-    fn commit(&mut self, bytes: &[u8]) -> Result<(), StoreFailed>;
+    fn read(&mut self, offset: usize, into: &mut [u8]) -> Result<usize, StoreFailed>;
+
+    /// Replaces the stored record. The old one is there until the new one is whole, and stays on an error.
+    ///
+    /// # Errors
+    /// [`StoreFailed`].
+    fn commit(&mut self, record: &[u8]) -> Result<(), StoreFailed>;
 }
 
-/// The record could not be stored.
+/// What a store holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stored {
+    /// Nothing was ever stored whole.
+    Blank,
+    /// A whole record of so many bytes.
+    Whole(u16),
+    /// The last record is damaged; the one before it is whole and has so many bytes.
+    Older(u16),
+    /// A record was stored, and none is whole any more.
+    Damaged,
+    /// The flash does not answer.
+    Unreachable,
+}
+
+impl Stored {
+    /// The length of the record that can be read, bytes; 0 where there is none.
+    #[must_use]
+    pub const fn length(self) -> u16 {
+        match self {
+            Self::Whole(length) | Self::Older(length) => length,
+            Self::Blank | Self::Damaged | Self::Unreachable => 0,
+        }
+    }
+}
+
+/// The store could not be read or written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StoreFailed;
 
-/// A store in memory: lost with the power, as on the simulated bench's bare board.
+/// A store in memory: lost with the power.
 #[derive(Debug, Clone, Default)]
 pub struct MemoryStore {
     bytes: Vec<u8, MAX_RECORD_BYTES>,
 }
 
 impl RecordStore for MemoryStore {
-    fn bytes(&self) -> &[u8] {
-        &self.bytes
+    fn stored(&self) -> Stored {
+        match u16::try_from(self.bytes.len()) {
+            Ok(0) | Err(_) => Stored::Blank,
+            Ok(length) => Stored::Whole(length),
+        }
     }
 
-    fn commit(&mut self, bytes: &[u8]) -> Result<(), StoreFailed> {
-        let replacement = Vec::from_slice(bytes).map_err(|_| StoreFailed)?;
-        self.bytes = replacement;
+    fn read(&mut self, offset: usize, into: &mut [u8]) -> Result<usize, StoreFailed> {
+        let rest = self.bytes.get(offset..).unwrap_or(&[]);
+        let n = rest.len().min(into.len());
+        into[..n].copy_from_slice(&rest[..n]);
+        Ok(n)
+    }
+
+    fn commit(&mut self, record: &[u8]) -> Result<(), StoreFailed> {
+        self.bytes = Vec::from_slice(record).map_err(|_| StoreFailed)?;
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

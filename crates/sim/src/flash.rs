@@ -1,13 +1,33 @@
 //! A NOR flash: pages that are erased whole, words that are written once, and power that may fail in between.
 //!
-//! What a failing supply leaves behind is the worst that the parts' sheets allow: the word being written has its first
-//! half in and not its second, the page being erased is erased to its middle. After that nothing answers until
-//! [`Flash::restore_power`].
+//! A failing supply leaves the word being written with its first half in and not its second, and the page being erased as
+//! [`HalfErased`] says. After that nothing answers until [`Flash::restore_power`].
+
+use std::cell::RefCell;
+use std::rc::Rc;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 
 /// An erased byte: erasing sets all bits, writing only clears them.
 const ERASED: u8 = 0xFF;
+
+/// What an erase leaves that was cut off: parts differ in it, and their sheets promise nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HalfErased {
+    /// The page as it was.
+    Untouched,
+    /// The page erased up to its middle.
+    FirstHalf,
+    /// The page erased from its middle on.
+    SecondHalf,
+    /// All zeros: many parts write a page full before they erase it.
+    Zeros,
+}
+
+impl HalfErased {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Untouched, Self::FirstHalf, Self::SecondHalf, Self::Zeros];
+}
 
 /// A NOR flash of `PAGE` bytes a page and `WORD` bytes a word.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,7 +36,8 @@ pub struct Flash<const PAGE: usize, const WORD: usize> {
     /// Which words have been written since they were erased.
     written: Vec<bool>,
     operations: u32,
-    cut_after: Option<u32>,
+    erases: u32,
+    cut: Option<(u32, HalfErased)>,
     is_powered: bool,
 }
 
@@ -51,7 +72,8 @@ impl<const PAGE: usize, const WORD: usize> Flash<PAGE, WORD> {
             bytes: vec![ERASED; pages * PAGE],
             written: vec![false; pages * PAGE / WORD],
             operations: 0,
-            cut_after: None,
+            erases: 0,
+            cut: None,
             is_powered: true,
         }
     }
@@ -62,9 +84,16 @@ impl<const PAGE: usize, const WORD: usize> Flash<PAGE, WORD> {
         self.operations
     }
 
-    /// Lets the power fail in the middle of the operation after so many further ones: 0, the very next.
-    pub const fn cut_power_after(&mut self, operations: u32) {
-        self.cut_after = Some(operations);
+    /// Erases of a page so far.
+    #[must_use]
+    pub const fn erases(&self) -> u32 {
+        self.erases
+    }
+
+    /// Lets the power fail in the middle of the operation after so many further ones: 0, the very next. If that is an
+    /// erase, it leaves what `erased` says.
+    pub const fn cut_power_after(&mut self, operations: u32, erased: HalfErased) {
+        self.cut = Some((operations, erased));
     }
 
     /// Whether the power has not failed.
@@ -76,7 +105,7 @@ impl<const PAGE: usize, const WORD: usize> Flash<PAGE, WORD> {
     /// Gives the power back.
     pub const fn restore_power(&mut self) {
         self.is_powered = true;
-        self.cut_after = None;
+        self.cut = None;
     }
 
     /// Damages what is stored: clears bits of a byte, as age and radiation do.
@@ -92,20 +121,16 @@ impl<const PAGE: usize, const WORD: usize> Flash<PAGE, WORD> {
         &self.bytes
     }
 
-    /// Counts an operation; `true` when the power fails in the middle of it.
-    fn fails(&mut self) -> bool {
+    /// Counts an operation; when the power fails in the middle of it, what it leaves if it is an erase.
+    fn fails(&mut self) -> Option<HalfErased> {
         self.operations += 1;
-        match &mut self.cut_after {
-            Some(0) => {
-                self.is_powered = false;
-                true
-            }
-            Some(left) => {
-                *left -= 1;
-                false
-            }
-            None => false,
+        let (left, erased) = self.cut.as_mut()?;
+        if let Some(fewer) = left.checked_sub(1) {
+            *left = fewer;
+            return None;
         }
+        self.is_powered = false;
+        Some(*erased)
     }
 
     fn place(&self, offset: u32, length: usize, unit: usize) -> Result<core::ops::Range<usize>, FlashFault> {
@@ -149,11 +174,19 @@ impl<const PAGE: usize, const WORD: usize> NorFlash for Flash<PAGE, WORD> {
         let length = usize::try_from(length).map_err(|_| FlashFault::OutOfBounds)?;
         let place = self.place(from, length, PAGE)?;
         for page in place.step_by(PAGE) {
-            let fails = self.fails();
-            let erased = if fails { PAGE / 2 } else { PAGE };
-            self.bytes[page..page + erased].fill(ERASED);
-            self.written[page / WORD..(page + erased) / WORD].fill(false);
-            if fails {
+            let half = self.fails();
+            self.erases += 1;
+            let (part, to) = match half {
+                None => (0..PAGE, ERASED),
+                Some(HalfErased::Untouched) => (0..0, ERASED),
+                Some(HalfErased::FirstHalf) => (0..PAGE / 2, ERASED),
+                Some(HalfErased::SecondHalf) => (PAGE / 2..PAGE, ERASED),
+                Some(HalfErased::Zeros) => (0..PAGE, 0),
+            };
+            let part = page + part.start..page + part.end;
+            self.written[part.start / WORD..part.end / WORD].fill(to != ERASED);
+            self.bytes[part].fill(to);
+            if half.is_some() {
                 return Err(FlashFault::NoPower);
             }
         }
@@ -166,13 +199,15 @@ impl<const PAGE: usize, const WORD: usize> NorFlash for Flash<PAGE, WORD> {
             if core::mem::replace(&mut self.written[at / WORD], true) {
                 return Err(FlashFault::WrittenTwice);
             }
-            let fails = self.fails();
+            let fails = self.fails().is_some();
             // A word of one byte has no half but its bits.
             let (whole, halved) = if fails { word.split_at(WORD / 2) } else { (word, &word[..0]) };
             for (stored, byte) in self.bytes[at..].iter_mut().zip(whole) {
                 *stored &= byte;
             }
-            if WORD == 1 && let Some(byte) = halved.first() {
+            if WORD == 1
+                && let Some(byte) = halved.first()
+            {
                 self.bytes[at] &= byte | 0x0F;
             }
             if fails {
@@ -180,6 +215,52 @@ impl<const PAGE: usize, const WORD: usize> NorFlash for Flash<PAGE, WORD> {
             }
         }
         Ok(())
+    }
+}
+
+/// A handle on a flash that a board and a bench share: what is in it survives the board's power.
+#[derive(Debug, Clone)]
+pub struct FlashPart<const PAGE: usize, const WORD: usize>(Rc<RefCell<Flash<PAGE, WORD>>>);
+
+impl<const PAGE: usize, const WORD: usize> FlashPart<PAGE, WORD> {
+    /// A handle on a flash of its own; its clones are handles on the same.
+    #[must_use]
+    pub fn new(flash: Flash<PAGE, WORD>) -> Self {
+        Self(Rc::new(RefCell::new(flash)))
+    }
+
+    /// Does something to the flash: cuts its power, wears it, looks at it.
+    pub fn with<T>(&self, what: impl FnOnce(&mut Flash<PAGE, WORD>) -> T) -> T {
+        what(&mut self.0.borrow_mut())
+    }
+}
+
+impl<const PAGE: usize, const WORD: usize> ErrorType for FlashPart<PAGE, WORD> {
+    type Error = FlashFault;
+}
+
+impl<const PAGE: usize, const WORD: usize> ReadNorFlash for FlashPart<PAGE, WORD> {
+    const READ_SIZE: usize = Flash::<PAGE, WORD>::READ_SIZE;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashFault> {
+        self.0.borrow_mut().read(offset, bytes)
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.borrow().capacity()
+    }
+}
+
+impl<const PAGE: usize, const WORD: usize> NorFlash for FlashPart<PAGE, WORD> {
+    const WRITE_SIZE: usize = Flash::<PAGE, WORD>::WRITE_SIZE;
+    const ERASE_SIZE: usize = Flash::<PAGE, WORD>::ERASE_SIZE;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashFault> {
+        self.0.borrow_mut().erase(from, to)
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashFault> {
+        self.0.borrow_mut().write(offset, bytes)
     }
 }
 
@@ -209,15 +290,15 @@ mod tests {
     #[test]
     fn a_cut_leaves_half_a_word_or_half_a_page_and_then_nothing_answers() {
         let mut flash = Small::erased(2);
-        flash.cut_power_after(1);
+        flash.cut_power_after(1, HalfErased::FirstHalf);
         assert_eq!(flash.write(0, &[0; 12]), Err(FlashFault::NoPower));
         assert_eq!(flash.bytes()[..8], [0, 0, 0, 0, 0, 0, ERASED, ERASED]);
         assert_eq!(flash.read(0, &mut [0; 4]), Err(FlashFault::NoPower));
         flash.restore_power();
-        flash.cut_power_after(0);
+        flash.cut_power_after(0, HalfErased::Zeros);
         assert_eq!(flash.erase(0, 64), Err(FlashFault::NoPower));
         flash.restore_power();
-        assert_eq!((flash.bytes()[0], flash.operations()), (ERASED, 3));
+        assert_eq!((flash.bytes()[9], flash.operations()), (0, 3));
         flash.erase(0, 64).unwrap();
     }
 }

@@ -29,7 +29,7 @@ pub use channel::AxisParameters;
 pub use circuit::CircuitParameters;
 pub use converter::ConverterParameters;
 pub use fault::Fault;
-pub use flash::{Flash, FlashFault};
+pub use flash::{Flash, FlashFault, FlashPart, HalfErased};
 pub use gyro::GyroParameters;
 pub use parameters::PlantParameters;
 pub use plant::{Plant, SharedPlant};

@@ -11,8 +11,9 @@ use toml::Table;
 use crate::steps::Outcome;
 use crate::workspace::Workspace;
 
-/// Arrows that tests have and products have not: bench's tests hold the driver's frames against sim's own decoder.
-const IN_TESTS: [(&str, &str); 1] = [("bench", "max5494")];
+/// Arrows that tests have and products have not: bench's tests hold the driver's frames against sim's own decoder, and
+/// device's tests cut the power of sim's flash.
+const IN_TESTS: [(&str, &str); 2] = [("bench", "max5494"), ("device", "sim")];
 
 /// Dependencies on the world outside that a crate must not have, each under "Never" in ARCHITECTURE.md.
 const NEVER: [(&str, &[&str]); 3] = [

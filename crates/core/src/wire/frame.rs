@@ -3,15 +3,15 @@
 //! A zero byte ends a frame and nothing else is zero, so a receiver that missed something is in step again at the next
 //! frame. A frame that cannot be read is an error with a name; it is never acted on.
 
-use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::Vec;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::checksum::CRC_32;
+
 /// More bytes than any frame takes on the wire, its zero included.
 pub const MAX_FRAME: usize = 512;
 
-const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// What fits before COBS adds its byte in 254 and the zero ends the frame.
 const MAX_PAYLOAD: usize = MAX_FRAME - MAX_FRAME / 254 - 2;
 
@@ -51,7 +51,7 @@ impl core::error::Error for FrameError {}
 pub fn encode(message: &impl Serialize) -> Result<Vec<u8, MAX_FRAME>, FrameError> {
     let mut payload = [0; MAX_PAYLOAD];
     let length = postcard::to_slice(message, &mut payload[..MAX_PAYLOAD - 4]).map_err(|_| FrameError::TooLong)?.len();
-    let crc = CRC.checksum(&payload[..length]).to_le_bytes();
+    let crc = CRC_32.checksum(&payload[..length]).to_le_bytes();
     payload[length..length + 4].copy_from_slice(&crc);
     let mut frame = Vec::new();
     frame.resize_default(MAX_FRAME).map_err(|_| FrameError::TooLong)?;
@@ -69,7 +69,7 @@ pub fn decode<T: DeserializeOwned>(stuffed: &mut [u8]) -> Result<T, FrameError> 
     let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Stuffing)?;
     let payload = stuffed.get(..length).ok_or(FrameError::Stuffing)?;
     let (content, crc) = payload.split_last_chunk::<4>().ok_or(FrameError::TooShort)?;
-    if CRC.checksum(content).to_le_bytes() != *crc {
+    if CRC_32.checksum(content).to_le_bytes() != *crc {
         return Err(FrameError::Crc);
     }
     let (message, rest) = postcard::take_from_bytes(content).map_err(|_| FrameError::Content)?;
