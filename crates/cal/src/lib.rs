@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod allan;
 pub mod apply;
 pub mod calibration;
 pub mod choose;
@@ -8,6 +9,7 @@ pub mod condition;
 pub mod device_record;
 pub mod drift_fit;
 pub mod fit;
+pub mod interop;
 pub mod log_fit;
 pub mod quality;
 pub mod recording;

@@ -3,6 +3,7 @@
 mod apply;
 mod calibrate;
 mod completions;
+mod export;
 mod fit;
 mod info;
 mod report;
@@ -32,6 +33,7 @@ Examples:
   zerorate calibrate                 the whole experiment on the simulated bench
   zerorate fit log.csv --out calibration.json --report report.html
   zerorate apply calibration.json log.csv --out corrected.csv
+  zerorate export calibration.json --format px4 --out vehicle.params
   zerorate help fit                  what fit does, its options, more examples
 
 Exit codes: 0 done; 1 the unit or the log was rejected, with reasons; 2 error.";
@@ -42,6 +44,7 @@ enum Command {
     Calibrate(calibrate::Calibrate),
     Fit(fit::Fit),
     Apply(apply::Apply),
+    Export(export::Export),
     Report(report::Report),
     Info(info::Info),
     Study(study::Study),
@@ -71,6 +74,7 @@ impl Cli {
             Command::Calibrate(calibrate) => calibrate.run(),
             Command::Fit(fit) => fit.run(),
             Command::Apply(apply) => apply.run(),
+            Command::Export(export) => export.run(),
             Command::Report(report) => report.run(),
             Command::Info(info) => info.run(),
             Command::Study(study) => study.run(),

@@ -1,0 +1,235 @@
+//! Allan deviation of a rate at constant temperature, and the coefficients that are read off it.
+//!
+//! The rate is a *frequency* in the sense of NIST Special Publication 1065 (W. J. Riley, *Handbook of Frequency Stability
+//! Analysis*, 2008): its overlapping Allan variance at the averaging time `tau = m tau0` is the mean of
+//! `(mean of samples k+m..k+2m - mean of samples k..k+m)^2 / 2` over all `k` (5.2.4 there). The names of the coefficients
+//! are those of IEEE Std 952-1997, annex C: angle random walk N, bias instability B, rate random walk K.
+//!
+//! A sample that is no number is a gap: averages that would need it are left out.
+
+mod coefficients;
+mod confidence;
+
+use serde::Serialize;
+use thiserror::Error;
+
+use coefficients::noises;
+pub use coefficients::{Coefficient, Coefficients};
+pub use confidence::{LEVEL, Noise};
+use confidence::{degrees_of_freedom, interval};
+
+/// Samples that a curve needs: fewer give no confidence at any averaging time.
+pub const LEAST_SAMPLES: usize = 32;
+
+/// The longest averaging time, as a part of the record: at a third of it two independent differences are left.
+const LONGEST: usize = 3;
+
+/// Averaging times an octave.
+const PER_OCTAVE: f64 = 3.0;
+
+/// The Allan deviation at one averaging time. Deviations are in the rate's unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct AllanPoint {
+    /// Averaging time, seconds.
+    pub tau_s: f64,
+    /// Overlapping Allan deviation.
+    pub deviation: f64,
+    /// Its lower bound at the confidence [`LEVEL`].
+    pub low: f64,
+    /// Its upper bound.
+    pub high: f64,
+    /// Equivalent degrees of freedom of the variance, for the noise there.
+    pub degrees_of_freedom: f64,
+    /// The noise that is the largest part there.
+    pub noise: Noise,
+}
+
+/// The Allan deviation over averaging time, and what it says.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Allan {
+    /// Time between samples, seconds.
+    pub period_s: f64,
+    /// Samples that are numbers.
+    pub samples: u64,
+    /// The curve, shortest averaging time first.
+    pub points: Vec<AllanPoint>,
+    /// N, B and K.
+    pub coefficients: Coefficients,
+}
+
+/// Why there is no Allan deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum NoAllan {
+    /// Too few samples.
+    #[error("{samples} samples in a row: an Allan deviation takes {LEAST_SAMPLES} at least; record for longer")]
+    TooShort {
+        /// Samples that are numbers.
+        samples: usize,
+    },
+    /// The time between samples is no time.
+    #[error("the time between samples is {period_s} s: the log needs a time column that rises")]
+    NoPeriod {
+        /// The time between samples, seconds.
+        period_s: f64,
+    },
+    /// The temperature changed: what would be found is drift, not noise.
+    #[error(
+        "the temperature goes from {min:.1} to {max:.1} {unit}: on a ramp the Allan deviation shows the drift, not the noise; take a soak, or the residuals of a calibration"
+    )]
+    Ramp {
+        /// The least temperature, in its own unit.
+        min: f64,
+        /// The greatest.
+        max: f64,
+        /// The temperature's unit.
+        unit: &'static str,
+    },
+    /// The rate never changes.
+    #[error("the rate never changes: the sensor is stuck, or the column is another")]
+    Constant,
+}
+
+/// Running sums of a record with gaps, from which an average over any window is one subtraction.
+#[derive(Debug)]
+struct Sums {
+    /// Sum of the samples before each place, less their mean; a gap adds nothing.
+    sums: Vec<f64>,
+    /// Numbers before each place.
+    counts: Vec<usize>,
+}
+
+impl Sums {
+    fn of(rates: &[f64]) -> Self {
+        let finite = || rates.iter().copied().filter(|rate| rate.is_finite());
+        // Less the mean, so that nothing of a small noise is lost beside a large bias.
+        let mean = finite().sum::<f64>() / finite().count().max(1) as f64;
+        let (mut sum, mut count) = (0.0, 0);
+        let (mut sums, mut counts) = (vec![0.0], vec![0]);
+        for rate in rates {
+            if rate.is_finite() {
+                sum += rate - mean;
+                count += 1;
+            }
+            sums.push(sum);
+            counts.push(count);
+        }
+        Self { sums, counts }
+    }
+
+    fn len(&self) -> usize {
+        self.sums.len() - 1
+    }
+
+    /// The sum of squares of differences of neighbouring means over `m` samples, each pair beginning `stride` after the one
+    /// before it, and how many there were.
+    fn squares(&self, m: usize, stride: usize) -> (f64, u64) {
+        let mut squares = 0.0;
+        let mut pairs = 0;
+        for k in (0..=self.len().saturating_sub(2 * m)).step_by(stride) {
+            if self.len() >= 2 * m && self.counts[k + 2 * m] - self.counts[k] == 2 * m {
+                let difference = (self.sums[k + 2 * m] - 2.0 * self.sums[k + m] + self.sums[k]) / m as f64;
+                squares += difference * difference;
+                pairs += 1;
+            }
+        }
+        (squares, pairs)
+    }
+
+    fn deviation(&self, m: usize, stride: usize) -> Option<f64> {
+        let (squares, pairs) = self.squares(m, stride);
+        (m > 0 && pairs > 0).then(|| (squares / (2.0 * pairs as f64)).sqrt())
+    }
+}
+
+/// The Allan deviation of averages over `m` samples that do not overlap (NIST SP 1065, 5.2.2), in the rates' unit;
+/// `None` where the record has no two such averages in a row.
+#[must_use]
+pub fn allan_deviation(rates: &[f64], m: usize) -> Option<f64> {
+    Sums::of(rates).deviation(m, m.max(1))
+}
+
+/// The overlapping Allan deviation of averages over `m` samples (NIST SP 1065, 5.2.4), in the rates' unit; `None` where
+/// the record has no two such averages in a row.
+#[must_use]
+pub fn overlapping_allan_deviation(rates: &[f64], m: usize) -> Option<f64> {
+    Sums::of(rates).deviation(m, 1)
+}
+
+impl Allan {
+    /// The Allan deviation of evenly spaced rates at constant temperature, or of residuals; NaN marks a gap. Whether the
+    /// temperature was constant is for [`refuse_ramp`] to say.
+    ///
+    /// # Errors
+    /// [`NoAllan`], when the record is too short, has no time or never changes.
+    pub fn of(rates: &[f64], period_s: f64) -> Result<Self, NoAllan> {
+        if !(period_s.is_finite() && period_s > 0.0) {
+            return Err(NoAllan::NoPeriod { period_s });
+        }
+        let sums = Sums::of(rates);
+        let samples = sums.counts[sums.len()];
+        if samples < LEAST_SAMPLES {
+            return Err(NoAllan::TooShort { samples });
+        }
+        let found: Vec<(usize, f64, u64)> = averaging(samples)
+            .into_iter()
+            .filter_map(|m| {
+                let (squares, pairs) = sums.squares(m, 1);
+                (pairs > 1).then(|| (m, (squares / (2.0 * pairs as f64)).sqrt(), pairs))
+            })
+            .collect();
+        if found.is_empty() {
+            return Err(NoAllan::TooShort { samples });
+        }
+        if found.iter().any(|(_, deviation, _)| *deviation <= 0.0) {
+            return Err(NoAllan::Constant);
+        }
+        let point = |(m, deviation, pairs): (usize, f64, u64), noise| {
+            let degrees_of_freedom = degrees_of_freedom(noise, pairs, m);
+            let (low, high) = interval(deviation, degrees_of_freedom);
+            AllanPoint { tau_s: m as f64 * period_s, deviation, low, high, degrees_of_freedom, noise }
+        };
+        let first: Vec<AllanPoint> = found.iter().map(|found| point(*found, Noise::AngleRandomWalk)).collect();
+        let points: Vec<AllanPoint> =
+            found.iter().zip(noises(&first)).map(|(found, noise)| point(*found, noise)).collect();
+        let coefficients = Coefficients::of(&points);
+        Ok(Self { period_s, samples: samples as u64, points, coefficients })
+    }
+
+    /// The Allan deviation at a time of a second, where the curve spans it, by interpolation; for comparisons.
+    #[must_use]
+    pub fn at(&self, tau_s: f64) -> Option<f64> {
+        let after = self.points.iter().position(|point| point.tau_s >= tau_s * (1.0 - 1e-9))?;
+        let (b, a) = (self.points[after], self.points[after.saturating_sub(1)]);
+        if after == 0 || b.tau_s <= tau_s {
+            return ((b.tau_s / tau_s - 1.0).abs() < 1e-6).then_some(b.deviation);
+        }
+        let part = (tau_s / a.tau_s).ln() / (b.tau_s / a.tau_s).ln();
+        Some(a.deviation * (b.deviation / a.deviation).powf(part))
+    }
+}
+
+/// Averaging factors, a few an octave, up to a third of the record.
+// Factors are far below 2^53, and above zero.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn averaging(samples: usize) -> Vec<usize> {
+    let mut factors: Vec<usize> = (0..)
+        .map(|i| 2_f64.powf(f64::from(i) / PER_OCTAVE).round() as usize)
+        .take_while(|m| *m <= samples / LONGEST)
+        .collect();
+    factors.dedup();
+    factors
+}
+
+/// Refuses a record over which the temperature changed by more than a soak may: `most` is that, in the temperature's
+/// unit.
+///
+/// # Errors
+/// [`NoAllan::Ramp`].
+pub fn refuse_ramp(temperatures: &[f64], most: f64, unit: &'static str) -> Result<(), NoAllan> {
+    let finite = || temperatures.iter().copied().filter(|temperature| temperature.is_finite());
+    let (min, max) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (min.min(t), max.max(t)));
+    if max - min > most { Err(NoAllan::Ramp { min, max, unit }) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests;

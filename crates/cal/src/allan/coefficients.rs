@@ -1,0 +1,182 @@
+//! N, B and K from an Allan curve: a weighted fit of their sum, none below zero.
+
+use serde::Serialize;
+
+use super::AllanPoint;
+use super::confidence::{Noise, interval};
+
+/// Terms of the Allan variance over averaging time (IEEE Std 952-1997, annex C): quantization `3 Q^2 / tau^2`, angle random
+/// walk `N^2 / tau`, bias instability `(2 ln 2 / pi) B^2` (its flat part), rate random walk `K^2 tau / 3`.
+const TERMS: usize = 4;
+
+/// The place of each coefficient among the terms.
+const N: usize = 1;
+const B: usize = 2;
+const K: usize = 3;
+
+/// A term that makes up less than this of the variance at every averaging time is not seen: there is only a bound for it.
+const SEEN: f64 = 0.5;
+
+/// Rounds of the fit: four terms settle in a few hundred.
+const ROUNDS: usize = 20_000;
+
+/// Rounds of weighing by the model: it settles in a handful.
+const REWEIGHTED: usize = 12;
+
+/// A coefficient, in the rate's unit times the power of a second that its name says.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "seen")]
+pub enum Coefficient {
+    /// It is the largest part of the curve somewhere.
+    #[serde(rename = "yes")]
+    Seen {
+        /// Its value.
+        value: f64,
+        /// Lower bound at the confidence [`super::LEVEL`].
+        low: f64,
+        /// Upper bound.
+        high: f64,
+        /// The averaging time at which it is the largest part, seconds.
+        tau_s: f64,
+    },
+    /// Other noise hides it.
+    #[serde(rename = "no")]
+    Hidden {
+        /// It is not more than this, at the confidence [`super::LEVEL`].
+        at_most: f64,
+    },
+}
+
+impl Coefficient {
+    /// The value, where it is seen.
+    #[must_use]
+    pub fn value(&self) -> Option<f64> {
+        match self {
+            Self::Seen { value, .. } => Some(*value),
+            Self::Hidden { .. } => None,
+        }
+    }
+}
+
+/// What an Allan curve is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Coefficients {
+    /// N, in the rate's unit times the root of a second (deg/s a root hertz is deg/s times root s; times 60 it is deg a
+    /// root hour).
+    pub angle_random_walk: Coefficient,
+    /// B, in the rate's unit.
+    pub bias_instability: Coefficient,
+    /// K, in the rate's unit over the root of a second.
+    pub rate_random_walk: Coefficient,
+}
+
+/// What the terms are at a time, for coefficients of one.
+fn terms(tau_s: f64) -> [f64; TERMS] {
+    let flat = 2.0 * std::f64::consts::LN_2 / std::f64::consts::PI;
+    [3.0 / (tau_s * tau_s), 1.0 / tau_s, flat, tau_s / 3.0]
+}
+
+/// The noises, in the order of the terms.
+const NOISES: [Noise; TERMS] =
+    [Noise::Quantization, Noise::AngleRandomWalk, Noise::BiasInstability, Noise::RateRandomWalk];
+
+impl Coefficients {
+    /// Fits the terms to the variances, each weighed by its degrees of freedom; `points` must not be empty.
+    pub(super) fn of(points: &[AllanPoint]) -> Self {
+        let squares = fitted(points);
+        Self {
+            angle_random_walk: coefficient(points, &squares, N),
+            bias_instability: coefficient(points, &squares, B),
+            rate_random_walk: coefficient(points, &squares, K),
+        }
+    }
+}
+
+/// The noise that is the largest part at each point, by a fit: at long averaging times the curve is too rough for its own
+/// slope to tell.
+pub(super) fn noises(points: &[AllanPoint]) -> Vec<Noise> {
+    let squares = fitted(points);
+    let largest = |point: &AllanPoint| {
+        let parts = terms(point.tau_s);
+        let by_size = |a: &usize, b: &usize| (parts[*a] * squares[*a]).total_cmp(&(parts[*b] * squares[*b]));
+        NOISES[(0..TERMS).max_by(by_size).unwrap_or(N)]
+    };
+    points.iter().map(largest).collect()
+}
+
+/// The squares of the coefficients that minimise the sum over points of `w ((variance - model) / model)^2` with none below
+/// zero, `w` the degrees of freedom. The model in the denominator is that of the round before: were it the variance
+/// found, points that came out low by chance would pull the fit down.
+fn fitted(points: &[AllanPoint]) -> [f64; TERMS] {
+    let mut sizes: Vec<f64> = points.iter().map(|point| point.deviation.powi(2)).collect();
+    let mut squares = [0.0; TERMS];
+    for _ in 0..REWEIGHTED {
+        squares = fitted_by(points, &sizes);
+        sizes = points.iter().map(|point| dot(&terms(point.tau_s), &squares)).collect();
+    }
+    squares
+}
+
+fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The same with given denominators: by turns, one coefficient at a time, which a convex sum of squares allows.
+fn fitted_by(points: &[AllanPoint], sizes: &[f64]) -> [f64; TERMS] {
+    let rows: Vec<([f64; TERMS], f64, f64)> = points
+        .iter()
+        .zip(sizes)
+        .map(|(point, size)| {
+            (terms(point.tau_s).map(|t| t / size), point.deviation.powi(2) / size, point.degrees_of_freedom)
+        })
+        .collect();
+    // Each term by its greatest row, so that one size of step suits all.
+    let size: [f64; TERMS] = std::array::from_fn(|j| rows.iter().map(|(row, _, _)| row[j]).fold(0.0, f64::max));
+    let mut products = [[0.0; TERMS]; TERMS];
+    let mut targets = [0.0; TERMS];
+    for (row, variance, weight) in &rows {
+        for i in 0..TERMS {
+            targets[i] += weight * variance * row[i] / size[i];
+            for j in 0..TERMS {
+                products[i][j] += weight * row[i] / size[i] * row[j] / size[j];
+            }
+        }
+    }
+    let mut parts = [0.0_f64; TERMS];
+    for _ in 0..ROUNDS {
+        let mut moved = 0.0_f64;
+        for i in 0..TERMS {
+            let rest: f64 = (0..TERMS).filter(|j| *j != i).map(|j| products[i][j] * parts[j]).sum();
+            let best = ((targets[i] - rest) / products[i][i]).max(0.0);
+            moved = moved.max((best - parts[i]).abs());
+            parts[i] = best;
+        }
+        if moved < 1e-12 {
+            break;
+        }
+    }
+    std::array::from_fn(|j| parts[j] / size[j])
+}
+
+/// One coefficient with its bounds: those of the point at which its term is the largest part.
+fn coefficient(points: &[AllanPoint], squares: &[f64; TERMS], of: usize) -> Coefficient {
+    let share = |point: &AllanPoint| {
+        let parts = terms(point.tau_s);
+        parts[of] * squares[of] / dot(&parts, squares)
+    };
+    let best = points.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+    match best.filter(|point| share(point) >= SEEN) {
+        Some(point) => {
+            let value = squares[of].sqrt();
+            let (low, high) = interval(value, point.degrees_of_freedom);
+            Coefficient::Seen { value, low, high, tau_s: point.tau_s }
+        }
+        // As much of it as the curve's upper bounds have room for.
+        None => Coefficient::Hidden {
+            at_most: points
+                .iter()
+                .map(|point| point.high / terms(point.tau_s)[of].sqrt())
+                .fold(f64::INFINITY, f64::min),
+        },
+    }
+}

@@ -1,0 +1,128 @@
+use super::*;
+
+/// NIST SP 1065, 12.4: the 1000-point set, `n(i+1) = 16807 n(i) mod 2147483647` from 1234567890, over 2147483647.
+fn nist() -> Vec<f64> {
+    let mut n: u64 = 1_234_567_890;
+    (0..1000)
+        .map(|_| {
+            let value = n as f64 / 2_147_483_647.0;
+            n = 16_807 * n % 2_147_483_647;
+            value
+        })
+        .collect()
+}
+
+/// NIST SP 1065, table 31.
+#[test]
+fn nists_thousand_points_give_nists_deviations() {
+    let rates = nist();
+    assert!((rates.iter().sum::<f64>() / 1000.0 - 0.489_774_5).abs() < 1e-7, "the set's mean is in the table too");
+    let plain = [(1, 0.292_231_9), (10, 0.099_657_36), (100, 0.038_978_04)];
+    let overlapping = [(1, 0.292_231_9), (10, 0.091_599_53), (100, 0.032_414_13 + 2e-8)];
+    for (m, expected) in plain {
+        let found = allan_deviation(&rates, m).unwrap();
+        assert!((found / expected - 1.0).abs() < 1e-6, "m {m}: {found}, and the table has {expected}");
+    }
+    for (m, expected) in overlapping {
+        let found = overlapping_allan_deviation(&rates, m).unwrap();
+        assert!((found / expected - 1.0).abs() < 1e-4, "m {m}: {found}, and the table has {expected}");
+    }
+}
+
+/// Uniform noise of the same generator, scaled to unit variance.
+struct Uniform(u64);
+
+impl Uniform {
+    fn next(&mut self) -> f64 {
+        self.0 = 16_807 * self.0 % 2_147_483_647;
+        (self.0 as f64 / 2_147_483_647.0 - 0.5) * 12.0_f64.sqrt()
+    }
+}
+
+#[test]
+fn white_noise_has_its_angle_random_walk_and_no_other() {
+    let mut noise = Uniform(42);
+    // 0.02 a sample at 100 Hz: N = 0.02 * sqrt(0.01).
+    let rates: Vec<f64> = (0..20_000).map(|_| 5.0 + 0.02 * noise.next()).collect();
+    let allan = Allan::of(&rates, 0.01).unwrap();
+    let Coefficient::Seen { value, low, high, .. } = allan.coefficients.angle_random_walk else {
+        panic!("{:?}", allan.coefficients)
+    };
+    assert!((value / 0.002 - 1.0).abs() < 0.02 && low < 0.002 && high > 0.002, "{low} {value} {high}");
+    assert_eq!(allan.coefficients.bias_instability.value(), None);
+    assert_eq!(allan.coefficients.rate_random_walk.value(), None);
+    assert!((allan.at(1.0).unwrap() / 0.002 - 1.0).abs() < 0.15);
+}
+
+#[test]
+fn a_walk_below_white_noise_is_found_with_both_its_coefficients() {
+    let mut noise = Uniform(7);
+    let (n, k, period) = (0.01_f64, 0.002_f64, 0.5_f64);
+    let mut bias = 0.0;
+    let rates: Vec<f64> = (0..40_000)
+        .map(|_| {
+            bias += k * period.sqrt() * noise.next();
+            bias + n / period.sqrt() * noise.next()
+        })
+        .collect();
+    let allan = Allan::of(&rates, period).unwrap();
+    let found = allan.coefficients;
+    assert!((found.angle_random_walk.value().unwrap() / n - 1.0).abs() < 0.03, "{found:?}");
+    assert!((found.rate_random_walk.value().unwrap() / k - 1.0).abs() < 0.15, "{found:?}");
+    let noises: Vec<Noise> = allan.points.iter().map(|point| point.noise).collect();
+    assert_eq!(noises[3], Noise::AngleRandomWalk);
+    assert_eq!(noises[noises.len() - 12], Noise::RateRandomWalk);
+}
+
+/// Of 200 records, the bounds at an averaging factor of 8 miss the truth about as often as they say: 5 %.
+#[test]
+fn the_bounds_hold_the_truth_as_often_as_they_say() {
+    let mut noise = Uniform(99);
+    let missed = (0..200)
+        .filter(|_| {
+            let rates: Vec<f64> = (0..512).map(|_| noise.next()).collect();
+            let allan = Allan::of(&rates, 1.0).unwrap();
+            let point = allan.points.iter().find(|point| (point.tau_s - 8.0).abs() < 0.1).unwrap();
+            let truth = 1.0 / 8.0_f64.sqrt();
+            point.low > truth || point.high < truth
+        })
+        .count();
+    assert!((2..=20).contains(&missed), "{missed} of 200");
+}
+
+#[test]
+fn a_gap_is_left_out_and_not_bridged() {
+    // A step of 100 across the gap: any average that bridged it would show.
+    let mut noise = Uniform(3);
+    let mut rates: Vec<f64> = (0..1000).map(|_| noise.next()).collect();
+    rates[500..].iter_mut().for_each(|rate| *rate += 100.0);
+    rates[500] = f64::NAN;
+    let found = overlapping_allan_deviation(&rates, 10).unwrap();
+    assert!((found / (1.0 / 10.0_f64.sqrt()) - 1.0).abs() < 0.15, "{found}");
+    let without_gap: Vec<f64> = rates.iter().copied().filter(|rate| rate.is_finite()).collect();
+    assert!(overlapping_allan_deviation(&without_gap, 10).unwrap() > 1.0);
+}
+
+#[test]
+fn a_bias_a_million_times_the_noise_costs_nothing() {
+    let mut noise = Uniform(11);
+    let rates: Vec<f64> = (0..2000).map(|_| noise.next()).collect();
+    let raised: Vec<f64> = rates.iter().map(|rate| rate + 1e6).collect();
+    let (own, other) =
+        (overlapping_allan_deviation(&rates, 7).unwrap(), overlapping_allan_deviation(&raised, 7).unwrap());
+    assert!((own / other - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn what_has_no_allan_deviation_is_refused_with_a_reason() {
+    assert_eq!(Allan::of(&[1.0; 31], 1.0).unwrap_err(), NoAllan::TooShort { samples: 31 });
+    assert_eq!(Allan::of(&[1.0; 64], 1.0).unwrap_err(), NoAllan::Constant);
+    assert!(matches!(Allan::of(&nist(), f64::NAN).unwrap_err(), NoAllan::NoPeriod { .. }));
+    assert!(matches!(Allan::of(&[f64::NAN; 500], 1.0).unwrap_err(), NoAllan::TooShort { samples: 0 }));
+    assert_eq!(allan_deviation(&nist(), 501), None);
+    assert_eq!(allan_deviation(&nist(), 0), None);
+    let ramp: Vec<f64> = (0..100).map(|i| 20.0 + 0.5 * f64::from(i)).collect();
+    let refused = refuse_ramp(&ramp, 2.0, "C").unwrap_err().to_string();
+    assert!(refused.starts_with("the temperature goes from 20.0 to 69.5 C"), "{refused}");
+    assert!(refuse_ramp(&[25.0, 25.9, f64::NAN], 2.0, "C").is_ok());
+}

@@ -1,0 +1,139 @@
+//! `zerorate export`.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use serde::Serialize;
+use zerorate_cal::calibration::Calibration;
+use zerorate_cal::interop::export::{ExportOptions, Exported, ExportedAxis, ExportedSensor, Format, export};
+
+use super::Outcome;
+use crate::screen::{Grid, Page, aligned};
+use crate::{output, screen};
+
+/// Write a calibration as an autopilot's parameters, as source code or as a table
+///
+/// px4, ardupilot, methodic-configurator and json hold a cubic of temperature and no more: they get the best one there is,
+/// in the autopilot's own units, names and range, and what it costs against the chosen model is told here and in the file.
+/// c and rust are self-contained and hold the model itself, in floating point and in integers. csv is the curve as a table.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Export {
+    /// The calibration that `zerorate fit --out` wrote
+    calibration: PathBuf,
+
+    /// px4, ardupilot, methodic-configurator, c, rust, json or csv
+    #[arg(long, value_name = "FORMAT")]
+    format: Format,
+
+    /// Write here; without this the text goes to standard output
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+
+    /// The sensor's device id, for px4 where the log did not tell it (in PX4's console: listener sensor_gyro)
+    #[arg(long, value_name = "NUMBER")]
+    device_id: Option<u32>,
+
+    /// Which of the autopilot's sensors it is, from 0, where the log did not tell it
+    #[arg(long, value_name = "NUMBER")]
+    instance: Option<u8>,
+
+    /// Print JSON about what was written on standard output, and nothing else there; needs --out
+    #[arg(long, requires = "out")]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate export calibration.json --format px4 --out vehicle.params
+  zerorate export calibration.json --format ardupilot --out tcal.parm
+  zerorate export calibration.json --format c --out zerorate_calibration.h
+  zerorate export calibration.json --format csv | head
+
+After loading parameters, see on a second run what they leave: zerorate verify LOG --with calibration.json";
+
+/// What was done, as JSON has it.
+#[derive(Serialize)]
+struct Done<'a> {
+    schema: u32,
+    out: &'a Option<PathBuf>,
+    format: String,
+    sensors: &'a [ExportedSensor],
+    notes: &'a [String],
+}
+
+impl Export {
+    pub fn run(&self) -> Result<Outcome> {
+        if let Some(out) = &self.out {
+            output::check("--out", out, &[&self.calibration])?;
+        }
+        let calibration = Calibration::read(&self.calibration)?;
+        let options = ExportOptions { device_id: self.device_id, instance: self.instance };
+        let exported =
+            export(&calibration, self.format, &options).with_context(|| format!("{}", self.calibration.display()))?;
+        let Some(out) = &self.out else {
+            // The text is all that standard output holds, so that it can be piped.
+            exported.notes.iter().for_each(|note| screen::note(note));
+            screen::print(&exported.text)?;
+            return Ok(Outcome::Done);
+        };
+        output::write(out, &exported.text)?;
+        if self.json {
+            let Exported { sensors, notes, .. } = &exported;
+            let format = self.format.to_string();
+            screen::print_json(&Done { schema: 1, out: &self.out, format, sensors, notes })?;
+        } else {
+            self.page(&exported).print()?;
+        }
+        Ok(Outcome::Done)
+    }
+
+    fn page(&self, exported: &Exported) -> Page {
+        let mut page = Page::default();
+        let out = self.out.iter().map(|out| out.display().to_string()).collect::<String>();
+        page.sentence("", &format!("Wrote {out}, for {}.", self.format));
+        for sensor in &exported.sensors {
+            page.heading(&format!(
+                "{sensor}, {:.1} to {:.1} C: what a cubic leaves, m{} rms held out",
+                sensor.range[0],
+                sensor.range[1],
+                sensor.kind.unit()
+            ));
+            page.grid(&losses(sensor));
+        }
+        if !exported.sensors.is_empty() {
+            page.gap();
+            page.sentence(
+                "  ",
+                "away is how far the cubic is from the chosen model's curve at most. What an autopilot cannot hold is lost; \
+                 c and rust hold all of it.",
+            );
+        }
+        page.heading("What to do");
+        // The losses stand in the table.
+        let is_loss = |note: &&String| exported.sensors.iter().any(|sensor| note.starts_with(&sensor.to_string()));
+        exported.notes.iter().filter(|note| !is_loss(note)).for_each(|note| page.sentence("  - ", note));
+        page
+    }
+}
+
+/// A row an axis.
+fn losses(sensor: &ExportedSensor) -> Grid {
+    let axes: Vec<&ExportedAxis> = sensor.axes.iter().flatten().collect();
+    let column = |of: &dyn Fn(&ExportedAxis) -> Option<f64>| {
+        aligned(&axes.iter().map(|axis| 1e3 * of(axis).unwrap_or(f64::NAN)).collect::<Vec<_>>())
+    };
+    let columns = [
+        column(&|axis| axis.loss.chosen_rms),
+        column(&|axis| axis.loss.cubic_rms),
+        column(&|axis| Some(axis.loss.furthest)),
+    ];
+    let mut grid = Grid::new("llrrr");
+    grid.head(["axis", "chosen", "its rms", "cubic", "away"]);
+    for (place, axis) in axes.iter().enumerate() {
+        let cells = columns.iter().map(|column| column[place].clone());
+        grid.row([axis.name.clone(), axis.model.clone()].into_iter().chain(cells));
+    }
+    grid
+}
