@@ -1,5 +1,8 @@
 //! Parameter files, read back by PEERS' description of the formats and evaluated as the autopilots do.
 
+// Values that were written are to be read back as they were; the autopilots keep singles.
+#![allow(clippy::float_cmp, clippy::cast_possible_truncation)]
+
 use std::collections::BTreeMap;
 
 use super::calibrations::{axis, calibration, drift, three_axes};
