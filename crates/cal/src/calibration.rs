@@ -11,6 +11,7 @@ mod axis;
 mod device;
 mod error;
 mod form;
+mod model;
 mod source;
 
 use std::collections::BTreeMap;
@@ -24,14 +25,19 @@ use zerorate_core::units::TemperatureScale;
 pub use axis::{AxisCalibration, CandidateStatistics, FitStatistics, ResidualOver, TrimCalibration};
 pub use device::{MadeRecord, NoDeviceRecord};
 pub use error::CalibrationError;
+pub use model::{BandPoint, HeldOut, StaticCubic, TimeDrift};
 pub use source::{Source, sha256_of_file};
 
 use crate::log_fit::LogFit;
 use crate::quality::TemperatureUnit;
 use crate::whole_file::write_whole;
 
-/// The version of the file that this code reads and writes.
-pub const SCHEMA: u32 = 1;
+/// The version of the file that this code writes. It reads 1 as well, which has no history, drift in time, static cubic
+/// or band.
+pub const SCHEMA: u32 = 2;
+
+/// The oldest version that this code reads.
+pub const OLDEST_SCHEMA: u32 = 1;
 
 /// This program and its version, as calibrations name their maker.
 pub const CREATED_BY: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));
@@ -138,7 +144,9 @@ impl Calibration {
         let malformed = |error: serde_json::Error| CalibrationError::malformed(path, &error);
         let head: Head = serde_json::from_str(text).map_err(malformed)?;
         match head.schema.as_ref().map(serde_json::Value::as_u64) {
-            Some(Some(found)) if found == u64::from(SCHEMA) => serde_json::from_str(text).map_err(malformed),
+            Some(Some(found)) if (u64::from(OLDEST_SCHEMA)..=u64::from(SCHEMA)).contains(&found) => {
+                serde_json::from_str(text).map_err(malformed)
+            }
             Some(Some(found)) => Err(CalibrationError::UnknownSchema { path: path.to_owned(), found }),
             Some(None) | None => Err(CalibrationError::NotOne { path: path.to_owned() }),
         }

@@ -106,6 +106,51 @@ pub struct Candidate {
     /// Standard error of how much `held_out_rms` exceeds the best candidate's, from their differences stretch by
     /// stretch: what makes a stretch hard for all, as hysteresis does, says nothing about which is better. 0 for the best.
     pub standard_error: f64,
+    /// What it has beside the curve.
+    pub terms: TermSet,
+    /// Further errors, where histories were compared.
+    pub further: Option<Further>,
+    /// Whether it is the one chosen.
+    pub chosen: bool,
+}
+
+/// What a candidate has beside its curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TermSet {
+    /// How many plays.
+    pub plays: usize,
+    /// How many lags.
+    pub lags: usize,
+    /// A slow drift in time.
+    pub time: bool,
+}
+
+/// Further errors of a candidate, rate units; NaN where there is none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Further {
+    /// Over all stretches without the drift in time, less the mean of each one's first groups.
+    pub deployed_rms: f64,
+    /// With the coldest and the hottest eighth held out.
+    pub ends_rms: [f64; 2],
+    /// Of the held-out groups, those taken while heating, and while cooling.
+    pub by_direction_rms: [f64; 2],
+    /// How strongly its weights were drawn to zero.
+    pub ridge: f64,
+}
+
+impl fmt::Display for Candidate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.model)?;
+        let TermSet { plays, lags, time } = self.terms;
+        for (count, what) in [(plays, "play"), (lags, "lag")] {
+            match count {
+                0 => {}
+                1 => write!(f, " + {what}")?,
+                _ => write!(f, " + {count} {what}s")?,
+            }
+        }
+        if time { f.write_str(" + time") } else { Ok(()) }
+    }
 }
 
 /// The model chosen, fitted to everything and to all but each stretch.
@@ -173,6 +218,7 @@ impl Stretches {
         }
         match (simplest_within_one_standard_error(&mut tried), failure) {
             (Some(chosen), _) => {
+                tried[chosen].candidate.chosen = true;
                 let candidates = tried.iter().map(|tried| tried.candidate).collect();
                 let Tried { candidate, solution, without, .. } = tried.swap_remove(chosen);
                 Ok(Choice { model: candidate.model, solution, without, candidates })
@@ -205,6 +251,9 @@ impl Stretches {
             in_sample_rms: solution.rms,
             held_out_rms: held_out_rms(&fits, &mean_squares),
             standard_error: f64::NAN,
+            terms: TermSet::default(),
+            further: None,
+            chosen: false,
         };
         Ok(Tried { candidate, solution, without, mean_squares })
     }

@@ -14,8 +14,9 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
-use zerorate_core::drift::{Drift, Scale, ValidRange};
+use zerorate_core::drift::{Drift, History, Scale, ValidRange};
 
+use crate::calibration::{BandPoint, HeldOut, StaticCubic, TimeDrift};
 use crate::choose::{Choice, Model, Stretches};
 use crate::condition::{Rejected, Step, Stretch};
 use crate::quality::{Judgement, Reason, ReasonKind, TemperatureUnit};
@@ -97,6 +98,17 @@ pub struct AxisFit {
     pub temperature_unit: TemperatureUnit,
     /// The curve with its valid range: the least and greatest temperature fitted.
     pub drift: Drift,
+    /// What the drift remembers of its temperatures. `drift` and `choice` are then the static curve for when that is not
+    /// known.
+    pub history: Option<History>,
+    /// The recording's own drift in time, which is not deployed.
+    pub time_drift: Option<TimeDrift>,
+    /// The best static cubic of the same data.
+    pub static_cubic: Option<StaticCubic>,
+    /// The prediction band over temperature, coldest first.
+    pub band: Vec<BandPoint>,
+    /// How the whole choice predicts what played no part in it; `None` where nothing was chosen.
+    pub nested: Option<HeldOut>,
     /// The model chosen, its coefficients, covariance and rivals.
     pub choice: Choice,
     /// Residual of the fit of everything: over rows in plain mode, over groups otherwise.

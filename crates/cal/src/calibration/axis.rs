@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 use zerorate_core::compensate::{LowPass, Mode};
-use zerorate_core::drift::Drift;
+use zerorate_core::drift::{Drift, History};
 use zerorate_core::trim::Trim;
 
 use super::form::{AxisForm, TrimForm};
+use super::model::{BandPoint, HeldOut, StaticCubic, TimeDrift};
 use crate::choose::{Choice, Model, STRETCHES};
 use crate::drift_fit::DriftFit;
 use crate::log_fit::{AxisFit, Spread};
@@ -16,8 +17,17 @@ use crate::trim_fit::TrimEstimate;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "AxisForm", into = "AxisForm")]
 pub struct AxisCalibration {
-    /// Zero-rate output over temperature, in `rate_unit` and the calibration's temperature unit.
+    /// Zero-rate output over temperature, in `rate_unit` and the calibration's temperature unit. With a history this is
+    /// the static curve for when the history is not known.
     pub drift: Drift,
+    /// What the drift remembers of its temperatures; `None` where it is a function of temperature alone.
+    pub history: Option<History>,
+    /// The recording's own drift in time; `None` where the model chosen has none.
+    pub time_drift: Option<TimeDrift>,
+    /// The best static cubic beside the model chosen; `None` where it was not fitted.
+    pub static_cubic: Option<StaticCubic>,
+    /// The prediction band over temperature, coldest first; empty where it was not found.
+    pub band: Vec<BandPoint>,
     /// The unit of the drift and of every residual: counts on the analogue board.
     pub rate_unit: RateUnit,
     /// How well the drift was fitted; `None` where it was not fitted here.
@@ -58,12 +68,16 @@ pub struct FitStatistics {
     pub covariance: Vec<Vec<f64>>,
     /// The models tried, simplest first.
     pub candidates: Vec<CandidateStatistics>,
+    /// Where the choice was nested: how the whole procedure predicts what it has not seen. `held_out` is then the
+    /// residual within the recording by the same stretches.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nested: Option<HeldOut>,
 }
 
 /// A model that was tried.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CandidateStatistics {
-    /// The model, as `poly:2`.
+    /// The model, as `poly:2`, or `poly:3 + plays + lags + time`.
     pub model: String,
     /// Root mean square of the residual of the fit of everything.
     pub in_sample_rms: f64,
@@ -71,6 +85,21 @@ pub struct CandidateStatistics {
     pub held_out_rms: Option<f64>,
     /// Standard error of how much `held_out_rms` exceeds the best candidate's, stretch by stretch; 0 for the best.
     pub held_out_excess_standard_error: Option<f64>,
+    /// As deployed: over the held-out stretches without drift in time, less the mean of each one's first groups.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deployed_rms: Option<f64>,
+    /// With the coldest and with the hottest eighth of the groups held out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ends_rms: Option<[f64; 2]>,
+    /// The held-out groups taken while it was heating, and while it was cooling.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by_direction_rms: Option<[Option<f64>; 2]>,
+    /// How strongly its weights were drawn to zero: a share of the data's own weight.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ridge: Option<f64>,
+    /// Whether it is the one chosen.
+    #[serde(default)]
+    pub chosen: bool,
 }
 
 /// The trim of one axis, and what the law makes of it.
@@ -97,8 +126,15 @@ impl AxisCalibration {
     pub fn of_log_axis(axis: &AxisFit, over: ResidualOver) -> Self {
         Self {
             drift: axis.drift.clone(),
+            history: axis.history.clone(),
+            time_drift: axis.time_drift,
+            static_cubic: axis.static_cubic.clone(),
+            band: axis.band.clone(),
             rate_unit: axis.rate_unit,
-            fit: Some(FitStatistics::new(&axis.choice, over, axis.samples_used, axis.in_sample, axis.held_out)),
+            fit: Some(FitStatistics {
+                nested: axis.nested,
+                ..FitStatistics::new(&axis.choice, over, axis.samples_used, axis.in_sample, axis.held_out)
+            }),
             trim: None,
             warnings: Vec::new(),
         }
@@ -111,6 +147,10 @@ impl AxisCalibration {
             FitStatistics::new(&fit.choice, ResidualOver::Groups, samples_used, fit.in_sample, fit.held_out);
         Self {
             drift: fit.drift.clone(),
+            history: None,
+            time_drift: None,
+            static_cubic: None,
+            band: Vec::new(),
             rate_unit: RateUnit::Counts,
             fit: Some(statistics),
             trim,
@@ -140,12 +180,18 @@ impl FitStatistics {
                 .candidates
                 .iter()
                 .map(|candidate| CandidateStatistics {
-                    model: candidate.model.to_string(),
+                    model: candidate.to_string(),
                     in_sample_rms: candidate.in_sample_rms,
                     held_out_rms: finite(candidate.held_out_rms),
                     held_out_excess_standard_error: finite(candidate.standard_error),
+                    deployed_rms: candidate.further.and_then(|further| finite(further.deployed_rms)),
+                    ends_rms: candidate.further.map(|f| f.ends_rms).filter(|ends| ends.iter().all(|e| e.is_finite())),
+                    by_direction_rms: candidate.further.map(|further| further.by_direction_rms.map(finite)),
+                    ridge: candidate.further.map(|further| further.ridge),
+                    chosen: candidate.chosen,
                 })
                 .collect(),
+            nested: None,
         }
     }
 }

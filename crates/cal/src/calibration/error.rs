@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::{CREATED_BY, SCHEMA};
+use super::{CREATED_BY, OLDEST_SCHEMA, SCHEMA};
 
 /// Why a calibration cannot be read or written.
 #[derive(Debug, Error)]
@@ -29,7 +29,7 @@ pub enum CalibrationError {
     },
     /// A schema that this code does not know.
     #[error(
-        "{}: schema {found}, and this program ({CREATED_BY}) knows schema {SCHEMA}: {}",
+        "{}: schema {found}, and this program ({CREATED_BY}) knows schemas {OLDEST_SCHEMA} to {SCHEMA}: {}",
         path.display(),
         if *found > u64::from(SCHEMA) { "use a newer zerorate" } else { "calibrate or fit again" }
     )]

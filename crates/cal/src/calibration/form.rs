@@ -7,6 +7,7 @@ use zerorate_core::trim::{MAX_TAP_OFFSETS, TapEffects, Trim, TrimLine};
 use zerorate_core::units::{Counts, Taps};
 
 use super::axis::{AxisCalibration, FitStatistics, TrimCalibration};
+use super::model::{BandPoint, HistoryForm, StaticCubic, TimeDrift};
 use crate::table::RateUnit;
 use crate::trim_fit::TrimEstimate;
 
@@ -19,6 +20,14 @@ const AGREEMENT: f64 = 1e-6;
 pub(super) struct AxisForm {
     model: String,
     drift: DriftForm,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    history: Option<HistoryForm>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    time_drift: Option<TimeDrift>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    static_cubic: Option<StaticCubic>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    band: Vec<BandPoint>,
     rate_unit: RateUnit,
     fit: Option<FitStatistics>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -29,7 +38,7 @@ pub(super) struct AxisForm {
 
 /// A drift as it stands in the file: a polynomial has `scaled_coefficients`, a table has `knots`.
 #[derive(Clone, Serialize, Deserialize)]
-struct DriftForm {
+pub(super) struct DriftForm {
     /// The scaled variable is `(T - temperature_centre) / temperature_half_span`.
     temperature_centre: f64,
     temperature_half_span: f64,
@@ -54,6 +63,10 @@ impl From<AxisCalibration> for AxisForm {
         Self {
             model: axis.model().to_string(),
             drift: DriftForm::from(&axis.drift),
+            history: axis.history.as_ref().map(|history| HistoryForm::of(history, &axis.drift)),
+            time_drift: axis.time_drift,
+            static_cubic: axis.static_cubic,
+            band: axis.band,
             rate_unit: axis.rate_unit,
             fit: axis.fit,
             trim: axis.trim,
@@ -67,6 +80,10 @@ impl TryFrom<AxisForm> for AxisCalibration {
     fn try_from(form: AxisForm) -> Result<Self, String> {
         let axis = Self {
             drift: form.drift.checked()?,
+            history: form.history.as_ref().map(HistoryForm::checked).transpose()?,
+            time_drift: form.time_drift,
+            static_cubic: form.static_cubic,
+            band: form.band,
             rate_unit: form.rate_unit,
             fit: form.fit,
             trim: form.trim,
@@ -111,7 +128,7 @@ impl From<&Drift> for DriftForm {
 }
 
 impl DriftForm {
-    fn checked(&self) -> Result<Drift, String> {
+    pub(super) fn checked(&self) -> Result<Drift, String> {
         let scale = Scale::new(self.temperature_centre, self.temperature_half_span)
             .ok_or("temperature_half_span must be above zero")?;
         let [min, max] = self.valid_temperature;

@@ -95,7 +95,7 @@ fn a_calibration_that_was_written_and_read_is_the_same_and_makes_the_same_record
 #[test]
 fn the_file_names_its_units() {
     let json: serde_json::Value = serde_json::from_str(&board().to_json().unwrap()).unwrap();
-    assert_eq!((&json["schema"], &json["kind"]), (&1.into(), &"analogue-board".into()));
+    assert_eq!((&json["schema"], &json["kind"]), (&2.into(), &"analogue-board".into()));
     assert_eq!((&json["temperature_unit"], &json["temperature_scale"]["step"]), (&"counts".into(), &0.25.into()));
     let x = &json["axes"]["x"];
     assert_eq!((&x["model"], &x["rate_unit"]), (&"poly:2".into(), &"counts".into()));
@@ -282,4 +282,35 @@ proptest! {
         let read = Calibration::from_json(&calibration.to_json().unwrap(), here()).unwrap();
         prop_assert_eq!(read, calibration);
     }
+}
+
+/// A history, a drift in time, a static cubic and a band read back to the same bits.
+#[test]
+fn a_calibration_with_a_history_reads_back_as_it_was_written() {
+    use zerorate_core::drift::{History, Memory, Term};
+    let mut calibration = board();
+    let axis = calibration.axes.get_mut("x").unwrap();
+    let terms = [
+        Term { memory: Memory::Play { half_width: 123.4 }, weight: 0.0117, share: 0.6 },
+        Term { memory: Memory::Lag { time_constant_s: 240.0 }, weight: -0.3, share: 0.4 },
+    ];
+    axis.history = History::new(axis.drift.shape.clone(), &terms);
+    axis.time_drift = Some(TimeDrift { per_second: 1e-3, origin_s: 2122.25 });
+    axis.band = vec![BandPoint { temperature: 8500.0, half_width: 1.0 / 3.0 }];
+    let spread = crate::log_fit::Spread { rms: 0.1, pp: 0.7 };
+    axis.static_cubic = Some(StaticCubic { drift: axis.drift.clone(), in_sample: spread, held_out: None });
+    let text = calibration.to_json().unwrap();
+    assert_eq!(Calibration::from_json(&text, Path::new("c.json")).unwrap(), calibration);
+    for (good, bad) in [("\"half_width\": 123.4", "\"half_width\": -1"), ("\"share\": 0.6", "\"share\": 0.9")] {
+        let error = Calibration::from_json(&text.replace(good, bad), Path::new("c.json")).unwrap_err().to_string();
+        assert!(error.contains("a history has 1 to 6 terms"), "{error}");
+    }
+}
+
+/// Files of the first schema have none of it, and are still read.
+#[test]
+fn the_first_schema_is_still_read() {
+    let calibration = board();
+    let text = calibration.to_json().unwrap().replacen("\"schema\": 2", "\"schema\": 1", 1);
+    assert_eq!(Calibration::from_json(&text, Path::new("c.json")).unwrap(), calibration);
 }

@@ -44,11 +44,11 @@ impl From<&AxisFit> for LogAxis {
     fn from(axis: &AxisFit) -> Self {
         let choice = &axis.choice;
         let row = |candidate: &Candidate| CandidateRow {
-            model: candidate.model.to_string(),
+            model: candidate.to_string(),
             in_sample_rms: candidate.in_sample_rms,
             held_out_rms: candidate.held_out_rms,
             standard_error: candidate.standard_error,
-            chosen: candidate.model == choice.model,
+            chosen: candidate.chosen,
         };
         let rejected = axis
             .samples_rejected
