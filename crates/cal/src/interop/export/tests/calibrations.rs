@@ -18,7 +18,17 @@ pub fn drift(values: &[f64], is_table: bool, min: f64, max: f64) -> Drift {
 }
 
 pub fn axis(drift: Drift, rate_unit: RateUnit) -> AxisCalibration {
-    AxisCalibration { drift, rate_unit, fit: None, trim: None, warnings: Vec::new() }
+    AxisCalibration {
+        drift,
+        history: None,
+        time_drift: None,
+        static_cubic: None,
+        band: Vec::new(),
+        rate_unit,
+        fit: None,
+        trim: None,
+        warnings: Vec::new(),
+    }
 }
 
 pub fn calibration(axes: Vec<(&str, AxisCalibration)>) -> Calibration {
