@@ -98,6 +98,9 @@ pub enum ClientError {
         /// How long was waited, seconds.
         waited_s: u64,
     },
+    /// This build cannot.
+    #[error("an emulated board is not in this build: use a port (serial:PATH, tcp:HOST:PORT) or native")]
+    NotHere,
     /// The answer is of another kind than the question.
     #[error("the device gave an answer that does not belong to the question")]
     Confused,
@@ -292,6 +295,11 @@ impl DeviceClient {
     /// [`ClientError`].
     pub fn group_within(&mut self, patience: Duration) -> Result<Option<Group>, ClientError> {
         self.conversation.group_before(Instant::now() + patience)
+    }
+
+    /// Puts a group back to be taken next.
+    pub(crate) fn put_back(&mut self, group: Group) {
+        self.conversation.put_back(group);
     }
 
     /// How long a group takes, as the device said when hands were shaken.

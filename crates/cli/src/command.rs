@@ -3,6 +3,7 @@
 mod apply;
 mod calibrate;
 mod completions;
+mod device;
 mod export;
 mod fit;
 mod info;
@@ -48,6 +49,7 @@ enum Command {
     Report(report::Report),
     Info(info::Info),
     Study(study::Study),
+    Device(device::Device),
     Setup(setup::Setup),
     VirtualBoard(virtual_board::Serve),
     Completions(completions::Completions),
@@ -79,6 +81,7 @@ impl Cli {
             Command::Info(info) => info.run(),
             Command::Study(study) => study.run(),
             Command::Setup(setup) => setup.run(),
+            Command::Device(device) => device.run(),
             Command::VirtualBoard(board) => board.run(),
             Command::Completions(completions) => completions.run(),
         };

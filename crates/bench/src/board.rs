@@ -1,0 +1,212 @@
+//! What a person asks of a board: who it is, what it does, a calibration put on it or read from it.
+
+mod first_time;
+mod live;
+
+use std::path::Path;
+use std::time::Duration;
+
+use serde::Serialize;
+use zerorate_cal::calibration::Calibration;
+use zerorate_cal::device_record::StoredRecord;
+use zerorate_core::record::DeviceRecord;
+use zerorate_core::units::GroupNumber;
+use zerorate_core::wire::{FaultCounts, Identity, Request};
+
+pub use zerorate_core::compensate::Mode;
+pub use zerorate_core::units::{Axis, Taps};
+
+pub use self::first_time::{FirstTime, MOST_STORES};
+pub use self::live::{LiveAxis, LiveGroup};
+
+use crate::choice::DeviceChoice;
+use crate::client::{ClientError, DeviceClient, LineCounts};
+use crate::instruments::Bench;
+use crate::plants::PlantKind;
+use crate::simulated;
+
+/// A board that hands were shaken with.
+pub struct Board {
+    /// The board.
+    pub device: DeviceClient,
+    identity: Identity,
+    /// Whether this program has started the acquisition, and stops it at the end.
+    started: bool,
+}
+
+/// Who a board is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Info {
+    /// The unit's serial; empty on a board that has not been given one.
+    pub unit_serial: String,
+    /// The firmware's version.
+    pub firmware: String,
+    /// The version of the wire that it speaks.
+    pub wire_version: u16,
+    /// Samples a group.
+    pub samples_per_group: u16,
+    /// Microseconds from sample to sample.
+    pub sample_period_us: u32,
+    /// The group that is being filled, or will be the first.
+    pub group: u32,
+    /// Whether a calibration is in use.
+    pub calibrated: bool,
+    /// The same in words, and why not.
+    pub calibration: String,
+    /// The stored record, where there is one.
+    pub record: Option<RecordFacts>,
+}
+
+/// What a stored record says of itself.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecordFacts {
+    /// Its length, bytes.
+    pub bytes: usize,
+    /// Its CRC-32, in hexadecimal.
+    pub crc32: String,
+    /// The unit it was made for.
+    pub unit_serial: String,
+}
+
+/// Why a file cannot be put on a board.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct NotDeployable(String);
+
+impl Board {
+    /// Opens the line and shakes hands.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn open(choice: &DeviceChoice) -> Result<Self, ClientError> {
+        let mut device = match choice.open()? {
+            Some(device) => device,
+            None => simulated_bench(choice)?.device,
+        };
+        let identity = device.identify()?;
+        Ok(Self { device, identity, started: false })
+    }
+
+    /// Who it is, and what it has stored.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn info(&mut self) -> Result<Info, ClientError> {
+        let stored = self.device.read_calibration()?;
+        let identity = self.device.identify()?;
+        let [major, minor, patch] = identity.firmware;
+        Ok(Info {
+            unit_serial: identity.unit.to_string(),
+            firmware: format!("{major}.{minor}.{patch}"),
+            wire_version: identity.wire_version,
+            samples_per_group: identity.samples_per_group,
+            sample_period_us: identity.sample_period_us,
+            group: identity.group.0,
+            calibrated: identity.calibration.is_in_use(),
+            calibration: identity.calibration.to_string(),
+            record: RecordFacts::of(&stored),
+        })
+    }
+
+    /// The fault counters.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn faults(&mut self) -> Result<FaultCounts, ClientError> {
+        self.device.faults()
+    }
+
+    /// Changes the mode of some axes, from a group on or from the next; returns the group from which it holds.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn set_mode(&mut self, axes: &[Axis], mode: Mode, at: Option<u32>) -> Result<u32, ClientError> {
+        self.each(axes, at, |axis| Request::SetMode { axis, mode })
+    }
+
+    /// Writes the wipers of some axes, from a group on or from the next; returns the group from which it holds.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn set_tap(&mut self, axes: &[Axis], tap: Taps, at: Option<u32>) -> Result<u32, ClientError> {
+        self.each(axes, at, |axis| Request::SetTap { axis, tap })
+    }
+
+    fn each(&mut self, axes: &[Axis], at: Option<u32>, request: impl Fn(Axis) -> Request) -> Result<u32, ClientError> {
+        let mut from = 0;
+        for &axis in axes {
+            from = from.max(self.device.order_at(request(axis), at.map(GroupNumber))?.0);
+        }
+        Ok(from)
+    }
+
+    /// Puts a record on the board: written, committed, read back and compared.
+    ///
+    /// # Errors
+    /// [`ClientError`]; [`ClientError::Refused`] with the board's reason.
+    pub fn deploy(&mut self, record: &DeviceRecord) -> Result<RecordFacts, ClientError> {
+        self.device.deploy(record)?;
+        let stored = self.device.read_calibration()?;
+        RecordFacts::of(&stored).ok_or(ClientError::ReadBack)
+    }
+
+    /// The stored record as it is, byte for byte; empty where there is none.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn read(&mut self) -> Result<Vec<u8>, ClientError> {
+        self.device.read_calibration()
+    }
+
+    /// The unit's serial.
+    #[must_use]
+    pub fn serial(&self) -> &str {
+        &self.identity.unit
+    }
+
+    /// How long a group takes.
+    #[must_use]
+    pub const fn group_period(&self) -> Duration {
+        self.device.group_period()
+    }
+
+    /// What was noticed of the line.
+    #[must_use]
+    pub const fn line(&self) -> LineCounts {
+        self.device.counts()
+    }
+}
+
+impl RecordFacts {
+    fn of(stored: &[u8]) -> Option<Self> {
+        let crc = stored.last_chunk().map(|crc| u32::from_le_bytes(*crc))?;
+        let unit_serial =
+            DeviceRecord::decode(stored).map_or_else(|why| why.to_string(), |record| record.unit.to_string());
+        Some(Self { bytes: stored.len(), crc32: format!("{crc:08x}"), unit_serial })
+    }
+}
+
+/// The simulated bench about a device without a line of its own.
+fn simulated_bench(choice: &DeviceChoice) -> Result<Bench, ClientError> {
+    match choice {
+        DeviceChoice::Emulated => Err(ClientError::NotHere),
+        _ => {
+            let serial = zerorate_core::record::UnitSerial::try_from("ZR-0001").unwrap_or_default();
+            Ok(simulated::bench(PlantKind::Paper.build(1), &PlantKind::Paper.setup(), &serial))
+        }
+    }
+}
+
+/// Reads what can be put on a board: a calibration, of which the record is made, or a device record.
+///
+/// # Errors
+/// [`NotDeployable`], with the reason.
+pub fn read_record(path: &Path) -> Result<DeviceRecord, NotDeployable> {
+    let not = |reason: &dyn std::fmt::Display| NotDeployable(reason.to_string());
+    if std::fs::read(path).is_ok_and(|bytes| bytes.trim_ascii_start().starts_with(b"{")) {
+        let calibration = Calibration::read(path).map_err(|error| not(&error))?;
+        let made = calibration.to_device_record();
+        return made.map(|made| made.record).map_err(|error| NotDeployable(format!("{}: {error}", path.display())));
+    }
+    StoredRecord::read(path).map(|stored| stored.record).map_err(|error| not(&error))
+}

@@ -1,0 +1,98 @@
+//! `zerorate device first-time`.
+
+use std::io::{BufRead, IsTerminal, stdin};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::{Result, bail};
+use clap::Args;
+use zerorate_bench::board::{self, MOST_STORES};
+use zerorate_bench::setup::SetUp;
+
+use super::Device;
+use crate::command::Outcome;
+use crate::screen::{self, Page};
+
+/// How long a person may take to switch a board off and on.
+const POWER_CYCLE: Duration = Duration::from_secs(300);
+
+/// Set up a new board once: make the middle tap that of power-up, and check it
+///
+/// The potentiometer keeps the tap in a non-volatile register that wears, so this is asked for, and no other command does
+/// it. The part cannot be read back. What can be checked is that the board carried the store out without an SPI error
+/// and, with --power-cycle, that its readings are the same after it was switched off and on; the board writes the middle
+/// tap itself when it starts, so that the register alone shows only in the first moment of power.
+#[derive(Debug, Args)]
+pub struct FirstTime {
+    /// Do not ask whether to
+    #[arg(long)]
+    yes: bool,
+
+    /// Wait until the board was switched off and on, and compare its readings
+    #[arg(long)]
+    power_cycle: bool,
+
+    /// The set-up file of the board; without it the paper's (its middle tap is 511)
+    #[arg(long, value_name = "FILE")]
+    setup: Option<PathBuf>,
+}
+
+impl FirstTime {
+    pub fn run(&self, device: &Device) -> Result<Outcome> {
+        let setup = self.setup.as_deref().map_or_else(|| Ok(SetUp::paper()), SetUp::read)?;
+        let tap = setup.middle();
+        let mut board = device.open()?;
+        if !self.yes && !agreed(board.serial(), tap.get())? {
+            screen::note("nothing was stored");
+            return Ok(Outcome::Done);
+        }
+        let mut found = board.store_power_up_tap(tap, &setup)?;
+        if self.power_cycle {
+            screen::note("switch gyros and board off, and on again");
+            let go_on = || Ok::<(), anyhow::Error>(());
+            board.check_after_power_cycle(&mut found, &setup, POWER_CYCLE, go_on)?;
+        }
+        if device.json {
+            screen::print_json(&found)?;
+        } else {
+            self.page(&found).print()?;
+        }
+        Ok(if found.passed() { Outcome::Done } else { Outcome::Rejected })
+    }
+
+    fn page(&self, found: &board::FirstTime) -> Page {
+        let mut page = Page::default();
+        page.line(format!("Tap {} is stored for power-up on both axes", found.tap));
+        let answered = if found.store_answered {
+            "the board carried it out, and counted no SPI error"
+        } else {
+            "the board counted an SPI error meanwhile: check the potentiometer's wiring, then do this again"
+        };
+        let counts = |[x, y]: [f64; 2]| format!("X {x:.1}, Y {y:.1} counts");
+        page.facts(&[
+            ("store", answered.to_owned()),
+            ("readings", counts(found.before_counts)),
+            ("after power-up", found.after_counts.map_or_else(|| "not checked: --power-cycle does".into(), counts)),
+        ]);
+        if !found.passed() && found.store_answered {
+            page.sentence("  - ", "the readings differ by more than half a tap: the wiper is not where it was");
+        }
+        page
+    }
+}
+
+fn agreed(unit: &str, tap: u16) -> Result<bool> {
+    let unit = if unit.is_empty() { "this board" } else { unit };
+    if !stdin().is_terminal() {
+        bail!(
+            "this stores tap {tap} in a register of {unit} that wears ({MOST_STORES} stores): say --yes to do it without being asked"
+        );
+    }
+    screen::note(&format!(
+        "this stores tap {tap} in the potentiometer's non-volatile register of {unit}, which bears {MOST_STORES} stores. \
+         Type yes to do it:"
+    ));
+    let mut answer = String::new();
+    stdin().lock().read_line(&mut answer)?;
+    Ok(matches!(answer.trim(), "yes" | "y"))
+}

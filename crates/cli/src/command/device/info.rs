@@ -1,0 +1,44 @@
+//! `zerorate device info`.
+
+use anyhow::Result;
+use clap::Args;
+
+use super::Device;
+use crate::command::Outcome;
+use crate::screen::{self, Page};
+
+/// Say who the board is, and what calibration it has
+#[derive(Debug, Args)]
+pub struct Info {}
+
+impl Info {
+    pub fn run(&self, device: &Device) -> Result<Outcome> {
+        let info = device.open()?.info()?;
+        if device.json {
+            screen::print_json(&info)?;
+            return Ok(Outcome::Done);
+        }
+        let serial =
+            if info.unit_serial.is_empty() { "none given yet: it takes any record" } else { &info.unit_serial };
+        let period_s = f64::from(info.samples_per_group) * f64::from(info.sample_period_us) * 1e-6;
+        let stored = info.record.as_ref().map_or_else(
+            || "none".to_owned(),
+            |record| format!("{} bytes, CRC-32 {}, of unit {}", record.bytes, record.crc32, record.unit_serial),
+        );
+        let mut page = Page::default();
+        page.facts(&[
+            ("unit", serial.to_owned()),
+            ("firmware", info.firmware.clone()),
+            ("wire", format!("version {}", info.wire_version)),
+            (
+                "groups",
+                format!("{} samples every {} us: {period_s} s each", info.samples_per_group, info.sample_period_us),
+            ),
+            ("at group", info.group.to_string()),
+            ("calibration", info.calibration.clone()),
+            ("stored", stored),
+        ]);
+        page.print()?;
+        Ok(Outcome::Done)
+    }
+}
