@@ -173,9 +173,8 @@ mod pty {
 
     impl Pty {
         pub fn open(name: Option<PathBuf>) -> io::Result<Self> {
-            let (mut board, mut host) = TTYPort::pair()?;
-            // Another program opens the host's end.
-            host.set_exclusive(false)?;
+            // Neither end of a fresh pair is locked: another program can open the host's.
+            let (mut board, host) = TTYPort::pair()?;
             board.set_timeout(WAIT)?;
             if let Some(name) = &name {
                 if name.is_symlink() {
