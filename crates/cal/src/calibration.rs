@@ -71,7 +71,8 @@ pub struct Calibration {
     /// What a temperature code stands for on the board, in the temperature's unit; `None` for a log.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub temperature_scale: Option<TemperatureScale>,
-    /// The axes by name: `x` and `y` of a board, the rate columns of a log.
+    /// The axes by name: `x` and `y` of a board, the rate columns of a table, `gyro0.x` of a
+    /// log that tells of sensors.
     pub axes: BTreeMap<String, AxisCalibration>,
     /// What to look at, a sentence each.
     #[serde(default)]
@@ -103,7 +104,7 @@ impl Calibration {
     pub fn of_log(
         fit: &LogFit,
         over: ResidualOver,
-        source: Source,
+        sources: Vec<Source>,
         unit_serial: Option<String>,
     ) -> Result<Self, CalibrationError> {
         let reasons = || fit.judgement.reasons.iter().map(|reason| reason.text.clone());
@@ -114,7 +115,7 @@ impl Calibration {
             kind: Kind::Log,
             unit_serial,
             created_by: CREATED_BY.to_owned(),
-            sources: vec![source],
+            sources,
             temperature_unit: first.temperature_unit,
             temperature_scale: None,
             axes: fit.axes.iter().map(|axis| (axis.name.clone(), AxisCalibration::of_log_axis(axis, over))).collect(),

@@ -12,7 +12,7 @@ mod step;
 
 use serde::Serialize;
 
-pub use group::{AxisGroup, Group, Grouping, group_rows};
+pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUPS};
 pub use level::{Levels, level};
 
 /// Why rows were left out.

@@ -10,6 +10,7 @@ pub mod device_record;
 pub mod drift_fit;
 pub mod fit;
 pub mod interop;
+pub mod log;
 pub mod log_fit;
 pub mod quality;
 pub mod recording;

@@ -1,14 +1,15 @@
-//! What `zerorate fit` does: a log in, a drift curve for each rate column and a verdict out.
+//! What `zerorate fit` does: logs of one unit in, a drift curve and a verdict for each axis of each sensor out.
 //!
-//! The log is read two or three times and never kept. In plain mode a fit is ordinary least squares on every row that
+//! A log is read once to three times and never kept. In plain mode a fit is ordinary least squares on every row that
 //! has a temperature and a rate, each counted once: the reference to hold against other tools. Otherwise rows are first
 //! conditioned and averaged to groups of about 10 s ([`crate::condition`]), and the fit is of the groups.
 
+mod gather;
 mod grouped;
 mod json;
 mod plain;
 mod residual;
-mod survey;
+mod words;
 
 use std::path::{Path, PathBuf};
 
@@ -18,11 +19,12 @@ use zerorate_core::drift::{Drift, History, Scale, ValidRange};
 
 use crate::calibration::{BandPoint, HeldOut, StaticCubic, TimeDrift};
 use crate::choose::{Choice, Model, Stretches};
-use crate::condition::{Rejected, Step, Stretch};
-use crate::quality::{Judgement, Reason, ReasonKind, TemperatureUnit};
-use crate::table::{Columns, RateUnit, Resolved, TableError, TableFile};
+use crate::condition::{Rejected, Stretch};
+use crate::interop;
+use crate::log::{LogError, Sensor, SensorChoice, Stream};
+use crate::quality::{Judgement, Reason, ReasonKind, TemperatureUnit, Verdict};
+use crate::table::{Columns, RateUnit};
 pub(crate) use residual::Residuals;
-use survey::Survey;
 
 /// Points in a trace, at most: more than a figure can show.
 const TRACE_POINTS: u64 = 2000;
@@ -38,6 +40,10 @@ pub struct FitOptions {
     pub plain: bool,
     /// Fit a narrow temperature span too; the verdict is then a warning.
     pub allow_narrow: bool,
+    /// Seconds in a group; `None` for about 10 s, and shorter where the log is.
+    pub group_s: Option<f64>,
+    /// The sensors to fit; `None` for all.
+    pub sensor: Option<SensorChoice>,
 }
 
 /// Why a log cannot be fitted. What can be judged is no error but a verdict.
@@ -45,24 +51,23 @@ pub struct FitOptions {
 pub enum LogFitError {
     /// The log cannot be read.
     #[error(transparent)]
-    Table(#[from] TableError),
-    /// A row's time is before that of the row above it.
+    Log(#[from] LogError),
+    /// Several logs have no sensor in common.
     #[error(
-        "{}: row {row}: column '{column}' runs backwards, from {before} to {after}: the log is damaged, or several were joined: split it there",
+        "{}: this is another unit's log: it has {found}, and the logs before it {expected}: fit each unit by itself",
         path.display()
     )]
-    TimeBackwards {
+    AnotherUnit {
         /// The file.
         path: PathBuf,
-        /// The row, from 1, the header not counted.
-        row: u64,
-        /// The time column's name.
-        column: String,
-        /// The time above.
-        before: f64,
-        /// The time in the row.
-        after: f64,
+        /// The sensors of the logs before it.
+        expected: String,
+        /// Its sensors.
+        found: String,
     },
+    /// The plain fit was asked for of several logs.
+    #[error("the plain fit is of one log, to compare it with other tools: give one log, or leave out --plain")]
+    PlainOfSeveral,
 }
 
 /// A residual's size, in the rate's unit.
@@ -90,12 +95,19 @@ pub struct TracePoint {
 /// The fit of one rate column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisFit {
-    /// The column's name.
+    /// The axis's name: a table's column, or `gyro0.x`.
     pub name: String,
-    /// The rate's unit.
+    /// The sensor, where the log tells of sensors.
+    pub sensor: Option<Sensor>,
+    /// What the axis is good for: good or with warnings, for a rejected one has no curve.
+    pub verdict: Verdict,
+    /// The rate's unit; for an accelerometer, that of its specific force.
     pub rate_unit: RateUnit,
     /// The temperature's unit.
     pub temperature_unit: TemperatureUnit,
+    /// Where the drift is 0 by definition: an accelerometer at rest shows its constant and gravity together. `None` where
+    /// the constant is part of the drift.
+    pub reference_temperature: Option<f64>,
     /// The curve with its valid range: the least and greatest temperature fitted.
     pub drift: Drift,
     /// What the drift remembers of its temperatures. `drift` and `choice` are then the static curve for when that is not
@@ -124,72 +136,98 @@ pub struct AxisFit {
     pub trace: Vec<TracePoint>,
 }
 
-/// The fit of a log.
+/// What an axis is good for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisVerdict {
+    /// The axis's name.
+    pub name: String,
+    /// The verdict and its reasons; those of the whole log are not among them.
+    pub judgement: Judgement,
+}
+
+/// A jump of an axis's rate that stayed, and was taken out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FoundStep {
+    /// The axis's name.
+    pub axis: String,
+    /// Its time, seconds from the log's first row; NaN without a time column.
+    pub time_s: f64,
+    /// The temperature there, in the column's unit.
+    pub temperature: f64,
+    /// After less before, rate units.
+    pub size: f64,
+}
+
+/// The fit of a log, or of several of one unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogFit {
-    /// The file, as it was given.
+    /// The file, as it was given; of several, all with a plus between.
     pub source: String,
-    /// The verdict and its reasons.
+    /// The files, as they were given.
+    pub sources: Vec<PathBuf>,
+    /// The autopilot's format, if the logs are an autopilot's.
+    pub autopilot: Option<interop::Format>,
+    /// The verdict on the whole and all reasons: rejected where no axis could be fitted.
     pub judgement: Judgement,
+    /// The verdict on each axis, fitted or not, in the order of the log.
+    pub verdicts: Vec<AxisVerdict>,
     /// What was guessed about columns and units, a sentence each.
     pub notes: Vec<String>,
-    /// One fit a rate column, in the order of the columns; none when the log is rejected.
+    /// One fit an axis that was not rejected, in the order of the log.
     pub axes: Vec<AxisFit>,
     /// Stretches left out; none in plain mode.
     pub stretches: Vec<Stretch>,
     /// Steps taken out; none in plain mode.
-    pub steps: Vec<Step>,
+    pub steps: Vec<FoundStep>,
 }
 
 /// Fits a log.
 ///
 /// # Errors
-/// When it cannot be read, a column is missing or unclear, or time runs backwards. A log that can be read and is no good
-/// is rejected in [`LogFit::judgement`] instead.
+/// As [`fit_logs`].
 pub fn fit_log(path: &Path, options: &FitOptions) -> Result<LogFit, LogFitError> {
-    let table = TableFile::open(path)?;
-    let columns = options.columns.resolve(&table)?;
-    let survey = Survey::of(&table, &columns)?;
+    fit_logs(&[path], options)
+}
+
+/// Fits logs of one unit as one.
+///
+/// # Errors
+/// When one cannot be read, a column is missing or unclear, time runs backwards, or the logs are of different units. A log
+/// that can be read and is no good is rejected in [`LogFit::judgement`] instead.
+pub fn fit_logs(paths: &[&Path], options: &FitOptions) -> Result<LogFit, LogFitError> {
     let mut fit = LogFit {
-        source: path.display().to_string(),
+        source: paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" + "),
+        sources: paths.iter().map(|path| (*path).to_owned()).collect(),
+        autopilot: None,
         judgement: Judgement::default(),
-        notes: columns.notes.iter().chain(&survey.notes).cloned().collect(),
+        verdicts: Vec::new(),
+        notes: Vec::new(),
         axes: Vec::new(),
         stretches: Vec::new(),
         steps: Vec::new(),
     };
-    let log = Log { table, columns, survey };
-    if options.plain {
-        plain::fit(&log, options, &mut fit)?;
-    } else {
-        grouped::fit(&log, options, &mut fit)?;
+    match (options.plain, paths) {
+        (true, [path]) => plain::fit(path, options, &mut fit)?,
+        (true, _) => return Err(LogFitError::PlainOfSeveral),
+        (false, _) => grouped::fit(paths, options, &mut fit)?,
     }
-    if fit.judgement.rejected() {
-        fit.axes.clear();
-    }
+    fit.judgement = Judgement::of_axes(&fit.judgement, fit.verdicts.iter().map(|axis| &axis.judgement));
     Ok(fit)
-}
-
-/// A log that was opened and surveyed.
-struct Log {
-    table: TableFile,
-    columns: Resolved,
-    survey: Survey,
 }
 
 /// Judges what would be fitted of one axis and, unless it is rejected, gives its scale and valid range.
 fn admit(
     judgement: &mut Judgement,
     options: &FitOptions,
-    log: &Log,
+    stream: &Stream,
     axis: usize,
     rows: u64,
     (min, max): (f64, f64),
 ) -> Option<(Scale, ValidRange)> {
     let what = if options.plain { "rows" } else { "groups" };
-    judgement.rows(&log.columns.rate_names[axis], rows, what, options.model.least_coefficients());
+    judgement.rows(&stream.names[axis], rows, what, options.model.least_coefficients());
     if rows > 0 {
-        judgement.span(min, max, log.columns.temperature_unit, options.allow_narrow);
+        judgement.span(min, max, stream.temperature_unit, options.allow_narrow);
     }
     if judgement.rejected() {
         return None;
@@ -197,7 +235,7 @@ fn admit(
     Scale::spanning(min, max).zip(ValidRange::new(min, max))
 }
 
-/// Chooses an axis's model; a model that the rows do not settle rejects the log.
+/// Chooses an axis's model; a model that the rows do not settle rejects the axis.
 fn choose(
     judgement: &mut Judgement,
     options: &FitOptions,

@@ -46,10 +46,11 @@ impl TemperatureUnit {
 }
 
 /// What a log is good for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Nothing speaks against it.
+    #[default]
     Good,
     /// Fitted, with something to look at.
     Warning,
@@ -77,6 +78,20 @@ pub enum ReasonKind {
     Rotation,
     /// Warning: the rate jumped and stayed, with no change of temperature to match.
     Step,
+    /// Warning: the first readings after the start settle towards the others.
+    StartUp,
+    /// Warning: nothing was logged for a while.
+    Gap,
+    /// Warning: the temperature stood still for a while, then jumped.
+    FrozenTemperature,
+    /// Warning: the temperature comes in coarse steps.
+    CoarseTemperature,
+    /// Warning: the file was cut off or is damaged; what is whole of it was read.
+    Truncated,
+    /// Warning: of several logs each has its own level, and they were brought to one.
+    Level,
+    /// Rejected: no sensor of the log is one of those wanted.
+    NoSensor,
 }
 
 impl ReasonKind {
@@ -84,8 +99,19 @@ impl ReasonKind {
     #[must_use]
     pub fn verdict(self) -> Verdict {
         match self {
-            Self::NarrowSpan | Self::StuckTemperature | Self::TooFewGroups | Self::NoFiniteRows => Verdict::Rejected,
-            Self::MissingValues | Self::Spikes | Self::Rotation | Self::Step => Verdict::Warning,
+            Self::NarrowSpan | Self::StuckTemperature | Self::TooFewGroups | Self::NoFiniteRows | Self::NoSensor => {
+                Verdict::Rejected
+            }
+            Self::MissingValues
+            | Self::Spikes
+            | Self::Rotation
+            | Self::Step
+            | Self::StartUp
+            | Self::Gap
+            | Self::FrozenTemperature
+            | Self::CoarseTemperature
+            | Self::Truncated
+            | Self::Level => Verdict::Warning,
         }
     }
 }
@@ -108,18 +134,12 @@ impl Reason {
 }
 
 /// A verdict and all its reasons.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Judgement {
     /// The verdict: the worst of the reasons'.
     pub verdict: Verdict,
     /// The reasons, in the order found.
     pub reasons: Vec<Reason>,
-}
-
-impl Default for Judgement {
-    fn default() -> Self {
-        Self { verdict: Verdict::Good, reasons: Vec::new() }
-    }
 }
 
 impl Judgement {
@@ -135,6 +155,22 @@ impl Judgement {
         if !self.reasons.contains(&reason) {
             self.reasons.push(reason);
         }
+    }
+
+    /// The judgement on a log whose axes were judged one by one: all reasons; rejected where every axis is, or the log
+    /// itself; a warning where one axis is not good.
+    #[must_use]
+    pub fn of_axes<'a>(log: &Self, axes: impl Iterator<Item = &'a Self> + Clone) -> Self {
+        let mut whole = log.clone();
+        let best = axes.clone().map(|axis| axis.verdict).min();
+        let worst = axes.clone().map(|axis| axis.verdict).max().map(|worst| worst.min(Verdict::Warning));
+        whole.verdict = whole.verdict.max(best.unwrap_or_default()).max(worst.unwrap_or_default());
+        for reason in axes.flat_map(|axis| &axis.reasons).filter(|reason| !log.reasons.contains(reason)) {
+            if !whole.reasons.contains(reason) {
+                whole.reasons.push(reason.clone());
+            }
+        }
+        whole
     }
 
     /// Whether the log was rejected.

@@ -1,12 +1,17 @@
 //! The options that say what a log holds and how it is fitted.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use zerorate_cal::calibration::ResidualOver;
 use zerorate_cal::choose::Model;
+use zerorate_cal::log::SensorChoice;
 use zerorate_cal::log_fit::FitOptions;
 use zerorate_cal::table::{Columns, RateUnit, TimeUnit};
+
+/// A group may take this long: rows of a log are no closer, and a ramp has more than a few.
+const MIN_GROUP_S: f64 = 0.01;
+const MAX_GROUP_S: f64 = 600.0;
 
 /// Which column is which. What is left open is taken from the names where they make it plain.
 #[derive(Debug, Args)]
@@ -49,9 +54,10 @@ impl ColumnArguments {
 /// A log and how it is fitted.
 #[derive(Debug, Args)]
 pub struct LogArguments {
-    /// The log: CSV, TSV or Parquet, recognised by what is in it
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
+    /// The log: PX4 ULog, ArduPilot DataFlash, CSV, TSV, Parquet or a recording of the bench, recognised by what is in it.
+    /// Several logs of one unit, as of a cold and a warm day, make one fit
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
 
     /// The drift model: poly:1 to poly:5, table:1 to table:32 (straight pieces), or auto: the polynomial that predicts
     /// data best that it has not seen
@@ -67,8 +73,26 @@ pub struct LogArguments {
     #[arg(long)]
     allow_narrow: bool,
 
+    /// Fit these sensors alone: gyro, accel, gyro0 or another number, or a part's device id. Without this all are fitted
+    #[arg(long, value_name = "SENSOR")]
+    sensor: Option<SensorChoice>,
+
+    /// Seconds over which rows are averaged before the fit; without this about 10, and less where the log is short
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    group_seconds: Option<f64>,
+
     #[command(flatten)]
     columns: ColumnArguments,
+}
+
+/// A time that a group can take.
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| "give a number of seconds".to_owned())?;
+    if (MIN_GROUP_S..=MAX_GROUP_S).contains(&seconds) {
+        Ok(seconds)
+    } else {
+        Err(format!("give {MIN_GROUP_S} to {MAX_GROUP_S} seconds"))
+    }
 }
 
 impl LogArguments {
@@ -79,7 +103,19 @@ impl LogArguments {
             model: self.model,
             plain: self.plain,
             allow_narrow: self.allow_narrow,
+            group_s: self.group_seconds,
+            sensor: self.sensor,
         }
+    }
+
+    /// The logs, as paths.
+    pub fn paths(&self) -> Vec<&Path> {
+        self.files.iter().map(PathBuf::as_path).collect()
+    }
+
+    /// Whether the plain fit was asked for.
+    pub fn is_plain(&self) -> bool {
+        self.plain
     }
 
     /// What the fit's residuals are of.

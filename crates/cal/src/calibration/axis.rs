@@ -9,6 +9,7 @@ use super::form::{AxisForm, TrimForm};
 use super::model::{BandPoint, HeldOut, StaticCubic, TimeDrift};
 use crate::choose::{Choice, Model, STRETCHES};
 use crate::drift_fit::DriftFit;
+use crate::log::Sensor;
 use crate::log_fit::{AxisFit, Spread};
 use crate::table::RateUnit;
 use crate::trim_fit::TrimEstimate;
@@ -30,6 +31,11 @@ pub struct AxisCalibration {
     pub band: Vec<BandPoint>,
     /// The unit of the drift and of every residual: counts on the analogue board.
     pub rate_unit: RateUnit,
+    /// The sensor, where the log tells of sensors.
+    pub sensor: Option<Sensor>,
+    /// Where the drift is 0 by definition, in the calibration's temperature unit: an accelerometer at rest shows its
+    /// constant and gravity together. `None` where the constant is part of the drift.
+    pub reference_temperature: Option<f64>,
     /// How well the drift was fitted; `None` where it was not fitted here.
     pub fit: Option<FitStatistics>,
     /// The trim part's model; `None` without one.
@@ -131,6 +137,8 @@ impl AxisCalibration {
             static_cubic: axis.static_cubic.clone(),
             band: axis.band.clone(),
             rate_unit: axis.rate_unit,
+            sensor: axis.sensor,
+            reference_temperature: axis.reference_temperature,
             fit: Some(FitStatistics {
                 nested: axis.nested,
                 ..FitStatistics::new(&axis.choice, over, axis.samples_used, axis.in_sample, axis.held_out)
@@ -152,6 +160,8 @@ impl AxisCalibration {
             static_cubic: None,
             band: Vec::new(),
             rate_unit: RateUnit::Counts,
+            sensor: None,
+            reference_temperature: None,
             fit: Some(statistics),
             trim,
             warnings: Vec::new(),

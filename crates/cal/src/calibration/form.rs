@@ -8,6 +8,7 @@ use zerorate_core::units::{Counts, Taps};
 
 use super::axis::{AxisCalibration, FitStatistics, TrimCalibration};
 use super::model::{BandPoint, HistoryForm, StaticCubic, TimeDrift};
+use crate::log::Sensor;
 use crate::table::RateUnit;
 use crate::trim_fit::TrimEstimate;
 
@@ -29,6 +30,10 @@ pub(super) struct AxisForm {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     band: Vec<BandPoint>,
     rate_unit: RateUnit,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sensor: Option<Sensor>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    reference_temperature: Option<f64>,
     fit: Option<FitStatistics>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     trim: Option<TrimCalibration>,
@@ -68,6 +73,8 @@ impl From<AxisCalibration> for AxisForm {
             static_cubic: axis.static_cubic,
             band: axis.band,
             rate_unit: axis.rate_unit,
+            sensor: axis.sensor,
+            reference_temperature: axis.reference_temperature,
             fit: axis.fit,
             trim: axis.trim,
             warnings: axis.warnings,
@@ -85,6 +92,8 @@ impl TryFrom<AxisForm> for AxisCalibration {
             static_cubic: form.static_cubic,
             band: form.band,
             rate_unit: form.rate_unit,
+            sensor: form.sensor,
+            reference_temperature: form.reference_temperature,
             fit: form.fit,
             trim: form.trim,
             warnings: form.warnings,

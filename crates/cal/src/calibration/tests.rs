@@ -122,7 +122,7 @@ fn a_log_becomes_a_calibration_of_its_columns() {
     fs::write(&path, text).unwrap();
     let fit = fit_log(&path, &FitOptions { plain: true, ..FitOptions::default() }).unwrap();
     let source = Source::of_file("log", &path).unwrap();
-    let calibration = Calibration::of_log(&fit, ResidualOver::Rows, source, None).unwrap();
+    let calibration = Calibration::of_log(&fit, ResidualOver::Rows, vec![source], None).unwrap();
     assert_eq!(calibration.axes.keys().collect::<Vec<_>>(), ["gyro_x", "gyro_y"]);
     assert_eq!(calibration.sources[0].file, "log.csv");
     let y = &calibration.axes["gyro_y"];
@@ -140,7 +140,7 @@ fn a_rejected_log_makes_no_calibration() {
     fs::write(&path, format!("time_s,temperature_c,gyro_x\n{rows}")).unwrap();
     let fit = fit_log(&path, &FitOptions { plain: true, ..FitOptions::default() }).unwrap();
     let source = Source::of_file("log", &path).unwrap();
-    let refused = Calibration::of_log(&fit, ResidualOver::Rows, source, None).unwrap_err();
+    let refused = Calibration::of_log(&fit, ResidualOver::Rows, vec![source], None).unwrap_err();
     assert!(refused.to_string().contains("the temperature stays at 25.00"), "{refused}");
 }
 

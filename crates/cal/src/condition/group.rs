@@ -2,19 +2,26 @@
 
 use super::robust::{centre_and_sigma, median};
 use super::{DropReason, Tally};
+use crate::log::Rows;
 use crate::quality::TemperatureUnit;
 
 /// The time a group should take: long against noise, short against a thermal time constant.
-const GROUP_S: f64 = 10.0;
+pub const GROUP_S: f64 = 10.0;
 
 /// Rows in a group, at least, where the log is long enough: below it a median absolute deviation means little.
 const MIN_GROUP_ROWS: u64 = 21;
 
 /// Groups in a log, at least: a short log has shorter groups instead.
-const MIN_GROUPS: u64 = 64;
+pub const MIN_GROUPS: u64 = 64;
 
 /// Groups in a log, at most, so that memory stays bounded: a long log has longer groups instead.
 const MAX_GROUPS: u64 = 20_000;
+
+/// Rows in a group, at most, whatever their times, so that memory stays bounded.
+const MAX_GROUP_ROWS: u64 = 1 << 16;
+
+/// A time between rows of as many groups, or of as many [`GROUP_S`], is a gap.
+const GAP: f64 = 1.5;
 
 /// A row further than this many standard deviations from its group's median is a spike.
 const SPIKE_SIGMA: f64 = 8.0;
@@ -35,40 +42,68 @@ pub struct AxisGroup {
     pub rate: f64,
     /// Standard deviation of the rows kept; NaN for fewer than two.
     pub scatter: f64,
-    /// Rows kept.
+    /// Rows kept; 0 where the group was left out, though its rate is still there to be drawn.
     pub rows: u32,
+    /// How much the group counts in a fit, so that each degree of the temperature range counts alike: 1 on average over
+    /// the groups kept, 0 for one that was left out.
+    pub weight: f64,
 }
 
-/// Some successive rows, averaged.
+/// Some successive rows, averaged. Its time and temperature hold even where no rate was kept, for a history of
+/// temperature runs through what was left out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Group {
+    /// Which uninterrupted log it belongs to, counted from 0: history begins anew with each.
+    pub log: u32,
     /// The first row, from 0.
     pub first_row: u64,
     /// The row after the last.
     pub end_row: u64,
-    /// Mean time, seconds from the log's first row; NaN without a time column.
+    /// Mean time, seconds from the first log's first row; NaN without a time column.
     pub time_s: f64,
+    /// Its first and last row's time.
+    pub times_s: (f64, f64),
     /// Mean temperature of the rows kept, in the column's unit; NaN without any.
     pub temperature: f64,
+    /// The greatest less the least temperature of the rows kept; NaN without any.
+    pub temperature_range: f64,
     /// One part a rate column.
     pub axes: Vec<AxisGroup>,
 }
 
-/// Rows in a group for a log of so many rows; `step_s` is the mean time between them, NaN if not known.
-#[must_use]
-// A count of rows far below 2^53, and above zero.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-pub fn group_rows(rows: u64, step_s: f64) -> u64 {
-    let by_time = if step_s > 0.0 { (GROUP_S / step_s).ceil() as u64 } else { 0 };
-    by_time.max(MIN_GROUP_ROWS).min(rows / MIN_GROUPS).max(rows.div_ceil(MAX_GROUPS)).max(1)
+/// When a group is full.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Length {
+    /// After so many rows.
+    Rows(u64),
+    /// After so many seconds, and not before as many rows as tell a spike.
+    Seconds(f64),
+}
+
+impl Length {
+    /// Groups of a log whose extent is known: so many rows, `step_s` seconds apart on average (NaN if not known).
+    /// `asked_s` is the time that was asked for a group, if any.
+    #[must_use]
+    // A count of rows far below 2^53, and above zero.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub fn of_extent(rows: u64, step_s: f64, asked_s: Option<f64>) -> Self {
+        let by_time = |seconds: f64| if step_s > 0.0 { (seconds / step_s).ceil() as u64 } else { 0 };
+        let wanted = match asked_s {
+            Some(seconds) => by_time(seconds),
+            None => by_time(GROUP_S).max(MIN_GROUP_ROWS).min(rows / MIN_GROUPS),
+        };
+        Self::Rows(wanted.max(rows.div_ceil(MAX_GROUPS)).max(1))
+    }
 }
 
 /// Gathers rows into groups.
 #[derive(Debug, Clone)]
 pub struct Grouping {
-    rows: u64,
+    length: Length,
     /// A temperature further than this from its neighbours may be a spike.
     temperature_margin: f64,
+    log: u32,
+    part: u32,
     first_row: u64,
     times: Vec<f64>,
     temperatures: Vec<f64>,
@@ -78,12 +113,14 @@ pub struct Grouping {
 }
 
 impl Grouping {
-    /// An empty grouping of `axes` rates into groups of `rows` rows ([`group_rows`]).
+    /// An empty grouping of `axes` rates. `log` is the number of the first log in it ([`Group::log`]).
     #[must_use]
-    pub fn new(axes: usize, rows: u64, unit: TemperatureUnit) -> Self {
+    pub fn new(axes: usize, length: Length, unit: TemperatureUnit, log: u32) -> Self {
         Self {
-            rows,
+            length,
             temperature_margin: TEMPERATURE_SPIKE * unit.min_span(),
+            log,
+            part: 0,
             first_row: 0,
             times: Vec::new(),
             temperatures: Vec::new(),
@@ -93,59 +130,159 @@ impl Grouping {
         }
     }
 
-    /// Takes in one row: time in seconds from the log's first row (NaN if not known), temperature, and a rate an axis.
-    pub fn push(&mut self, time_s: f64, temperature: f64, rates: impl Iterator<Item = f64>) {
-        self.times.push(time_s);
-        self.temperatures.push(temperature);
-        self.rates.iter_mut().zip(rates).for_each(|(column, rate)| column.push(rate));
-        if self.temperatures.len() as u64 == self.rows {
+    /// Takes in some rows, in order.
+    pub fn push_rows(&mut self, rows: &Rows<'_>) {
+        if rows.part != self.part {
             self.close();
+            self.part = rows.part;
         }
+        let mut start = 0;
+        while start < rows.temperature.len() {
+            let end = start + self.room(&rows.time_s[start..]);
+            if end == start {
+                self.close();
+                continue;
+            }
+            self.times.extend(&rows.time_s[start..end]);
+            self.temperatures.extend(&rows.temperature[start..end]);
+            for (column, values) in self.rates.iter_mut().zip(rows.values) {
+                column.extend(&values[start..end]);
+            }
+            start = end;
+        }
+    }
+
+    /// How many of the next rows belong to the open group; never none of an empty one.
+    fn room(&self, times: &[f64]) -> usize {
+        let open = self.temperatures.len();
+        let place = |rows: u64| usize::try_from(rows).unwrap_or(usize::MAX).saturating_sub(open).min(times.len());
+        match self.length {
+            Length::Rows(rows) => place(rows),
+            Length::Seconds(seconds) => {
+                let first = self.times.first().copied().unwrap_or(times[0]);
+                let mut last = self.times.last().copied().unwrap_or(times[0]);
+                let least = place(MIN_GROUP_ROWS);
+                let mut room = 0;
+                for time in &times[..place(MAX_GROUP_ROWS)] {
+                    // Across a gap a group is not filled up.
+                    let near = time - last < GAP * seconds.max(GROUP_S);
+                    if !near || (room >= least && time - first >= seconds) {
+                        break;
+                    }
+                    last = *time;
+                    room += 1;
+                }
+                room
+            }
+        }
+    }
+
+    /// The groups so far, the open one among them.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.groups.len() + usize::from(!self.temperatures.is_empty())
+    }
+
+    /// Whether there is no row yet.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 
     /// The groups, and for each axis the count of rows left out. A last group shorter than half is joined to none: it
     /// is kept as it is.
     #[must_use]
     pub fn finish(mut self) -> (Vec<Group>, Vec<Tally>) {
-        if !self.temperatures.is_empty() {
-            self.close();
-        }
+        self.close();
         (self.groups, self.tallies)
     }
 
     fn close(&mut self) {
         let rows = self.temperatures.len();
+        if rows == 0 {
+            return;
+        }
         let missing = self.temperatures.iter().filter(|t| !t.is_finite()).count();
         let wild = outliers(&self.temperatures, self.temperature_margin);
+        let wild_count = wild.iter().filter(|wild| **wild).count();
         let usable: Vec<bool> = (0..rows).map(|row| self.temperatures[row].is_finite() && !wild[row]).collect();
         let mut axes = Vec::with_capacity(self.rates.len());
-        for (column, tally) in self.rates.iter().zip(&mut self.tallies) {
+        for (column, tally) in self.rates.iter_mut().zip(&mut self.tallies) {
             tally.add(DropReason::MissingTemperature, missing as u64);
-            tally.add(DropReason::TemperatureSpike, wild.iter().filter(|wild| **wild).count() as u64);
-            let rates: Vec<f64> =
-                column.iter().zip(&usable).map(|(rate, usable)| if *usable { *rate } else { f64::NAN }).collect();
+            tally.add(DropReason::TemperatureSpike, wild_count as u64);
+            if missing + wild_count > 0 {
+                column.iter_mut().zip(&usable).filter(|(_, usable)| !**usable).for_each(|(rate, _)| *rate = f64::NAN);
+            }
             let missing_rates = column.iter().zip(&usable).filter(|(rate, usable)| **usable && !rate.is_finite());
             tally.add(DropReason::MissingRate, missing_rates.count() as u64);
-            let spikes = outliers(&rates, 0.0);
+            let spikes = outliers(column, 0.0);
             let found = spikes.iter().filter(|spike| **spike).count();
             let leading = if self.first_row == 0 { spikes.iter().take_while(|spike| **spike).count() } else { 0 };
             tally.add(DropReason::StartUp, leading as u64);
             tally.add(DropReason::Spike, (found - leading) as u64);
-            let kept = rates.iter().zip(&spikes).filter(|(rate, spike)| rate.is_finite() && !**spike);
+            let kept = column.iter().zip(&spikes).filter(|(rate, spike)| rate.is_finite() && !**spike);
             axes.push(average(kept.map(|(rate, _)| *rate)));
         }
-        let kept = self.temperatures.iter().zip(&usable).filter(|(_, usable)| **usable);
+        let kept = || self.temperatures.iter().zip(&usable).filter(|(_, usable)| **usable).map(|(t, _)| *t);
+        let (least, most) = kept().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
         self.groups.push(Group {
+            log: self.log + self.part,
             first_row: self.first_row,
             end_row: self.first_row + rows as u64,
             time_s: mean(self.times.iter().copied().filter(|time| time.is_finite())),
-            temperature: mean(kept.map(|(temperature, _)| *temperature)),
+            times_s: (self.times[0], self.times[rows - 1]),
+            temperature: mean(kept()),
+            temperature_range: if least <= most { most - least } else { f64::NAN },
             axes,
         });
         self.first_row += rows as u64;
         self.times.clear();
         self.temperatures.clear();
         self.rates.iter_mut().for_each(Vec::clear);
+        if self.groups.len() as u64 > 2 * MAX_GROUPS {
+            self.halve();
+        }
+    }
+
+    /// Joins each two neighbours, and makes the groups to come twice as long.
+    fn halve(&mut self) {
+        let groups = std::mem::take(&mut self.groups);
+        let mut pairs = groups.into_iter().peekable();
+        while let Some(mut group) = pairs.next() {
+            if let Some(next) = pairs.next_if(|next| next.log == group.log) {
+                group.join(&next);
+            }
+            self.groups.push(group);
+        }
+        self.length = match self.length {
+            Length::Rows(rows) => Length::Rows(2 * rows),
+            Length::Seconds(seconds) => Length::Seconds(2.0 * seconds),
+        };
+    }
+}
+
+impl Group {
+    /// Takes in the group that follows.
+    fn join(&mut self, next: &Self) {
+        let rows = |group: &Self| (group.end_row - group.first_row) as f64;
+        let share = rows(next) / (rows(self) + rows(next));
+        let between = |own: f64, other: f64, share: f64| match (own.is_finite(), other.is_finite()) {
+            (true, true) => own + share * (other - own),
+            (true, false) => own,
+            _ => other,
+        };
+        self.time_s = between(self.time_s, next.time_s, share);
+        self.times_s.1 = next.times_s.1;
+        let apart = (self.temperature - next.temperature).abs();
+        self.temperature = between(self.temperature, next.temperature, share);
+        self.temperature_range = self.temperature_range.max(next.temperature_range).max(apart);
+        self.end_row = next.end_row;
+        for (own, other) in self.axes.iter_mut().zip(&next.axes) {
+            let share = f64::from(other.rows) / f64::from((own.rows + other.rows).max(1));
+            own.rate = between(own.rate, other.rate, share);
+            own.scatter = between(own.scatter.powi(2), other.scatter.powi(2), share).sqrt();
+            own.rows += other.rows;
+        }
     }
 }
 
@@ -177,7 +314,8 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 fn average(rates: impl Iterator<Item = f64> + Clone) -> AxisGroup {
     let rate = mean(rates.clone());
     let (squares, rows) = rates.fold((0.0, 0_u32), |(sum, rows), value| (sum + (value - rate).powi(2), rows + 1));
-    AxisGroup { rate, scatter: (squares / (f64::from(rows) - 1.0)).sqrt(), rows }
+    let weight = f64::from(u8::from(rows > 0));
+    AxisGroup { rate, scatter: (squares / (f64::from(rows) - 1.0)).sqrt(), rows, weight }
 }
 
 /// The typical scatter of an axis over all groups; NaN where groups are too small to have one.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::log::Rows;
 use crate::quality::TemperatureUnit;
 
 const ROWS: usize = 8400;
@@ -23,11 +24,15 @@ pub(crate) fn cycle() -> (Vec<f64>, [Vec<f64>; 2]) {
     (temperatures, rates)
 }
 
+fn rows<'a>(time_s: &'a [f64], temperature: &'a [f64], values: &'a [Vec<f64>]) -> Rows<'a> {
+    Rows { stream: 0, part: 0, first_row: 0, time_s, temperature, values }
+}
+
 fn condition(temperatures: &[f64], rates: &[Vec<f64>]) -> (Vec<Group>, Vec<Tally>, Levels) {
-    let mut grouping = Grouping::new(rates.len(), group_rows(ROWS as u64, 0.5), TemperatureUnit::C);
-    for row in 0..temperatures.len() {
-        grouping.push(row as f64 * 0.5, temperatures[row], rates.iter().map(|rate| rate[row]));
-    }
+    let length = Length::of_extent(ROWS as u64, 0.5, None);
+    let mut grouping = Grouping::new(rates.len(), length, TemperatureUnit::C, 0);
+    let time_s: Vec<f64> = (0..temperatures.len()).map(|row| row as f64 * 0.5).collect();
+    grouping.push_rows(&rows(&time_s, temperatures, rates));
     let (mut groups, mut tallies) = grouping.finish();
     let levels = level(&mut groups, &mut tallies, TemperatureUnit::C);
     (groups, tallies, levels)
@@ -35,12 +40,14 @@ fn condition(temperatures: &[f64], rates: &[Vec<f64>]) -> (Vec<Group>, Vec<Tally
 
 #[test]
 fn groups_last_ten_seconds_and_are_neither_too_few_nor_too_many() {
-    assert_eq!(group_rows(8400, 0.5054), 21);
-    assert_eq!(group_rows(4_000_000, 1e-3), 10_000);
-    assert_eq!(group_rows(2400, 1.5), 21);
-    assert_eq!(group_rows(300, 0.5), 4);
-    assert_eq!(group_rows(10, f64::NAN), 1);
-    assert_eq!(group_rows(100_000_000, 0.5), 5000);
+    let of = |rows, step_s| Length::of_extent(rows, step_s, None);
+    assert_eq!(of(8400, 0.5054), Length::Rows(21));
+    assert_eq!(of(4_000_000, 1e-3), Length::Rows(10_000));
+    assert_eq!(of(2400, 1.5), Length::Rows(21));
+    assert_eq!(of(300, 0.5), Length::Rows(4));
+    assert_eq!(of(10, f64::NAN), Length::Rows(1));
+    assert_eq!(of(100_000_000, 0.5), Length::Rows(5000));
+    assert_eq!(Length::of_extent(8400, 0.5, Some(2.0)), Length::Rows(4));
 }
 
 #[test]

@@ -2,19 +2,20 @@
 
 use serde::ser::{Serialize, SerializeMap, SerializeStruct, Serializer};
 
-use super::{AxisFit, LogFit};
+use super::{AxisFit, AxisVerdict, LogFit};
 
 /// The schema's version.
 const SCHEMA: u32 = 1;
 
 impl Serialize for LogFit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct("LogFit", 5)?;
+        let mut fields = serializer.serialize_struct("LogFit", 6)?;
         fields.serialize_field("schema", &SCHEMA)?;
         fields.serialize_field("source", &self.source)?;
         fields.serialize_field("verdict", &self.judgement.verdict)?;
         fields.serialize_field("reasons", &self.judgement.reasons)?;
         fields.serialize_field("axes", &Axes(&self.axes))?;
+        fields.serialize_field("verdicts", &Verdicts(&self.verdicts))?;
         fields.end()
     }
 }
@@ -32,9 +33,28 @@ impl Serialize for Axes<'_> {
     }
 }
 
+/// The verdict on each axis by name, of those rejected too.
+struct Verdicts<'a>(&'a [AxisVerdict]);
+
+impl Serialize for Verdicts<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for axis in self.0 {
+            map.serialize_entry(&axis.name, &axis.judgement.verdict)?;
+        }
+        map.end()
+    }
+}
+
 impl Serialize for AxisFit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct("AxisFit", 9)?;
+        let mut fields = serializer.serialize_struct("AxisFit", 11)?;
+        if let Some(sensor) = &self.sensor {
+            fields.serialize_field("sensor", sensor)?;
+        }
+        if let Some(reference) = &self.reference_temperature {
+            fields.serialize_field("reference_temperature", reference)?;
+        }
         fields.serialize_field("model", &self.choice.model.to_string())?;
         fields.serialize_field("raw_coefficients", &self.choice.solution.raw_coefficients())?;
         fields.serialize_field("rate_unit", &self.rate_unit)?;

@@ -1,56 +1,174 @@
 //! Ordinary least squares on every row with a temperature and a rate.
 
-use zerorate_core::drift::Drift;
+use std::path::Path;
 
+use zerorate_core::drift::{Drift, Scale, ValidRange};
+
+use super::gather::is_accelerometer;
 use super::residual::Residuals;
-use super::survey::{times, wanted};
-use super::{AxisFit, FitOptions, Log, LogFit, LogFitError, admit, choose};
+use super::{AxisFit, AxisVerdict, FitOptions, LogFit, LogFitError, Spread, TracePoint, admit, choose};
 use crate::choose::{Choice, Stretches};
 use crate::condition::{DropReason, Tally};
-use crate::quality::ReasonKind;
-use crate::table::Batch;
+use crate::log::{AxisSurvey, LogError, LogFile, Rows, Sink, Stream};
+use crate::quality::{Judgement, ReasonKind};
 
-/// Fits every axis: one pass for the fits, one for the residuals.
-pub(super) fn fit(log: &Log, options: &FitOptions, fit: &mut LogFit) -> Result<(), LogFitError> {
-    let mut admitted = Vec::new();
-    for (axis, survey) in log.survey.axes.iter().enumerate() {
-        let span = (survey.min, survey.max);
-        admitted.extend(admit(&mut fit.judgement, options, log, axis, survey.rows, span));
+/// Fits every axis: a pass to see what there is, one for the fits, one for the residuals.
+pub(super) fn fit(path: &Path, options: &FitOptions, fit: &mut LogFit) -> Result<(), LogFitError> {
+    let file = LogFile::open(path, &options.columns)?;
+    fit.autopilot = file.autopilot();
+    let mut axes = survey(&file, options, fit)?;
+    for axis in &mut axes {
+        let span = (axis.survey.min, axis.survey.max);
+        axis.admitted = admit(&mut axis.judgement, options, &axis.stream, axis.place, axis.survey.rows, span);
+        axis.stretches = axis.admitted.map(|(scale, _)| Stretches::new(scale, options.model, axis.all_rows));
     }
-    if fit.judgement.rejected() {
-        return Ok(());
-    }
-    let mut stretches: Vec<Stretches> =
-        admitted.iter().map(|(scale, _)| Stretches::new(*scale, options.model, log.survey.rows)).collect();
-    for batch in log.table.batches(&wanted(&log.columns))? {
-        let batch = batch?;
-        for (stretches, rates) in stretches.iter_mut().zip(&batch.columns[1..]) {
-            push(stretches, &batch, rates);
+    pass(&file, options, &mut |rows| {
+        for axis in axes.iter_mut().filter(|axis| axis.number == rows.stream) {
+            if let Some(stretches) = &mut axis.stretches {
+                push(stretches, rows, &rows.values[axis.place]);
+            }
         }
-    }
-    let mut chosen = Vec::new();
-    for ((stretches, (_, valid)), name) in stretches.iter().zip(&admitted).zip(&log.columns.rate_names) {
-        chosen.extend(choose(&mut fit.judgement, options, name, stretches, *valid));
-    }
-    if fit.judgement.rejected() {
-        return Ok(());
-    }
-    fit.axes = finish(log, &stretches, chosen)?;
-    for (axis, survey) in fit.axes.iter().zip(&log.survey.axes) {
-        let missing = survey.missing_temperature + survey.missing_rate;
-        let what = "no number for temperature or rate";
-        fit.judgement.dropped(ReasonKind::MissingValues, &axis.name, what, missing, log.survey.rows);
+    })?;
+    let chosen: Vec<Option<(Choice, Drift)>> = axes.iter_mut().map(|axis| axis.choose(options)).collect();
+    let mut residuals: Vec<Option<Residuals<'_>>> = axes
+        .iter()
+        .zip(&chosen)
+        .map(|(axis, chosen)| chosen.as_ref().map(|(choice, drift)| Residuals::new(choice, drift, axis.all_rows)))
+        .collect();
+    pass(&file, options, &mut |rows| {
+        for (axis, residuals) in axes.iter().zip(&mut residuals).filter(|(axis, _)| axis.number == rows.stream) {
+            if let Some((residuals, stretches)) = residuals.as_mut().zip(axis.stretches.as_ref()) {
+                judge(residuals, stretches, rows, &rows.values[axis.place]);
+            }
+        }
+    })?;
+    let spreads: Vec<_> = residuals.into_iter().map(|residuals| residuals.map(Residuals::finish)).collect();
+    for ((mut axis, chosen), spreads) in axes.into_iter().zip(chosen).zip(spreads) {
+        fit.axes.extend(chosen.zip(spreads).map(|(chosen, spreads)| axis.finish(chosen, spreads)));
+        fit.verdicts.push(AxisVerdict { name: axis.name().to_owned(), judgement: axis.judgement });
     }
     Ok(())
 }
 
+/// One axis on its way to a fit.
+struct Axis {
+    stream: Stream,
+    /// The sensor's number in the log, and the axis's place in it.
+    number: usize,
+    place: usize,
+    survey: AxisSurvey,
+    all_rows: u64,
+    judgement: Judgement,
+    admitted: Option<(Scale, ValidRange)>,
+    stretches: Option<Stretches>,
+}
+
+/// A pass over the rows of the sensors wanted.
+struct Pass<'a> {
+    options: &'a FitOptions,
+    streams: Vec<Stream>,
+    take: &'a mut dyn FnMut(&Rows<'_>),
+}
+
+impl Sink for Pass<'_> {
+    fn stream(&mut self, stream: &Stream) -> bool {
+        self.streams.push(stream.clone());
+        self.options.sensor.zip(stream.sensor).is_none_or(|(choice, sensor)| choice.takes(&sensor))
+    }
+
+    fn rows(&mut self, rows: &Rows<'_>) {
+        (self.take)(rows);
+    }
+}
+
+fn pass(file: &LogFile, options: &FitOptions, take: &mut dyn FnMut(&Rows<'_>)) -> Result<(), LogError> {
+    file.read(&mut Pass { options, streams: Vec::new(), take }).map(drop)
+}
+
+/// What every axis has to offer.
+fn survey(file: &LogFile, options: &FitOptions, fit: &mut LogFit) -> Result<Vec<Axis>, LogError> {
+    let mut surveys: Vec<(usize, Vec<AxisSurvey>, u64)> = Vec::new();
+    let mut take = |rows: &Rows<'_>| {
+        let found = surveys.iter().position(|(number, ..)| *number == rows.stream);
+        let place = found.unwrap_or_else(|| {
+            surveys.push((rows.stream, vec![AxisSurvey::EMPTY; rows.values.len()], 0));
+            surveys.len() - 1
+        });
+        let (_, axes, count) = &mut surveys[place];
+        *count += rows.temperature.len() as u64;
+        axes.iter_mut().zip(rows.values).for_each(|(axis, values)| axis.take(rows.temperature, values));
+    };
+    let mut pass = Pass { options, streams: Vec::new(), take: &mut take };
+    let ending = file.read(&mut pass)?;
+    let streams = pass.streams;
+    fit.notes = ending.notes;
+    ending.reasons.into_iter().for_each(|reason| fit.judgement.add(reason));
+    let axes = surveys.into_iter().flat_map(|(number, axes, all_rows)| {
+        let stream = streams[number].clone();
+        axes.into_iter().enumerate().map(move |(place, survey)| Axis {
+            stream: stream.clone(),
+            number,
+            place,
+            survey,
+            all_rows,
+            judgement: Judgement::default(),
+            admitted: None,
+            stretches: None,
+        })
+    });
+    Ok(axes.collect())
+}
+
+impl Axis {
+    fn name(&self) -> &str {
+        &self.stream.names[self.place]
+    }
+
+    fn choose(&mut self, options: &FitOptions) -> Option<(Choice, Drift)> {
+        let (stretches, (_, valid)) = self.stretches.as_ref().zip(self.admitted)?;
+        choose(&mut self.judgement, options, &self.stream.names[self.place], stretches, valid)
+    }
+
+    fn finish(&mut self, (choice, drift): (Choice, Drift), spreads: (Spread, Spread, Vec<TracePoint>)) -> AxisFit {
+        let (in_sample, held_out, trace) = spreads;
+        let missing = self.survey.missing_temperature + self.survey.missing_rate;
+        let what = "no number for temperature or rate";
+        let name = self.name().to_owned();
+        self.judgement.dropped(ReasonKind::MissingValues, &name, what, missing, self.all_rows);
+        let mut tally = Tally::default();
+        tally.add(DropReason::MissingTemperature, self.survey.missing_temperature);
+        tally.add(DropReason::MissingRate, self.survey.missing_rate);
+        let reference = f64::midpoint(drift.valid.min(), drift.valid.max());
+        AxisFit {
+            name,
+            sensor: self.stream.sensor,
+            verdict: self.judgement.verdict,
+            rate_unit: self.stream.unit,
+            temperature_unit: self.stream.temperature_unit,
+            reference_temperature: is_accelerometer(&self.stream).then_some(reference),
+            drift,
+            history: None,
+            time_drift: None,
+            static_cubic: None,
+            band: Vec::new(),
+            nested: None,
+            choice,
+            in_sample,
+            held_out,
+            samples_used: self.survey.rows,
+            samples_rejected: tally.rejected(),
+            trace,
+        }
+    }
+}
+
 /// Pushes a batch's numeric rows to the fits of their stretches.
-fn push(stretches: &mut Stretches, batch: &Batch, rates: &[f64]) {
-    let temperatures = &batch.columns[0];
+fn push(stretches: &mut Stretches, rows: &Rows<'_>, rates: &[f64]) {
+    let temperatures = rows.temperature;
     let mut start = 0;
     while start < temperatures.len() {
-        let (stretch, end) = stretches.of_row(batch.first_row + start as u64);
-        let end = usize::try_from(end - batch.first_row).unwrap_or(usize::MAX).min(temperatures.len());
+        let (stretch, end) = stretches.of_row(rows.first_row + start as u64);
+        let end = usize::try_from(end - rows.first_row).unwrap_or(usize::MAX).min(temperatures.len());
         let (temperatures, rates) = (&temperatures[start..end], &rates[start..end]);
         let numeric = |(t, r): &(&f64, &f64)| t.is_finite() && r.is_finite();
         let fit = stretches.fit(stretch);
@@ -64,47 +182,12 @@ fn push(stretches: &mut Stretches, batch: &Batch, rates: &[f64]) {
     }
 }
 
-/// The pass for the residuals.
-fn finish(log: &Log, stretches: &[Stretches], chosen: Vec<(Choice, Drift)>) -> Result<Vec<AxisFit>, LogFitError> {
-    let mut residuals: Vec<Residuals<'_>> =
-        chosen.iter().map(|(choice, drift)| Residuals::new(choice, drift, log.survey.rows)).collect();
-    for batch in log.table.batches(&wanted(&log.columns))? {
-        let batch = batch?;
-        let times = times(&batch, &log.columns);
-        for ((residuals, stretches), rates) in residuals.iter_mut().zip(stretches).zip(&batch.columns[1..]) {
-            for (place, (&temperature, &rate)) in batch.columns[0].iter().zip(rates).enumerate() {
-                if temperature.is_finite() && rate.is_finite() {
-                    let row = batch.first_row + place as u64;
-                    let time_s = times.get(place).map_or(f64::NAN, |time| log.survey.seconds(*time));
-                    residuals.push(row, stretches.of_row(row).0, time_s, temperature, rate);
-                }
-            }
+/// Takes a batch's numeric rows into the residuals.
+fn judge(residuals: &mut Residuals<'_>, stretches: &Stretches, rows: &Rows<'_>, rates: &[f64]) {
+    for (place, (&temperature, &rate)) in rows.temperature.iter().zip(rates).enumerate() {
+        if temperature.is_finite() && rate.is_finite() {
+            let row = rows.first_row + place as u64;
+            residuals.push(row, stretches.of_row(row).0, rows.time_s[place], temperature, rate);
         }
     }
-    let spreads: Vec<_> = residuals.into_iter().map(Residuals::finish).collect();
-    let axes = chosen.into_iter().zip(spreads).zip(&log.survey.axes).zip(&log.columns.rate_names);
-    Ok(axes
-        .map(|((((choice, drift), (in_sample, held_out, trace)), survey), name)| {
-            let mut tally = Tally::default();
-            tally.add(DropReason::MissingTemperature, survey.missing_temperature);
-            tally.add(DropReason::MissingRate, survey.missing_rate);
-            AxisFit {
-                name: name.clone(),
-                rate_unit: log.columns.rate_unit,
-                temperature_unit: log.columns.temperature_unit,
-                drift,
-                history: None,
-                time_drift: None,
-                static_cubic: None,
-                band: Vec::new(),
-                nested: None,
-                choice,
-                in_sample,
-                held_out,
-                samples_used: survey.rows,
-                samples_rejected: tally.rejected(),
-                trace,
-            }
-        })
-        .collect())
 }

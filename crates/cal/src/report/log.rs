@@ -17,8 +17,6 @@ pub struct LogReport {
     pub reasons: Vec<Reason>,
     /// What was guessed about columns and units, a sentence each.
     pub notes: Vec<String>,
-    /// The unit of all rates, as `rad/s`.
-    pub rate_unit: String,
     /// The unit of all temperatures, as `°C`.
     pub temperature_unit: String,
     /// The axes; none when the log is rejected.
@@ -36,6 +34,8 @@ pub struct LogReport {
 pub struct LogAxis {
     /// The rate column's name.
     pub name: String,
+    /// The unit of its rates, as `rad/s`; of an accelerometer's specific force, `m/s^2`.
+    pub rate_unit: String,
     /// The model, as `poly:3`.
     pub model: String,
     /// The polynomial's coefficients, lowest power first, rate over temperature to the power of the place; for a table its

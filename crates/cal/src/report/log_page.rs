@@ -72,12 +72,24 @@ impl LogReport {
 
     /// One row an axis: what the model brings.
     fn summary(&self) -> Markup {
-        let largest = self.axes.iter().map(|axis| spread_of(axis).1).fold(0.0, f64::max);
-        let (factor, rate) = thousandfold(largest, &self.rate_unit);
+        let mut units: Vec<&str> = Vec::new();
+        for axis in &self.axes {
+            if !units.contains(&axis.rate_unit.as_str()) {
+                units.push(&axis.rate_unit);
+            }
+        }
+        html! { @for unit in units { (self.summary_in(unit)) } }
+    }
+
+    /// The axes of one unit.
+    fn summary_in(&self, unit: &str) -> Markup {
+        let axes: Vec<&LogAxis> = self.axes.iter().filter(|axis| axis.rate_unit == unit).collect();
+        let largest = axes.iter().map(|axis| spread_of(axis).1).fold(0.0, f64::max);
+        let (factor, rate) = thousandfold(largest, unit);
         // Three digits of the smallest axis, at most.
-        let smallest = self.axes.iter().map(|axis| axis.in_sample.rms).fold(f64::INFINITY, f64::min);
+        let smallest = axes.iter().map(|axis| axis.in_sample.rms).fold(f64::INFINITY, f64::min);
         let scaled = |value: f64| html! { (fixed(value / factor, decimals_for(smallest / factor))) };
-        let row = |axis: &LogAxis| {
+        let row = |axis: &&LogAxis| {
             let before = spread_of(axis);
             vec![
                 html! { (axis.name) },
@@ -107,7 +119,7 @@ impl LogReport {
                 "Held out, pp",
                 "Samples",
             ],
-            rows: self.axes.iter().map(row).collect(),
+            rows: axes.iter().map(row).collect(),
             numbers_from: 2,
         }
         .markup()
@@ -161,18 +173,18 @@ impl LogReport {
 
     fn models(&self) -> Markup {
         html! {
-            div.pair { @for axis in &self.axes { (candidates::table(&axis.name, &axis.candidates, &self.rate_unit)) } }
+            div.pair { @for axis in &self.axes { (candidates::table(&axis.name, &axis.candidates, &axis.rate_unit)) } }
         }
     }
 
     fn coefficients(&self) -> Markup {
         html! {
             p {
-                "Rate in " (self.rate_unit) ", temperature in " (self.temperature_unit)
+                "Temperature in " (self.temperature_unit)
                 ". Subtract the curve from the rate, and hold the temperature within the valid range."
             }
             div.pair { @for axis in &self.axes { div {
-                h3 { (axis.name) }
+                h3 { (axis.name) ", " (axis.rate_unit) }
                 @if axis.is_polynomial {
                     div.equation { p { i { "bias" } " = " (polynomial(&axis.raw_coefficients, "T", 5)) } }
                 }

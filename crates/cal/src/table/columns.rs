@@ -56,6 +56,9 @@ pub enum RateUnit {
     /// Counts of an A/D.
     #[serde(rename = "counts")]
     Counts,
+    /// Metres per second squared: an accelerometer's.
+    #[serde(rename = "m/s^2")]
+    MetresPerS2,
 }
 
 /// A unit that was asked for and is none.
@@ -99,6 +102,7 @@ impl fmt::Display for RateUnit {
             Self::Dps => "dps",
             Self::RadPerS => "rad/s",
             Self::Counts => "counts",
+            Self::MetresPerS2 => "m/s^2",
         })
     }
 }

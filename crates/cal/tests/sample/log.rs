@@ -28,6 +28,7 @@ fn axis(name: &str, seed: u64, size: f64) -> LogAxis {
         chosen: order == 3,
     };
     LogAxis {
+        rate_unit: "rad/s".into(),
         name: name.into(),
         model: "poly:3".into(),
         raw_coefficients: vec![6.96e-4 * size / 1e-3, -2.6e-5, -1.98e-7, 5.49e-9],
@@ -55,7 +56,6 @@ pub fn log() -> LogReport {
             "the unit was moved from 5200 s to 6100 s (rows 130001 to 152500, 10.2 to 22.9 C): these rows were left out",
         )],
         notes: vec!["Column 'time' was taken for the time, in s: its name says so.".into()],
-        rate_unit: "rad/s".into(),
         temperature_unit: "°C".into(),
         axes: vec![
             axis("imu.gyro.x", 1, 4.1e-3),

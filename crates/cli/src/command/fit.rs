@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use clap::Args;
 use zerorate_cal::calibration::{Calibration, Source};
-use zerorate_cal::log_fit::{LogFit, fit_log};
+use zerorate_cal::log_fit::{LogFit, fit_logs};
 use zerorate_cal::report::LogReport;
 
 use super::Outcome;
@@ -17,9 +17,9 @@ use crate::{output, screen};
 
 /// Fit the drift of a log: rate over temperature, recorded at rest
 ///
-/// Reads a log of a gyro at rest while its temperature changed, leaves out what is not drift (start-up, spikes, times at
-/// which the unit was moved), averages what is left over about 10 s, fits a curve for each rate column, and says what
-/// the log is good for. How far to trust the curve is told by the held-out residual: each eighth of the log, predicted
+/// Reads a log of a unit at rest while its temperature changed, leaves out what is not drift (start-up, spikes, times at
+/// which the unit was moved), averages what is left over about 10 s, fits a curve for each axis of each sensor, and says
+/// what each is good for. How far to trust the curve is told by the held-out residual: each eighth of the log, predicted
 /// by a fit of the other seven.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -28,7 +28,8 @@ pub struct Fit {
     #[arg(long)]
     serial: Option<String>,
 
-    /// Write the calibration here, as JSON; a rejected log writes none
+    /// Write the calibration here, as JSON; a rejected log writes none. Without --out and --report both are written to the
+    /// working folder, named after the log (not with --json or --plain)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 
@@ -47,8 +48,10 @@ pub struct Fit {
 
 const EXAMPLES: &str = "\
 Examples:
-  zerorate fit log.csv
-      look at a log; nothing is written
+  zerorate fit flight.ulg
+      the verdict, flight.calibration.json and flight.report.html in this folder, and what to type next
+  zerorate fit cold-day.bin warm-day.bin
+      two logs of one unit, fitted as one
   zerorate fit log.csv --out calibration.json --report report.html
   zerorate fit imu.tsv --temperature imu.temp --rate gx,gy,gz --rate-unit dps
       where the columns' names do not make it plain
@@ -59,36 +62,51 @@ Exit codes: 0 fitted; 1 the log was rejected, with reasons; 2 error.";
 
 impl Fit {
     pub fn run(&self) -> Result<Outcome> {
-        let log = self.log.file.as_path();
-        for (option, path) in [("--out", &self.out), ("--report", &self.report)] {
+        let logs = self.log.paths();
+        let places = self.places();
+        for (option, path) in [("--out", &places.out), ("--report", &places.report)] {
             if let Some(path) = path {
-                output::check(option, path, &[log])?;
+                output::check(option, path, &logs)?;
             }
         }
-        let busy = Busy::reading(log);
-        let fit = fit_log(log, &self.log.options())?;
-        let written = if fit.judgement.rejected() { Vec::new() } else { self.write(&fit)? };
+        let busy = Busy::reading(logs[0]);
+        let fit = fit_logs(&logs, &self.log.options())?;
+        let written = if fit.judgement.rejected() { Vec::new() } else { self.write(&fit, &places)? };
         drop(busy);
         if self.json {
             fit.notes.iter().for_each(|note| screen::note(note));
             screen::print_json(&fit)?;
         } else {
-            summary::page(&fit, self.log.over(), &written, &self.next(&fit)).print()?;
+            summary::page(&fit, self.log.over(), &written, &self.next(&fit, &places)).print()?;
         }
         Ok(if fit.judgement.rejected() { Outcome::Rejected } else { Outcome::Done })
     }
 
-    /// Writes what was asked for and says what was written. The calibration comes last: where it is, all is.
-    fn write(&self, fit: &LogFit) -> Result<Vec<PathBuf>> {
+    /// Where results go: where they were asked for; where nothing was asked for and people look on, to the working folder,
+    /// named after the first log.
+    fn places(&self) -> Places {
+        let asked = Places { out: self.out.clone(), report: self.report.clone() };
+        if asked.out.is_some() || asked.report.is_some() || self.json || self.log.is_plain() {
+            return asked;
+        }
+        let name = self.log.files[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Places {
+            out: Some(PathBuf::from(format!("{name}.calibration.json"))),
+            report: Some(PathBuf::from(format!("{name}.report.html"))),
+        }
+    }
+
+    /// Writes the results and says what was written. The calibration comes last: where it is, all is.
+    fn write(&self, fit: &LogFit, places: &Places) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
-        let calibration = self.out.as_ref().map(|_| self.calibration(fit)).transpose()?;
-        if let Some(path) = &self.report {
+        let calibration = places.out.as_ref().map(|_| self.calibration(fit)).transpose()?;
+        if let Some(path) = &places.report {
             let mut report = LogReport::from(fit);
-            report.next_command = self.out.as_ref().map(|out| apply_command(out, &self.log.file));
+            report.next_command = places.out.as_ref().map(|out| self.use_command(fit, out).1);
             output::write(path, &report.to_html())?;
             written.push(path.clone());
         }
-        if let Some((path, calibration)) = self.out.as_ref().zip(calibration) {
+        if let Some((path, calibration)) = places.out.as_ref().zip(calibration) {
             calibration.write(path)?;
             written.push(path.clone());
         }
@@ -96,23 +114,40 @@ impl Fit {
     }
 
     fn calibration(&self, fit: &LogFit) -> Result<Calibration> {
-        let source = Source::of_file("log", &self.log.file)?;
-        Ok(Calibration::of_log(fit, self.log.over(), source, self.serial.clone())?)
+        let sources = self.log.files.iter().map(|file| Source::of_file("log", file)).collect::<Result<_, _>>()?;
+        Ok(Calibration::of_log(fit, self.log.over(), sources, self.serial.clone())?)
+    }
+
+    /// What to do with a calibration: an autopilot's parameters come of an autopilot's log.
+    fn use_command(&self, fit: &LogFit, out: &Path) -> (&'static str, String) {
+        match fit.autopilot {
+            Some(format) => (
+                "To get the autopilot's parameters from it",
+                format!("zerorate export {} --format {}", output::argument(out), format.parameters()),
+            ),
+            None => ("To correct a log by it", apply_command(out, &self.log.files[0])),
+        }
     }
 
     /// What to type next, and why.
-    fn next(&self, fit: &LogFit) -> Option<(&'static str, String)> {
-        match &self.out {
+    fn next(&self, fit: &LogFit, places: &Places) -> Option<(&'static str, String)> {
+        match &places.out {
             _ if fit.judgement.rejected() => None,
-            Some(out) => Some(("To correct a log by it", apply_command(out, &self.log.file))),
+            Some(out) => Some(self.use_command(fit, out)),
             // The same command again, whatever options it had.
-            None if self.report.is_some() => Some(("To keep the calibration", typed() + " --out calibration.json")),
+            None if places.report.is_some() => Some(("To keep the calibration", typed() + " --out calibration.json")),
             None => Some((
                 "To keep the calibration, and to see it drawn",
                 typed() + " --out calibration.json --report report.html",
             )),
         }
     }
+}
+
+/// Where results go.
+struct Places {
+    out: Option<PathBuf>,
+    report: Option<PathBuf>,
 }
 
 fn apply_command(calibration: &Path, log: &Path) -> String {

@@ -142,6 +142,7 @@ impl Report {
             plain: fits().any(|fit: &FitStatistics| fit.residual_over == ResidualOver::Rows),
             // What was calibrated was allowed.
             allow_narrow: true,
+            ..FitOptions::default()
         }
     }
 }

@@ -32,9 +32,16 @@ fn a_good_log_is_fitted_and_the_next_command_is_told() {
         "x_rad_s",
         "poly:2",
         "held out",
-        "zerorate fit log.csv --out calibration.json --report report.html",
+        "Wrote log.report.html and log.calibration.json.",
+        "zerorate apply log.calibration.json log.csv --out corrected.csv",
     ]);
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is written unasked");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
+    fs::remove_file(folder.path().join("log.report.html")).unwrap();
+    fs::remove_file(folder.path().join("log.calibration.json")).unwrap();
+    for quiet in ["--json", "--plain"] {
+        assert_eq!(zerorate(folder.path(), &["fit", "log.csv", quiet]).code, 0);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is written unasked with {quiet}");
+    }
 }
 
 #[test]

@@ -23,7 +23,6 @@ impl From<&LogFit> for LogReport {
             verdict: fit.judgement.verdict,
             reasons: fit.judgement.reasons.clone(),
             notes: fit.notes.clone(),
-            rate_unit: first.map(|axis| axis.rate_unit.to_string()).unwrap_or_default(),
             temperature_unit: first.map_or("", |axis| unit_of(axis.temperature_unit)).to_owned(),
             axes: fit.axes.iter().map(LogAxis::from).collect(),
             left_out: fit.stretches.iter().map(LeftOut::from).collect(),
@@ -62,6 +61,7 @@ impl From<&AxisFit> for LogAxis {
         });
         Self {
             name: axis.name.clone(),
+            rate_unit: axis.rate_unit.to_string(),
             model: choice.model.to_string(),
             raw_coefficients: choice.solution.raw_coefficients(),
             is_polynomial: matches!(choice.model.basis(), Basis::Powers(_)),
@@ -117,6 +117,22 @@ fn advice_for(kind: ReasonKind) -> &'static str {
         }
         ReasonKind::Spikes => "Look for a loose connection or a disturbed bench, and log again with the unit on foam.",
         ReasonKind::Rotation => "Leave the unit untouched while it logs: turn off motors, close the box, walk away.",
+        ReasonKind::StartUp => "Let the unit run for a minute before the log begins, or log on: the start is left out.",
+        ReasonKind::Gap => "Look for why nothing was logged for a while: a full or slow card, a link that was lost.",
+        ReasonKind::FrozenTemperature => {
+            "Look for why the temperature stood still: a sensor that is read too seldom, or a bus that hangs."
+        }
+        ReasonKind::CoarseTemperature => {
+            "A temperature in coarse steps blurs the curve: take the gyro’s own sensor at its full resolution, or warm slowly."
+        }
+        ReasonKind::Truncated => "Stop the log before the power goes, and copy the whole file.",
+        ReasonKind::Level => {
+            "Between two power-ons a gyro’s level may change: the curve has one level, and the autopilot’s zero at start-up \
+             takes out the rest."
+        }
+        ReasonKind::NoSensor => {
+            "Switch on the logging of the raw gyro and accelerometer with their temperatures, and log again."
+        }
         ReasonKind::Step => {
             "Look for what changed when the rate stepped: a supply, a restart, a connector. The curve holds for the level \
              before it."

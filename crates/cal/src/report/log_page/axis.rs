@@ -43,7 +43,7 @@ pub(super) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure
     let time = Time::of(&axis.points);
     let warming = warming(&axis.points);
     let temperature_name = format!("temperature, {}", report.temperature_unit);
-    let (raw_name, left_name) = (format!("rate, {}", report.rate_unit), format!("corrected, {}", report.rate_unit));
+    let (raw_name, left_name) = (format!("rate, {}", axis.rate_unit), format!("corrected, {}", axis.rate_unit));
     let over_time = |of: fn(&LogPoint) -> f64| -> Vec<(f64, f64)> {
         axis.points.iter().enumerate().map(|(place, point)| (time.at(place, point), of(point))).collect()
     };
@@ -99,7 +99,7 @@ pub(super) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure
         name: format!("Figure {}", place + 1),
         caption: html! {
             (axis.name) ", " (axis.model) ": the rate against time and against temperature; below, less the fitted curve "
-            "(in-sample, " (significant(axis.in_sample.rms, 3)) " " (report.rate_unit) " rms)."
+            "(in-sample, " (significant(axis.in_sample.rms, 3)) " " (axis.rate_unit) " rms)."
         },
         key,
         columns: vec![vec![time_raw, time_left], vec![warm_raw, warm_left]],

@@ -7,6 +7,7 @@ use zerorate_cal::calibration::ResidualOver;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::report::LogReport;
+use zerorate_cal::table::RateUnit;
 
 use crate::screen::{Grid, Page, RateScale, aligned, style, thousands};
 
@@ -17,9 +18,17 @@ pub fn page(fit: &LogFit, over: ResidualOver, written: &[PathBuf], next: &Option
     let mut page = Page::default();
     verdict(&mut page, fit);
     if !fit.axes.is_empty() {
-        curves(&mut page, fit, over);
+        let mut units: Vec<RateUnit> = Vec::new();
+        for axis in &fit.axes {
+            if !units.contains(&axis.rate_unit) {
+                units.push(axis.rate_unit);
+            }
+        }
+        units.iter().for_each(|unit| curves(&mut page, fit, *unit));
+        terms(&mut page, fit, over);
         left_out(&mut page, &report);
     }
+    rejected_axes(&mut page, fit);
     if fit.judgement.rejected() && !report.advice.is_empty() {
         page.heading("What to do");
         report.advice.iter().for_each(|sentence| page.sentence("  - ", sentence));
@@ -41,6 +50,19 @@ pub fn page(fit: &LogFit, over: ResidualOver, written: &[PathBuf], next: &Option
     page
 }
 
+/// The axes that were rejected, where others were not.
+fn rejected_axes(page: &mut Page, fit: &LogFit) {
+    let rejected = || fit.verdicts.iter().filter(|axis| axis.judgement.rejected());
+    if fit.judgement.rejected() || rejected().next().is_none() {
+        return;
+    }
+    page.heading("Axes rejected, and not in the calibration");
+    for axis in rejected() {
+        let reasons: Vec<&str> = axis.judgement.reasons.iter().map(|reason| reason.text.as_str()).collect();
+        page.sentence("  - ", &format!("{}: {}", axis.name, reasons.join("; ")));
+    }
+}
+
 fn verdict(page: &mut Page, fit: &LogFit) {
     let (colour, word, meaning) = match fit.judgement.verdict {
         Verdict::Good => (Style::new().green(), "good", "fitted, nothing speaks against it"),
@@ -53,14 +75,14 @@ fn verdict(page: &mut Page, fit: &LogFit) {
     fit.judgement.reasons.iter().for_each(|reason| page.sentence("  - ", &reason.text));
 }
 
-/// One row an axis: what drifts, and what the curve leaves of it.
-fn curves(page: &mut Page, fit: &LogFit, over: ResidualOver) {
-    let drifts: Vec<f64> = fit.axes.iter().map(|axis| axis.drift.peak_to_peak()).collect();
-    let scale = RateScale::of(fit.axes[0].rate_unit, &drifts);
-    page.heading(&format!("Drift over {}, in {}", temperatures(&fit.axes), scale.unit()));
-    let column = |of: &dyn Fn(&AxisFit) -> f64| {
-        aligned(&fit.axes.iter().map(|axis| scale.of_rate(of(axis))).collect::<Vec<_>>())
-    };
+/// One row an axis of a unit: what drifts, and what the curve leaves of it.
+fn curves(page: &mut Page, fit: &LogFit, unit: RateUnit) {
+    let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| axis.rate_unit == unit).collect();
+    let drifts: Vec<f64> = axes.iter().map(|axis| axis.drift.peak_to_peak()).collect();
+    let scale = RateScale::of(unit, &drifts);
+    page.heading(&format!("Drift over {}, in {}", temperatures(&axes), scale.unit()));
+    let column =
+        |of: &dyn Fn(&AxisFit) -> f64| aligned(&axes.iter().map(|axis| scale.of_rate(of(axis))).collect::<Vec<_>>());
     let columns = [
         aligned(&drifts.iter().map(|drift| scale.of_rate(*drift)).collect::<Vec<_>>()),
         column(&|axis| axis.in_sample.rms),
@@ -68,15 +90,20 @@ fn curves(page: &mut Page, fit: &LogFit, over: ResidualOver) {
         column(&|axis| axis.held_out.rms),
         column(&|axis| axis.held_out.pp),
     ];
-    let mut grid = Grid::new("llrrrrrr");
-    grid.head(["", "", "drift", "in-sample", "", "held out", "", "rows"]);
-    grid.head(["rate column", "model", "pp", "rms", "pp", "rms", "pp", "used"]);
-    for (place, axis) in fit.axes.iter().enumerate() {
+    let mut grid = Grid::new("lllrrrrrr");
+    let what = if axes[0].sensor.is_some() { "axis" } else { "rate column" };
+    grid.head(["", "", "", "drift", "in-sample", "", "held out", "", "rows"]);
+    grid.head([what, "verdict", "model", "pp", "rms", "pp", "rms", "pp", "used"]);
+    for (place, axis) in axes.iter().enumerate() {
         let cells = columns.iter().map(|column| column[place].clone());
-        let named = [axis.name.clone(), axis.choice.model.to_string()];
+        let named = [axis.name.clone(), word(axis.verdict).to_owned(), axis.choice.model.to_string()];
         grid.row(named.into_iter().chain(cells).chain([thousands(axis.samples_used)]));
     }
     page.grid(&grid);
+}
+
+/// What the numbers of the tables mean.
+fn terms(page: &mut Page, fit: &LogFit, over: ResidualOver) {
     let of_what = match over {
         ResidualOver::Rows => "single rows",
         ResidualOver::Groups => "averages over about 10 s",
@@ -90,10 +117,26 @@ fn curves(page: &mut Page, fit: &LogFit, over: ResidualOver) {
              expect of new data."
         ),
     );
+    if fit.axes.iter().any(|axis| axis.reference_temperature.is_some()) {
+        page.sentence(
+            "  ",
+            "An accelerometer's drift is told from the middle of its temperature range, for at rest its constant and \
+             gravity are one.",
+        );
+    }
+}
+
+/// A verdict in a table.
+fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Good => "good",
+        Verdict::Warning => "usable",
+        Verdict::Rejected => "rejected",
+    }
 }
 
 /// The valid range; of several, the least and the greatest.
-fn temperatures(axes: &[AxisFit]) -> String {
+fn temperatures(axes: &[&AxisFit]) -> String {
     let min = axes.iter().map(|axis| axis.drift.valid.min()).fold(f64::INFINITY, f64::min);
     let max = axes.iter().map(|axis| axis.drift.valid.max()).fold(f64::NEG_INFINITY, f64::max);
     format!("{min:.1} to {max:.1} {}", axes[0].temperature_unit.name())

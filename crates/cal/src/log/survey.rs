@@ -1,11 +1,11 @@
 //! The first pass over a log: how much there is, how warm, and whether time runs forwards.
 
-use super::LogFitError;
+use super::LogError;
 use crate::table::{Batch, Resolved, TableFile, TimeUnit};
 
 /// What one axis has to offer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct AxisSurvey {
+pub(crate) struct AxisSurvey {
     /// Rows with a temperature and a rate.
     pub rows: u64,
     /// Rows without a temperature.
@@ -18,13 +18,32 @@ pub(super) struct AxisSurvey {
     pub max: f64,
 }
 
+impl AxisSurvey {
+    /// Of no row yet.
+    pub(crate) const EMPTY: Self =
+        Self { rows: 0, missing_temperature: 0, missing_rate: 0, min: f64::INFINITY, max: f64::NEG_INFINITY };
+
+    /// Takes in some rows.
+    pub(crate) fn take(&mut self, temperatures: &[f64], rates: &[f64]) {
+        for (temperature, rate) in temperatures.iter().zip(rates) {
+            if !temperature.is_finite() {
+                self.missing_temperature += 1;
+            } else if !rate.is_finite() {
+                self.missing_rate += 1;
+            } else {
+                self.rows += 1;
+                self.min = self.min.min(*temperature);
+                self.max = self.max.max(*temperature);
+            }
+        }
+    }
+}
+
 /// What a log has to offer.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Survey {
     /// All rows.
     pub rows: u64,
-    /// One survey a rate column.
-    pub axes: Vec<AxisSurvey>,
     /// The first finite time, in the column's own unit; NaN without one.
     first_time: f64,
     last_time: f64,
@@ -36,20 +55,12 @@ pub(super) struct Survey {
 
 impl Survey {
     /// Reads the whole log once.
-    pub(super) fn of(table: &TableFile, columns: &Resolved) -> Result<Self, LogFitError> {
-        let nothing =
-            AxisSurvey { rows: 0, missing_temperature: 0, missing_rate: 0, min: f64::INFINITY, max: f64::NEG_INFINITY };
-        let mut survey = Self {
-            rows: 0,
-            axes: vec![nothing; columns.rates.len()],
-            first_time: f64::NAN,
-            last_time: f64::NAN,
-            unit_s: f64::NAN,
-            notes: Vec::new(),
-        };
+    pub(super) fn of(table: &TableFile, columns: &Resolved) -> Result<Self, LogError> {
+        let mut survey =
+            Self { rows: 0, first_time: f64::NAN, last_time: f64::NAN, unit_s: f64::NAN, notes: Vec::new() };
         for batch in table.batches(&wanted(columns))? {
             let batch = batch?;
-            survey.take(&batch);
+            survey.rows += batch.rows() as u64;
             if columns.time.is_some() {
                 survey.take_time(&batch, table, columns)?;
             }
@@ -58,28 +69,10 @@ impl Survey {
         Ok(survey)
     }
 
-    fn take(&mut self, batch: &Batch) {
-        self.rows += batch.rows() as u64;
-        let temperatures = &batch.columns[0];
-        for (axis, rates) in self.axes.iter_mut().zip(&batch.columns[1..]) {
-            for (temperature, rate) in temperatures.iter().zip(rates) {
-                if !temperature.is_finite() {
-                    axis.missing_temperature += 1;
-                } else if !rate.is_finite() {
-                    axis.missing_rate += 1;
-                } else {
-                    axis.rows += 1;
-                    axis.min = axis.min.min(*temperature);
-                    axis.max = axis.max.max(*temperature);
-                }
-            }
-        }
-    }
-
-    fn take_time(&mut self, batch: &Batch, table: &TableFile, columns: &Resolved) -> Result<(), LogFitError> {
+    fn take_time(&mut self, batch: &Batch, table: &TableFile, columns: &Resolved) -> Result<(), LogError> {
         for (place, &time) in times(batch, columns).iter().enumerate().filter(|(_, time)| time.is_finite()) {
             if time < self.last_time {
-                return Err(LogFitError::TimeBackwards {
+                return Err(LogError::TimeBackwards {
                     path: table.path().to_owned(),
                     row: batch.first_row + place as u64 + 1,
                     column: columns.time.map(|column| table.names()[column].clone()).unwrap_or_default(),

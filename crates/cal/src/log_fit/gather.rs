@@ -1,0 +1,237 @@
+//! From logs to the groups of every sensor wanted.
+
+use std::path::Path;
+
+use super::{FitOptions, LogFitError};
+use crate::condition::{GROUP_S, Group, Grouping, Length, MIN_GROUPS, Tally};
+use crate::interop;
+use crate::log::{LogFile, Rows, Sensor, SensorKind, Sink, Stream};
+use crate::quality::Reason;
+
+/// Between two logs of one unit, so that their times follow one another.
+const BETWEEN_LOGS_S: f64 = 60.0;
+
+/// One sensor's groups, of one log or of several.
+#[derive(Debug)]
+pub(super) struct Gathered {
+    pub stream: Stream,
+    pub groups: Vec<Group>,
+    pub tallies: Vec<Tally>,
+    /// All rows.
+    pub rows: u64,
+}
+
+/// What was gathered of all logs.
+#[derive(Debug, Default)]
+pub(super) struct Logs {
+    pub sensors: Vec<Gathered>,
+    pub notes: Vec<String>,
+    pub reasons: Vec<Reason>,
+    /// The autopilot that wrote the logs, if one did.
+    pub autopilot: Option<interop::Format>,
+    /// The sensors that the logs have, wanted or not.
+    pub seen: Vec<Sensor>,
+    /// Uninterrupted logs so far.
+    logs: u32,
+    end_s: f64,
+}
+
+/// Reads logs of one unit, one after the other.
+pub(super) fn gather(paths: &[&Path], options: &FitOptions) -> Result<Logs, LogFitError> {
+    let mut logs = Logs::default();
+    for path in paths {
+        logs.read(path, options)?;
+    }
+    Ok(logs)
+}
+
+impl Logs {
+    fn read(&mut self, path: &Path, options: &FitOptions) -> Result<(), LogFitError> {
+        let file = LogFile::open(path, &options.columns)?;
+        let length = match file.extent() {
+            Some((rows, step_s)) => Length::of_extent(rows, step_s, options.group_s),
+            None => Length::Seconds(options.group_s.unwrap_or(GROUP_S)),
+        };
+        let mut taken = Taking::new(options, vec![length], self.logs);
+        let mut ending = file.read(&mut taken)?;
+        if let Some(lengths) = taken.shorter(options) {
+            taken = Taking::new(options, lengths, self.logs);
+            ending = file.read(&mut taken)?;
+        }
+        let name =
+            path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
+        for note in ending.notes {
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
+        self.reasons.extend(ending.reasons);
+        self.add(path, &name, file.autopilot(), taken)
+    }
+
+    /// Joins what was gathered of one more log to what was gathered before.
+    fn add(
+        &mut self,
+        path: &Path,
+        name: &str,
+        autopilot: Option<interop::Format>,
+        taken: Taking<'_>,
+    ) -> Result<(), LogFitError> {
+        let first = self.sensors.is_empty() && self.logs == 0;
+        for sensor in taken.seen {
+            if !self.seen.contains(&sensor) {
+                self.seen.push(sensor);
+            }
+        }
+        let mut sensors: Vec<Gathered> =
+            taken.sensors.into_iter().map(Taken::finish).filter(|gathered| gathered.rows > 0).collect();
+        let starts_s = self.end_s + if first { 0.0 } else { BETWEEN_LOGS_S };
+        for group in sensors.iter_mut().flat_map(|gathered| &mut gathered.groups) {
+            group.time_s += starts_s;
+            group.times_s = (group.times_s.0 + starts_s, group.times_s.1 + starts_s);
+        }
+        let groups = || sensors.iter().flat_map(|gathered| &gathered.groups);
+        self.logs = groups().map(|group| group.log + 1).max().unwrap_or(self.logs);
+        self.end_s = groups().map(|group| group.times_s.1).fold(self.end_s, f64::max);
+        self.autopilot = if first { autopilot } else { self.autopilot.filter(|before| Some(*before) == autopilot) };
+        if first {
+            self.sensors = sensors;
+            return Ok(());
+        }
+        let others: Vec<Stream> = sensors.iter().map(|gathered| gathered.stream.clone()).collect();
+        let mut missing = Vec::new();
+        for own in &mut self.sensors {
+            match sensors.iter().position(|other| is_same(&own.stream, &other.stream)) {
+                Some(place) => own.append(sensors.swap_remove(place)),
+                None => missing.push(describe(&own.stream)),
+            }
+        }
+        // One sensor fewer in one log is told; a log of which nothing fits is another unit's.
+        if missing.len() == self.sensors.len() {
+            let found = others.iter().map(describe).collect::<Vec<_>>().join(", ");
+            return Err(LogFitError::AnotherUnit { path: path.to_owned(), expected: missing.join(", "), found });
+        }
+        for sensor in missing {
+            self.notes.push(format!("{name} has no rows of {sensor}: it is fitted by the other logs alone"));
+        }
+        for gathered in sensors {
+            self.notes.push(format!(
+                "{} of {name} is not in the logs before it and was passed over",
+                describe(&gathered.stream)
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Whether two logs' sensors are one: by the part's number where both have it, else by kind and place; of tables by the
+/// columns' names.
+fn is_same(a: &Stream, b: &Stream) -> bool {
+    let units = a.unit == b.unit && a.temperature_unit == b.temperature_unit && a.names.len() == b.names.len();
+    units
+        && match (&a.sensor, &b.sensor) {
+            (Some(a), Some(b)) => match (a.device_id, b.device_id) {
+                (Some(own), Some(other)) => a.kind == b.kind && own == other,
+                _ => (a.kind, a.instance) == (b.kind, b.instance),
+            },
+            _ => a.names == b.names,
+        }
+}
+
+fn describe(stream: &Stream) -> String {
+    match &stream.sensor {
+        Some(Sensor { device_id: Some(id), .. }) => {
+            format!("{} (id {id})", stream.sensor.map_or(String::new(), |s| s.to_string()))
+        }
+        Some(sensor) => sensor.to_string(),
+        None => format!("the columns {} in {}", stream.names.join(", "), stream.unit),
+    }
+}
+
+impl Gathered {
+    fn append(&mut self, mut next: Self) {
+        for group in &mut next.groups {
+            group.first_row += self.rows;
+            group.end_row += self.rows;
+        }
+        self.groups.append(&mut next.groups);
+        self.rows += next.rows;
+        for (own, other) in self.tallies.iter_mut().zip(&next.tallies) {
+            other.rejected().iter().for_each(|rejected| own.add(rejected.reason, rejected.count));
+        }
+    }
+}
+
+/// The sensors of one log while it goes by.
+struct Taking<'a> {
+    options: &'a FitOptions,
+    /// One for all, or one a sensor wanted.
+    lengths: Vec<Length>,
+    log: u32,
+    /// For each sensor met, its place among those wanted.
+    places: Vec<Option<usize>>,
+    sensors: Vec<Taken>,
+    seen: Vec<Sensor>,
+}
+
+struct Taken {
+    stream: Stream,
+    grouping: Grouping,
+    rows: u64,
+    first_s: f64,
+    last_s: f64,
+}
+
+impl<'a> Taking<'a> {
+    fn new(options: &'a FitOptions, lengths: Vec<Length>, log: u32) -> Self {
+        Self { options, lengths, log, places: Vec::new(), sensors: Vec::new(), seen: Vec::new() }
+    }
+
+    /// The lengths of groups by which a log that turned out to be short is to be read again, if any.
+    fn shorter(&self, options: &FitOptions) -> Option<Vec<Length>> {
+        let is_short = |taken: &Taken| (taken.grouping.len() as u64) < MIN_GROUPS && taken.rows > 1;
+        let seconds = self.lengths.iter().any(|length| matches!(length, Length::Seconds(_)));
+        (seconds && options.group_s.is_none() && self.sensors.iter().any(is_short)).then(|| {
+            let step_s = |taken: &Taken| (taken.last_s - taken.first_s) / (taken.rows.max(2) - 1) as f64;
+            let length = |taken: &Taken| Length::of_extent(taken.rows, step_s(taken), None);
+            self.sensors.iter().map(length).collect()
+        })
+    }
+}
+
+impl Sink for Taking<'_> {
+    fn stream(&mut self, stream: &Stream) -> bool {
+        self.seen.extend(stream.sensor);
+        let wanted = match (&stream.sensor, self.options.sensor) {
+            (Some(sensor), Some(choice)) => choice.takes(sensor),
+            _ => true,
+        };
+        self.places.push(wanted.then_some(self.sensors.len()));
+        if wanted {
+            let length = self.lengths.get(self.sensors.len()).unwrap_or(&self.lengths[0]);
+            let grouping = Grouping::new(stream.names.len(), *length, stream.temperature_unit, self.log);
+            self.sensors.push(Taken { stream: stream.clone(), grouping, rows: 0, first_s: f64::NAN, last_s: f64::NAN });
+        }
+        wanted
+    }
+
+    fn rows(&mut self, rows: &Rows<'_>) {
+        let Some(taken) = self.places[rows.stream].and_then(|place| self.sensors.get_mut(place)) else { return };
+        taken.rows += rows.temperature.len() as u64;
+        taken.first_s = if taken.first_s.is_nan() { rows.time_s[0] } else { taken.first_s };
+        taken.last_s = rows.time_s[rows.time_s.len() - 1];
+        taken.grouping.push_rows(rows);
+    }
+}
+
+impl Taken {
+    fn finish(self) -> Gathered {
+        let (groups, tallies) = self.grouping.finish();
+        Gathered { stream: self.stream, groups, tallies, rows: self.rows }
+    }
+}
+
+/// Whether a sensor is an accelerometer: its constant is not known at rest.
+pub(super) fn is_accelerometer(stream: &Stream) -> bool {
+    stream.sensor.is_some_and(|sensor| sensor.kind == SensorKind::Accelerometer)
+}

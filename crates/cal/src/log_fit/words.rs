@@ -1,0 +1,64 @@
+//! What conditioning found, in words.
+
+use super::gather::Gathered;
+use crate::condition::{DropReason, Levels, Step, Stretch};
+use crate::quality::{Judgement, Reason, ReasonKind};
+
+/// Puts what conditioning found of an axis into its judgement.
+pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, levels: &Levels) {
+    let (stream, tally) = (&sensor.stream, &sensor.tallies[axis]);
+    let (name, unit) = (&stream.names[axis], stream.temperature_unit.name());
+    let missing = tally.count(DropReason::MissingTemperature) + tally.count(DropReason::MissingRate);
+    let what = "no number for temperature or rate";
+    judgement.dropped(ReasonKind::MissingValues, name, what, missing, sensor.rows);
+    let spikes = tally.count(DropReason::Spike) + tally.count(DropReason::TemperatureSpike);
+    let what = "far from their neighbours; look for a loose connection or a disturbed bench";
+    judgement.dropped(ReasonKind::Spikes, name, what, spikes, sensor.rows);
+    for stretch in &levels.stretches {
+        if let Some(reason) = of_stretch(stretch, unit) {
+            judgement.add(reason);
+        }
+    }
+    for step in levels.steps.iter().filter(|step| step.axis == axis) {
+        judgement.add(of_step(step, name, &stream.unit.to_string(), unit));
+    }
+}
+
+fn of_stretch(stretch: &Stretch, unit: &str) -> Option<Reason> {
+    let (kind, what) = match stretch.reason {
+        DropReason::Rotation => (ReasonKind::Rotation, "the unit was moved"),
+        // A step is told by itself.
+        _ => return None,
+    };
+    let text = format!(
+        "{what} from {:.0} s to {:.0} s (rows {} to {}, {:.1} to {:.1} {unit}): these rows were left out",
+        stretch.time_s.0,
+        stretch.time_s.1,
+        stretch.rows.0 + 1,
+        stretch.rows.1,
+        stretch.temperature.0,
+        stretch.temperature.1
+    );
+    Some(Reason::new(kind, text))
+}
+
+fn of_step(step: &Step, name: &str, rate_unit: &str, unit: &str) -> Reason {
+    let text = format!(
+        "{name}: the rate steps by {:.3e} {rate_unit} at {:.0} s (row {}, {:.1} {unit}) and stays, with no temperature change to match: the step was taken out, and the curve holds for the level before it",
+        step.size,
+        step.time_s,
+        step.row + 1,
+        step.temperature
+    );
+    Reason::new(ReasonKind::Step, text)
+}
+
+/// A log without a sensor that is wanted.
+pub(super) fn no_sensor(seen: &[String]) -> String {
+    if seen.is_empty() {
+        "the log has no row of a gyro or an accelerometer with a temperature: switch on the logging of raw sensors"
+            .into()
+    } else {
+        format!("the log has no rows of the sensor asked for: it has {}", seen.join(", "))
+    }
+}
