@@ -6,7 +6,8 @@ use serde::Serialize;
 
 use super::cubic::{Loss, StaticCubic};
 use super::{ExportError, ExportOptions, Format};
-use crate::calibration::Calibration;
+use crate::calibration::{AxisCalibration, Calibration};
+use crate::log::SensorKind;
 use crate::quality::TemperatureUnit;
 use crate::table::RateUnit;
 
@@ -79,7 +80,7 @@ pub(super) fn sensors(
     }
     let mut sensors: Vec<ExportedSensor> = Vec::new();
     for (name, axis) in &calibration.axes {
-        let (kind, instance, device_id) = whose(name, options);
+        let (kind, instance, device_id) = whose(name, axis, options);
         let not_a_rate = || ExportError::NotARate { axis: name.clone(), unit: axis.rate_unit, format };
         let factor = factor(axis.rate_unit, kind).ok_or_else(not_a_rate)?;
         let place = letter(name).ok_or_else(|| ExportError::NoLetter { axis: name.clone(), format })?;
@@ -114,7 +115,14 @@ pub(super) fn sensors(
 pub(super) const LETTERS: [char; 3] = ['X', 'Y', 'Z'];
 
 /// The sensor that an axis's name tells: `gyro0.x` or `accel1.z`; a table's column is of one gyro.
-fn whose(name: &str, options: &ExportOptions) -> (Kind, u8, Option<u32>) {
+fn whose(name: &str, axis: &AxisCalibration, options: &ExportOptions) -> (Kind, u8, Option<u32>) {
+    if let Some(sensor) = axis.sensor {
+        let kind = match sensor.kind {
+            SensorKind::Gyro => Kind::Gyro,
+            SensorKind::Accelerometer => Kind::Accelerometer,
+        };
+        return (kind, sensor.instance, sensor.device_id.or(options.device_id));
+    }
     let of = |prefix: &str| name.strip_prefix(prefix)?.split_once('.')?.0.parse().ok();
     let (kind, instance) = match (of("gyro"), of("accel")) {
         (Some(instance), _) => (Kind::Gyro, instance),
@@ -167,6 +175,7 @@ fn factor(unit: RateUnit, kind: Kind) -> Option<f64> {
     match (unit, kind) {
         (RateUnit::RadPerS, Kind::Gyro) => Some(1.0),
         (RateUnit::Dps, Kind::Gyro) => Some(1.0_f64.to_radians()),
+        (RateUnit::MetresPerS2, Kind::Accelerometer) => Some(1.0),
         _ => None,
     }
 }

@@ -19,6 +19,8 @@ pub fn drift(values: &[f64], is_table: bool, min: f64, max: f64) -> Drift {
 
 pub fn axis(drift: Drift, rate_unit: RateUnit) -> AxisCalibration {
     AxisCalibration {
+        sensor: None,
+        reference_temperature: None,
         drift,
         history: None,
         time_drift: None,
