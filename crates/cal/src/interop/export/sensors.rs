@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use super::cubic::{Loss, StaticCubic};
 use super::{ExportError, ExportOptions, Format};
-use crate::calibration::{AxisCalibration, Calibration};
-use crate::log::SensorKind;
+use crate::calibration::Calibration;
+use crate::log::{Sensor, SensorKind};
 use crate::quality::TemperatureUnit;
 use crate::table::RateUnit;
 
@@ -80,7 +80,7 @@ pub(super) fn sensors(
     }
     let mut sensors: Vec<ExportedSensor> = Vec::new();
     for (name, axis) in &calibration.axes {
-        let (kind, instance, device_id) = whose(name, axis, options);
+        let (kind, instance, device_id) = whose(name, axis.sensor, options);
         let not_a_rate = || ExportError::NotARate { axis: name.clone(), unit: axis.rate_unit, format };
         let factor = factor(axis.rate_unit, kind).ok_or_else(not_a_rate)?;
         let place = letter(name).ok_or_else(|| ExportError::NoLetter { axis: name.clone(), format })?;
@@ -115,8 +115,8 @@ pub(super) fn sensors(
 pub(super) const LETTERS: [char; 3] = ['X', 'Y', 'Z'];
 
 /// The sensor that an axis's name tells: `gyro0.x` or `accel1.z`; a table's column is of one gyro.
-fn whose(name: &str, axis: &AxisCalibration, options: &ExportOptions) -> (Kind, u8, Option<u32>) {
-    if let Some(sensor) = axis.sensor {
+fn whose(name: &str, sensor: Option<Sensor>, options: &ExportOptions) -> (Kind, u8, Option<u32>) {
+    if let Some(sensor) = sensor {
         let kind = match sensor.kind {
             SensorKind::Gyro => Kind::Gyro,
             SensorKind::Accelerometer => Kind::Accelerometer,
@@ -216,9 +216,9 @@ mod tests {
     #[test]
     fn sensors_are_told_by_the_names_that_imports_give() {
         let none = ExportOptions::default();
-        assert_eq!(whose("gyro2.x", &none), (Kind::Gyro, 2, None));
-        assert_eq!(whose("accel0.z", &none), (Kind::Accelerometer, 0, None));
+        assert_eq!(whose("gyro2.x", None, &none), (Kind::Gyro, 2, None));
+        assert_eq!(whose("accel0.z", None, &none), (Kind::Accelerometer, 0, None));
         let given = ExportOptions { device_id: Some(7), instance: Some(1) };
-        assert_eq!(whose("gyro_x", &given), (Kind::Gyro, 1, Some(7)));
+        assert_eq!(whose("gyro_x", None, &given), (Kind::Gyro, 1, Some(7)));
     }
 }
