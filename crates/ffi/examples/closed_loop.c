@@ -1,7 +1,7 @@
 /* A C firmware's loop around the compensation, run on a PC: it reads groups as lines
  *     n temperature_sum zro_sum
- * takes each past one axis, "writes" the wiper when it is asked to, and prints a line for each:
- *     tap corrected_q16 coverage wiper_writes
+ * (n = 0: a group that was lost), takes each past one axis, "writes" the wiper when it is asked to, and prints a line for each:
+ *     tap corrected_q16 coverage history_known wiper_writes
  *
  *     closed_loop calibration.bin SERIAL|- AXIS MODE < groups.txt
  */
@@ -11,6 +11,8 @@
 #include <string.h>
 
 #include "zerorate.h"
+
+#define SAMPLES_PER_GROUP 4
 
 /* On a board: 4 KiB of static RAM. */
 static zerorate_unit unit;
@@ -49,6 +51,10 @@ int main(int argc, char **argv) {
     unsigned writes = 0;
     zerorate_group group;
     while (scanf("%" SCNu32 " %" SCNu64 " %" SCNu64, &group.n, &group.temperature, &group.zro) == 3) {
+        if (group.n == 0) {
+            zerorate_groups_lost(&unit, axis, 1, SAMPLES_PER_GROUP);
+            continue;
+        }
         zerorate_outcome outcome;
         result = zerorate_update(&unit, axis, &group, &outcome);
         if (result != ZERORATE_RESULT_DONE) {
@@ -59,7 +65,8 @@ int main(int argc, char **argv) {
             zerorate_wiper_written(&unit, axis, outcome.tap);
             writes++;
         }
-        printf("%u %" PRId32 " %" PRIu32 " %u\n", outcome.tap, outcome.corrected_q16, outcome.coverage, writes);
+        printf("%u %" PRId32 " %" PRIu32 " %d %u\n", outcome.tap, outcome.corrected_q16, outcome.coverage,
+               outcome.history_known, writes);
     }
     return EXIT_SUCCESS;
 }

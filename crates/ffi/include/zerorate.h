@@ -90,6 +90,9 @@ typedef struct {
   uint16_t tap;
   // Whether the wiper is elsewhere: write `tap`, then call `zerorate_wiper_written`.
   bool write_wiper;
+  // Whether the history that the correction rests on was seen; always so for a calibration without history. Until it
+  // was, after a start, the correction is uncertain by up to the hysteresis.
+  bool history_known;
 } zerorate_outcome;
 
 #ifdef __cplusplus
@@ -151,13 +154,15 @@ zerorate_result zerorate_wiper_written(zerorate_unit *unit,
                                        uint32_t axis,
                                        uint16_t tap);
 
-// Says that `n` samples were lost before the group that is being filled: the wiper settles meanwhile.
+// Says that `groups` groups of `n` samples each were lost before the one that is being filled: the wiper settles
+// meanwhile, and a history goes on.
 //
 // # Safety
 // `unit` is null or leads to a `ZerorateUnit`.
-zerorate_result zerorate_samples_lost(zerorate_unit *unit,
-                                      uint32_t axis,
-                                      uint32_t n);
+zerorate_result zerorate_groups_lost(zerorate_unit *unit,
+                                     uint32_t axis,
+                                     uint32_t groups,
+                                     uint32_t n);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -6,7 +6,7 @@
 use core::ffi::{CStr, c_char};
 
 use zerorate_core::compensate::Mode;
-use zerorate_core::drift::Coverage;
+use zerorate_core::drift::{Coverage, Knowledge};
 use zerorate_core::group::GroupSums;
 use zerorate_core::record::RecordError;
 use zerorate_core::units::{Axis, Taps};
@@ -84,6 +84,9 @@ pub struct ZerorateOutcome {
     pub tap: u16,
     /// Whether the wiper is elsewhere: write `tap`, then call `zerorate_wiper_written`.
     pub write_wiper: bool,
+    /// Whether the history that the correction rests on was seen; always so for a calibration without history. Until it
+    /// was, after a start, the correction is uncertain by up to the hysteresis.
+    pub history_known: bool,
 }
 
 /// Fills a unit from the bytes of a device record (`calibration.bin`). `serial` is the unit's own, ended by a zero byte;
@@ -219,6 +222,7 @@ pub unsafe extern "C" fn zerorate_update(
                 coverage: coverage(closed.coverage),
                 tap: tap.get(),
                 write_wiper: closed.move_to.is_some(),
+                history_known: closed.knowledge == Knowledge::Known,
             };
             ZerorateResult::Done
         }
@@ -245,16 +249,22 @@ pub unsafe extern "C" fn zerorate_wiper_written(unit: *mut ZerorateUnit, axis: u
     }
 }
 
-/// Says that `n` samples were lost before the group that is being filled: the wiper settles meanwhile.
+/// Says that `groups` groups of `n` samples each were lost before the one that is being filled: the wiper settles
+/// meanwhile, and a history goes on.
 ///
 /// # Safety
 /// `unit` is null or leads to a `ZerorateUnit`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn zerorate_samples_lost(unit: *mut ZerorateUnit, axis: u32, n: u32) -> ZerorateResult {
+pub unsafe extern "C" fn zerorate_groups_lost(
+    unit: *mut ZerorateUnit,
+    axis: u32,
+    groups: u32,
+    n: u32,
+) -> ZerorateResult {
     // SAFETY: the caller's word.
     match unsafe { unit_and_axis(unit, axis) } {
         Ok((unit, axis)) => {
-            unit.samples_lost(axis, n);
+            unit.groups_lost(axis, groups, n);
             ZerorateResult::Done
         }
         Err(result) => result,

@@ -106,7 +106,9 @@ impl Unit {
         self.axes[axis.index()].wiper_written(Some(&self.laws[axis.index()]), tap);
     }
 
-    pub(crate) fn samples_lost(&mut self, axis: Axis, n: u32) {
-        self.axes[axis.index()].skip_lost(n);
+    pub(crate) fn groups_lost(&mut self, axis: Axis, groups: u32, n: u32) {
+        let state = &mut self.axes[axis.index()];
+        state.skip_lost(groups.saturating_mul(n));
+        state.lose_groups(groups);
     }
 }

@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 
 use zerorate_ffi::{
     ZERORATE_AXIS_X, ZERORATE_MODE_TRIM, ZERORATE_UNIT_WORDS, ZerorateGroup, ZerorateOutcome, ZerorateResult,
-    ZerorateUnit, zerorate_correct, zerorate_init, zerorate_push, zerorate_samples_lost, zerorate_set_mode,
+    ZerorateUnit, zerorate_correct, zerorate_groups_lost, zerorate_init, zerorate_push, zerorate_set_mode,
     zerorate_update, zerorate_wiper_written,
 };
 
@@ -30,7 +30,7 @@ fn a_null_pointer_is_a_result() {
             zerorate_update(&raw mut unit, ZERORATE_AXIS_X, null(), &raw mut outcome),
             zerorate_update(&raw mut unit, ZERORATE_AXIS_X, &raw const group, null_mut()),
             zerorate_wiper_written(null_mut(), ZERORATE_AXIS_X, 511),
-            zerorate_samples_lost(null_mut(), ZERORATE_AXIS_X, 1),
+            zerorate_groups_lost(null_mut(), ZERORATE_AXIS_X, 1, 500),
         ]
     };
     assert_eq!(results, [ZerorateResult::NullPointer; 11]);
@@ -52,7 +52,7 @@ fn chance_memory_is_no_unit() {
     let refused = unsafe { zerorate_init(unit.as_mut_ptr(), bytes.as_ptr(), bytes.len(), null()) };
     assert_eq!(refused, ZerorateResult::DamagedRecord);
     // SAFETY: the unit's storage.
-    assert_eq!(unsafe { zerorate_samples_lost(unit.as_mut_ptr(), 0, 1) }, ZerorateResult::NotInitialised);
+    assert_eq!(unsafe { zerorate_groups_lost(unit.as_mut_ptr(), 0, 1, 500) }, ZerorateResult::NotInitialised);
 }
 
 #[test]

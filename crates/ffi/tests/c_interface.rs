@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use zerorate_core::compensate::{AxisCompensation, EdgeTable, LowPass, Mode};
-use zerorate_core::drift::{Coverage, Drift, Polynomial, Scale, Shape, ValidRange};
+use zerorate_core::drift::{Coverage, Drift, History, Knowledge, Memory, Polynomial, Scale, Shape, Term, ValidRange};
 use zerorate_core::group::GroupSums;
-use zerorate_core::record::{AxisRecord, DeviceRecord, MAX_RECORD_BYTES, UnitSerial};
+use zerorate_core::record::{AxisRecord, DeviceRecord, HistoryRecord, MAX_RECORD_BYTES, UnitSerial};
 use zerorate_core::trim::{TapEffects, Trim, TrimLine};
 use zerorate_core::units::{Axis, Counts, Taps, TemperatureScale};
 
 const SERIAL: &str = "ZR-0001";
-/// With four samples a group, a temperature sum is a code.
+/// With four samples a group, a temperature sum is a code; the example has the same number.
 const SAMPLES: u32 = 4;
 
 fn crate_folder() -> &'static Path {
@@ -67,9 +67,22 @@ fn record() -> DeviceRecord {
     }
 }
 
-fn record_bytes() -> Vec<u8> {
+/// The same unit with a play and a lag in X.
+fn record_with_history() -> DeviceRecord {
+    let mut record = record();
+    let axis = &mut record.axes[0];
+    let terms = [
+        Term { memory: Memory::Play { half_width: 300.0 }, weight: 0.03, share: 0.6 },
+        Term { memory: Memory::Lag { time_constant_s: 400.0 }, weight: -0.02, share: 0.4 },
+    ];
+    let history = History::new(axis.drift.shape.clone(), &terms).unwrap();
+    axis.history = Some(HistoryRecord { history, group_period_s: 5.0 });
+    record
+}
+
+fn bytes(record: &DeviceRecord) -> Vec<u8> {
     let mut buffer = [0; MAX_RECORD_BYTES];
-    record().encode(&mut buffer).unwrap().to_vec()
+    record.encode(&mut buffer).unwrap().to_vec()
 }
 
 /// The example, built by gcc with every warning an error, against the static library.
@@ -125,22 +138,30 @@ fn target_folder() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap().to_path_buf()
 }
 
-/// Every code upwards, every code downwards again, and some great leaps.
+/// Every code upwards, every code downwards again, some great leaps; every hundredth group of the leaps is lost.
 fn groups() -> Vec<GroupSums> {
     let up = 0..=u64::from(u16::MAX);
     let leaps = (0..1000_u64).map(|k| (k * 40_503) % 65_536);
     let codes = up.clone().chain(up.rev()).chain(leaps);
     let zro = |code: u64| 4 * 8200 + (code * 7919) % 211;
-    codes.map(|code| GroupSums { n: SAMPLES, temperature: code, zro: zro(code), ..GroupSums::default() }).collect()
+    let whole = |code| GroupSums { n: SAMPLES, temperature: code, zro: zro(code), ..GroupSums::default() };
+    let mut groups: Vec<GroupSums> = codes.map(whole).collect();
+    let swept = 2 * (usize::from(u16::MAX) + 1);
+    groups[swept..].iter_mut().step_by(100).for_each(|group| *group = GroupSums::default());
+    groups
 }
 
-fn in_rust(axis: Axis, mode: Mode) -> String {
-    let record = record();
+fn in_rust(record: &DeviceRecord, axis: Axis, mode: Mode) -> String {
     let law = record.axis(axis).law(record.temperature_scale).unwrap();
     let mut state = AxisCompensation::new(Some(&law), Taps::MIDDLE);
     state.set_mode(mode);
     let (mut lines, mut writes) = (String::new(), 0);
     for sums in groups() {
+        if sums.n == 0 {
+            state.skip_lost(SAMPLES);
+            state.lose_groups(1);
+            continue;
+        }
         state.skip_samples(sums.n);
         let outcome = state.close_group(Some(&law), &sums);
         if let Some(tap) = outcome.move_to {
@@ -153,7 +174,8 @@ fn in_rust(axis: Axis, mode: Mode) -> String {
             Coverage::Above => 2,
             Coverage::Invalid => 3,
         };
-        writeln!(lines, "{} {} {coverage} {writes}", state.tap().get(), outcome.corrected.0).unwrap();
+        let known = u8::from(outcome.knowledge == Knowledge::Known);
+        writeln!(lines, "{} {} {coverage} {known} {writes}", state.tap().get(), outcome.corrected.0).unwrap();
     }
     lines
 }
@@ -165,16 +187,24 @@ fn c_gives_the_taps_and_readings_of_rust_at_all_codes() {
     for sums in groups() {
         writeln!(input, "{} {} {}", sums.n, sums.temperature, sums.zro).unwrap();
     }
-    for axis in Axis::BOTH {
+    let (with, without) = (record_with_history(), record());
+    for (record, axis) in [(&without, Axis::X), (&without, Axis::Y), (&with, Axis::X)] {
         for (number, mode) in [Mode::Off, Mode::Trim, Mode::Digital, Mode::Hybrid].into_iter().enumerate() {
             let number = u32::try_from(number).unwrap();
-            let output = example.run(&record_bytes(), SERIAL, axis, number, input.clone());
+            let output = example.run(&bytes(record), SERIAL, axis, number, input.clone());
             assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-            let (c, rust) = (String::from_utf8(output.stdout).unwrap(), in_rust(axis, mode));
+            let (c, rust) = (String::from_utf8(output.stdout).unwrap(), in_rust(record, axis, mode));
             let first = c.lines().zip(rust.lines()).position(|(c, rust)| c != rust);
             assert!(c == rust, "axis {}, mode {}: line {first:?} differs", axis.name(), mode.name());
-            let taps: std::collections::BTreeSet<_> = c.lines().map(|line| line.split(' ').next().unwrap()).collect();
-            assert_eq!(taps.len() > 5, mode.moves_wiper(), "the comparison saw {} taps", taps.len());
+            let seen = |column: usize| -> std::collections::BTreeSet<&str> {
+                c.lines().map(|line| line.split(' ').nth(column).unwrap()).collect()
+            };
+            assert_eq!(seen(0).len() > 5, mode.moves_wiper(), "the comparison saw {} taps", seen(0).len());
+            assert_eq!(
+                seen(3).len() == 2,
+                record.axis(axis).history.is_some(),
+                "a history is unknown first, then known"
+            );
         }
     }
 }
@@ -187,7 +217,7 @@ fn c_is_told_why_a_record_is_refused() {
         assert!(!output.status.success());
         String::from_utf8(output.stderr).unwrap()
     };
-    let good = record_bytes();
+    let good = bytes(&record());
     assert!(refusal(&good[..good.len() - 1], "-", 0).contains("zerorate_init: refused with 4"));
     let mut later = good.clone();
     later[4] = 99;
