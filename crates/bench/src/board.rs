@@ -23,6 +23,7 @@ use crate::choice::DeviceChoice;
 use crate::client::{ClientError, DeviceClient, LineCounts};
 use crate::instruments::Bench;
 use crate::plants::PlantKind;
+use crate::setup::SetUp;
 use crate::simulated;
 
 /// A board that hands were shaken with.
@@ -188,13 +189,43 @@ impl RecordFacts {
 
 /// The simulated bench about a device without a line of its own.
 fn simulated_bench(choice: &DeviceChoice) -> Result<Bench, ClientError> {
+    let serial = zerorate_core::record::UnitSerial::try_from("ZR-0001").unwrap_or_default();
+    let (plant, setup) = (PlantKind::Paper.build(1), PlantKind::Paper.setup());
     match choice {
-        DeviceChoice::Emulated => Err(ClientError::NotHere),
-        _ => {
-            let serial = zerorate_core::record::UnitSerial::try_from("ZR-0001").unwrap_or_default();
-            Ok(simulated::bench(PlantKind::Paper.build(1), &PlantKind::Paper.setup(), &serial))
-        }
+        DeviceChoice::Emulated => emulated_bench(plant, &setup, &serial, None),
+        _ => Ok(simulated::bench(plant, &setup, &serial)),
     }
+}
+
+/// The simulated bench with an emulated board on it. `firmware` is found if it is not named.
+///
+/// # Errors
+/// [`ClientError::NotEmulated`], with what is missing.
+#[cfg(unix)]
+pub fn emulated_bench(
+    plant: zerorate_sim::Plant,
+    setup: &SetUp,
+    unit: &zerorate_core::record::UnitSerial,
+    firmware: Option<&Path>,
+) -> Result<Bench, ClientError> {
+    use crate::emulated;
+    let not = |why: &dyn std::fmt::Display| ClientError::NotEmulated(why.to_string());
+    let firmware = emulated::find_firmware(firmware).map_err(|why| not(&why))?;
+    emulated::bench(plant, setup, unit, &firmware).map_err(|why| not(&why))
+}
+
+/// The simulated bench with an emulated board on it, which takes a system with FIFOs.
+///
+/// # Errors
+/// [`ClientError::NotEmulated`].
+#[cfg(not(unix))]
+pub fn emulated_bench(
+    _: zerorate_sim::Plant,
+    _: &SetUp,
+    _: &zerorate_core::record::UnitSerial,
+    _: Option<&Path>,
+) -> Result<Bench, ClientError> {
+    Err(ClientError::NotEmulated("an emulated board takes a Unix system: use --device native".into()))
 }
 
 /// Reads what can be put on a board: a calibration, of which the record is made, or a device record.

@@ -98,9 +98,9 @@ pub enum ClientError {
         /// How long was waited, seconds.
         waited_s: u64,
     },
-    /// This build cannot.
-    #[error("an emulated board is not in this build: use a port (serial:PATH, tcp:HOST:PORT) or native")]
-    NotHere,
+    /// There is no emulated board.
+    #[error("{0}")]
+    NotEmulated(String),
     /// The answer is of another kind than the question.
     #[error("the device gave an answer that does not belong to the question")]
     Confused,

@@ -79,6 +79,9 @@ pub enum InstrumentError {
         /// Why not.
         reason: String,
     },
+    /// The board does not come up.
+    #[error("the board does not come up after its power was switched off and on: {0}")]
+    Power(String),
     /// The chamber has not got where it was sent.
     #[error(
         "the chamber was sent to {set_point_c} C and is still at {air_c:.1} C after {waited_min:.0} min: check its door, its power and its limits"

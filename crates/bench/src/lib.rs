@@ -6,6 +6,8 @@ pub mod calibrated;
 pub mod characterise;
 pub mod choice;
 pub mod client;
+#[cfg(unix)]
+pub mod emulated;
 pub mod error;
 pub mod evaluate;
 #[cfg(feature = "gateware")]

@@ -197,9 +197,16 @@ impl<A: OnPlant> Witness for SimulatedWitness<A> {
     }
 }
 
-struct SimulatedChamber {
+pub(crate) struct SimulatedChamber {
     plant: SharedPlant,
     set_point: Celsius,
+}
+
+impl SimulatedChamber {
+    /// The plant's chamber, its set point where its air is.
+    pub(crate) fn new(plant: &SharedPlant) -> Self {
+        Self { plant: Rc::clone(plant), set_point: plant.borrow().chamber_air() }
+    }
 }
 
 impl Chamber for SimulatedChamber {
@@ -221,7 +228,7 @@ impl Chamber for SimulatedChamber {
     }
 }
 
-struct SimulatedSupply(SharedPlant);
+pub(crate) struct SimulatedSupply(pub(crate) SharedPlant);
 
 impl Supply for SimulatedSupply {
     fn feed(&mut self, volts: Volts) -> Result<(), InstrumentError> {
@@ -257,10 +264,9 @@ pub fn bench_on<A: OnPlant + 'static>(plant: Plant, setup: &SetUp, unit: &UnitSe
     let device = NativeDevice::<A>::of_plant(plant, setup, unit);
     let plant = Rc::clone(&device.plant);
     let device = Rc::new(RefCell::new(device));
-    let set_point = plant.borrow().chamber_air();
     Bench {
         device: DeviceClient::new(Box::new(NativeLink(Rc::clone(&device)))),
-        chamber: Box::new(SimulatedChamber { plant: Rc::clone(&plant), set_point }),
+        chamber: Box::new(SimulatedChamber::new(&plant)),
         supply: Box::new(SimulatedSupply(plant)),
         surroundings: Box::new(SimulatedSurroundings(Rc::clone(&device))),
         witness: Some(Box::new(SimulatedWitness(device))),

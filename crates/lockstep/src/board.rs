@@ -54,13 +54,20 @@ impl nor_flash::NorFlashError for BusFailed {
 
 /// The channel to the host: a request out, its answer in.
 pub struct Channel<L> {
-    line: L,
+    line: Option<L>,
+}
+
+impl<L> Channel<L> {
+    /// A channel whose line is not there yet: every request fails.
+    pub const fn closed() -> Self {
+        Self { line: None }
+    }
 }
 
 impl<L: Line> Channel<L> {
     /// A channel on a line.
     pub const fn new(line: L) -> Self {
-        Self { line }
+        Self { line: Some(line) }
     }
 
     /// Says that the board has started, and learns what board it is.
@@ -81,7 +88,7 @@ impl<L: Line> Channel<L> {
     pub fn poll(&mut self, poll: Poll) -> Result<bool, BusFailed> {
         let mut buffer = [0; 16];
         let bytes = Request::Poll(poll).encode(&mut buffer).ok_or(BusFailed)?;
-        self.line.write(bytes).map_err(|_| BusFailed)?;
+        self.write(bytes)?;
         match self.answer()? {
             Answer::SetReady => Ok(true),
             Answer::Done => Ok(false),
@@ -113,16 +120,24 @@ impl<L: Line> Channel<L> {
         request: &[u8],
         answers: impl IntoIterator<Item = &'b mut [u8]>,
     ) -> Result<(), BusFailed> {
-        self.line.write(request).map_err(|_| BusFailed)?;
+        self.write(request)?;
         if self.answer()? != Answer::Done {
             return Err(BusFailed);
         }
-        answers.into_iter().try_for_each(|bytes| self.line.read(bytes).map_err(|_| BusFailed))
+        answers.into_iter().try_for_each(|bytes| self.read(bytes))
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), BusFailed> {
+        self.line.as_mut().ok_or(BusFailed)?.write(bytes).map_err(|_| BusFailed)
+    }
+
+    fn read(&mut self, bytes: &mut [u8]) -> Result<(), BusFailed> {
+        self.line.as_mut().ok_or(BusFailed)?.read(bytes).map_err(|_| BusFailed)
     }
 
     fn answer(&mut self) -> Result<Answer, BusFailed> {
         let mut byte = [0];
-        self.line.read(&mut byte).map_err(|_| BusFailed)?;
+        self.read(&mut byte)?;
         Answer::of(byte[0]).ok_or(BusFailed)
     }
 }
@@ -140,6 +155,25 @@ fn alone<L, T>(
         let mut channel = channel.borrow(section).try_borrow_mut().map_err(|_| BusFailed)?;
         act(&mut channel)
     })
+}
+
+/// Gives a shared channel its line, says that the board has started, and learns what board it is.
+///
+/// # Errors
+/// [`BusFailed`], when the host is gone or speaks another version.
+pub fn open<L: Line>(channel: &SharedChannel<L>, line: L) -> Result<Board, BusFailed> {
+    alone(channel, |channel| {
+        channel.line = Some(line);
+        channel.hello()
+    })
+}
+
+/// Says through a shared channel where the firmware has panicked.
+///
+/// # Errors
+/// [`BusFailed`], when the host is gone, or the panic happened within a request.
+pub fn panicked<L: Line>(channel: &SharedChannel<L>, file: &str, line: u32) -> Result<(), BusFailed> {
+    alone(channel, |channel| channel.panicked(file, line))
 }
 
 /// Asks a shared channel whether a set is ready.

@@ -99,7 +99,7 @@ pub enum Request<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Answer {
-    /// Done; the bytes that were asked for follow. To a poll: there is nothing for the board.
+    /// Done; the bytes that were asked for follow. To a poll: bytes of the host are on their way, sleep until they come.
     Done = 0,
     /// It could not be done; nothing follows.
     Failed = 1,

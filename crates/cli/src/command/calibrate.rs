@@ -5,11 +5,15 @@ mod page;
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use zerorate_bench::board::emulated_bench;
 use zerorate_bench::calibrate::calibrate;
 use zerorate_bench::calibrated::Unit;
+use zerorate_bench::choice::DeviceChoice;
+use zerorate_bench::instruments::Bench;
+use zerorate_bench::plants::PlantKind;
 use zerorate_bench::run::Progress;
 use zerorate_bench::setup::SetUp;
 
@@ -43,6 +47,15 @@ pub struct Calibrate {
     #[arg(long, value_enum, default_value_t = Acquisition::Port)]
     acquisition: Acquisition,
 
+    /// The device: `native`, the application in this program, or `emulated`, the firmware in QEMU; the results are the
+    /// same to the last bit
+    #[arg(long, value_name = "DEVICE", default_value = "native")]
+    device: DeviceChoice,
+
+    /// The firmware for `--device emulated`; without it what `cargo xtask firmware` has built
+    #[arg(long, value_name = "FILE")]
+    firmware: Option<PathBuf>,
+
     /// The set-up file of board and bench; without it the plant's own (see `zerorate setup`)
     #[arg(long, value_name = "FILE")]
     setup: Option<PathBuf>,
@@ -61,6 +74,8 @@ Examples:
   zerorate calibrate
       the paper's board; open calibration/report.html afterwards
   zerorate calibrate --plant typical --seed 7 --out unit-7 --serial ZR-0007
+  zerorate calibrate --device emulated
+      the same by the firmware in QEMU (build it by `cargo xtask firmware`)
   zerorate setup > bench.toml; zerorate calibrate --setup bench.toml
       the limits that a unit must pass are in the set-up
 
@@ -74,7 +89,7 @@ impl Calibrate {
             None => kind.setup(),
         };
         let unit = Unit::new(&self.serial, Some((kind, self.seed)))?;
-        let mut bench = self.acquisition.bench(kind, self.seed, &setup, &unit)?;
+        let mut bench = self.bench(kind, &setup, &unit)?;
         let mut bar = Bar::new(&setup);
         let result = calibrate(&mut bench, &setup, unit, &self.out, &mut bar);
         bar.finish();
@@ -85,6 +100,19 @@ impl Calibrate {
             page::page(&run, &summary, &self.out).print()?;
         }
         Ok(if run.passed() { Outcome::Done } else { Outcome::Rejected })
+    }
+
+    fn bench(&self, kind: PlantKind, setup: &SetUp, unit: &Unit) -> Result<Bench> {
+        match &self.device {
+            DeviceChoice::Native => self.acquisition.bench(kind, self.seed, setup, unit),
+            DeviceChoice::Emulated if self.acquisition != Acquisition::Port => {
+                bail!("the emulated board has an acquisition port: leave --acquisition out")
+            }
+            DeviceChoice::Emulated => {
+                Ok(emulated_bench(kind.build(self.seed), setup, &unit.serial, self.firmware.as_deref())?)
+            }
+            other => bail!("{other} cannot stand on the simulated bench: give native or emulated"),
+        }
     }
 
     fn what_is_left(&self) -> String {

@@ -1,0 +1,153 @@
+//! The simulated bench with an emulated board on it: the firmware as it is built for the target, in QEMU, its buses
+//! reaching the plant in lock-step and the host's protocol on its UART0.
+//!
+//! As on the native device, time passes only while the host waits: a set is given to the board when it has acted on all
+//! that the host has sent and has nothing more to say. So both see the same plant at the same moment, and a run with
+//! either gives the same bits.
+
+mod bus;
+mod choice;
+mod emulator;
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+
+use zerorate_core::record::UnitSerial;
+use zerorate_core::units::{Axis, Seconds, Taps};
+use zerorate_lockstep::{Board, SERIAL_BYTES, VERSION};
+use zerorate_sim::{Plant, SharedPlant, Truth};
+
+pub use choice::{FirmwareMissing, find_firmware};
+pub use emulator::EmulatorError;
+
+use crate::client::DeviceClient;
+use crate::instruments::{Bench, InstrumentError, Surroundings, Witness};
+use crate::link::{Link, LinkError};
+use crate::setup::SetUp;
+use crate::simulated::{SimulatedChamber, SimulatedSupply};
+use bus::Buses;
+use emulator::{Emulator, Event};
+
+/// The emulated board, and the bytes on their way to the host.
+struct EmulatedDevice {
+    emulator: Emulator,
+    buses: Buses,
+    truths: Vec<Truth>,
+}
+
+impl EmulatedDevice {
+    fn power_cycle(&mut self) -> Result<(), EmulatorError> {
+        // The board loses its power first: nothing of it may reach the plant afterwards.
+        self.emulator.stop();
+        self.buses.plant.borrow_mut().power_cycle();
+        self.emulator.start()?;
+        self.until_idle()
+    }
+
+    /// Lets the board run until it has acted on all that it was sent.
+    fn until_idle(&mut self) -> Result<(), EmulatorError> {
+        while !self.emulator.is_idle() {
+            self.step()?;
+        }
+        Ok(())
+    }
+
+    /// Lets the board run until it says something.
+    fn until_heard(&mut self) -> Result<(), LinkError> {
+        while !self.emulator.has_heard() {
+            if self.emulator.is_idle() && self.emulator.has_heard_all() {
+                let truth = self.buses.plant.borrow_mut().run_set().ok_or(LinkError::Silent)?;
+                self.truths.push(truth);
+                self.emulator.give_set()?;
+            }
+            self.step()?;
+        }
+        Ok(())
+    }
+
+    /// Waits for the board's next word, on either line, and answers it.
+    fn step(&mut self) -> Result<(), EmulatorError> {
+        match self.emulator.next()? {
+            Event::Heard => Ok(()),
+            Event::Asked => self.emulator.answer(&mut self.buses),
+        }
+    }
+}
+
+/// The line to an emulated device.
+struct EmulatedLink(Rc<RefCell<EmulatedDevice>>);
+
+impl Link for EmulatedLink {
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        let mut device = self.0.borrow_mut();
+        device.emulator.send(bytes)?;
+        Ok(device.until_idle()?)
+    }
+
+    fn receive(&mut self, into: &mut Vec<u8>) -> Result<(), LinkError> {
+        let mut device = self.0.borrow_mut();
+        device.until_heard()?;
+        device.emulator.take_heard(into);
+        Ok(())
+    }
+}
+
+struct EmulatedSurroundings(Rc<RefCell<EmulatedDevice>>);
+
+impl Surroundings for EmulatedSurroundings {
+    fn power_cycle(&mut self) -> Result<(), InstrumentError> {
+        self.0.borrow_mut().power_cycle().map_err(|error| InstrumentError::Power(error.to_string()))
+    }
+
+    fn wait(&mut self, time: Seconds) -> Result<(), InstrumentError> {
+        self.0.borrow().buses.plant.borrow_mut().wait(time);
+        Ok(())
+    }
+}
+
+struct EmulatedWitness(Rc<RefCell<EmulatedDevice>>);
+
+impl Witness for EmulatedWitness {
+    fn take(&mut self) -> Vec<Truth> {
+        core::mem::take(&mut self.0.borrow_mut().truths)
+    }
+
+    fn tap_counts(&self, axis: Axis, tap: Taps) -> f64 {
+        self.0.borrow().buses.plant.borrow().true_tap_counts(axis, tap)
+    }
+}
+
+/// The simulated bench about a plant, its device the firmware `firmware` (an ELF for mps2-an386) in QEMU.
+///
+/// # Errors
+/// [`EmulatorError`], when QEMU cannot be started or the firmware does not come up in it.
+pub fn bench(plant: Plant, setup: &SetUp, unit: &UnitSerial, firmware: &Path) -> Result<Bench, EmulatorError> {
+    let mut plant = plant;
+    plant.scan_every(setup.acquisition.sample_period_us);
+    let plant: SharedPlant = plant.share();
+    let buses = Buses::new(&plant, board(setup, unit));
+    let mut device = EmulatedDevice { emulator: Emulator::new(firmware)?, buses, truths: Vec::new() };
+    device.until_idle()?;
+    let device = Rc::new(RefCell::new(device));
+    Ok(Bench {
+        device: DeviceClient::new(Box::new(EmulatedLink(Rc::clone(&device)))),
+        chamber: Box::new(SimulatedChamber::new(&plant)),
+        supply: Box::new(SimulatedSupply(plant)),
+        surroundings: Box::new(EmulatedSurroundings(Rc::clone(&device))),
+        witness: Some(Box::new(EmulatedWitness(device))),
+    })
+}
+
+/// What the board is told of itself.
+fn board(setup: &SetUp, unit: &UnitSerial) -> Board {
+    let mut serial = [0; SERIAL_BYTES];
+    serial[..unit.len()].copy_from_slice(unit.as_bytes());
+    let acquisition = &setup.acquisition;
+    Board {
+        version: VERSION,
+        set_length: acquisition.group_length,
+        scan_period_us: acquisition.sample_period_us,
+        serial,
+    }
+}

@@ -1,0 +1,161 @@
+//! The application on the emulated board: QEMU's mps2-an386, a Cortex-M4F. The plant is at the other end of the
+//! lock-step channel; the host talks on UART0.
+
+#![no_std]
+#![no_main]
+#![allow(clippy::cast_possible_truncation)] // addresses are 32 bits here
+
+use cortex_m_rt as _;
+
+mod chip;
+mod semihosting;
+
+use core::cell::RefCell;
+
+use critical_section::Mutex;
+use heapless::String;
+use zerorate_device::acquisition::Timing;
+use zerorate_device::compensator::Compensator;
+use zerorate_device::console::DeviceIdentity;
+use zerorate_device::port::PortAcquisition;
+use zerorate_device::store::FlashStore;
+use zerorate_device::trim_part::Max5494Trim;
+use zerorate_firmware::fault;
+use zerorate_firmware::parts::{self, Queues, Received};
+use zerorate_lockstep::{
+    Board, Bus, BusFailed, Channel, LockstepDelay, LockstepFlash, LockstepSpi, Poll, SharedChannel,
+};
+
+use crate::chip::{Receiving, Sending};
+use crate::semihosting::Fifos;
+
+type Port = PortAcquisition<LockstepSpi<'static, Fifos>>;
+type Potentiometer = Max5494Trim<LockstepSpi<'static, Fifos>, LockstepDelay<'static, Fifos>>;
+type Store = FlashStore<LockstepFlash<'static, Fifos, FLASH_BYTES, PAGE_BYTES>>;
+
+/// The flash for records, as the bench has it: a record of the greatest length and its neighbour's page in each half.
+const PAGE_BYTES: usize = 4096;
+const FLASH_BYTES: usize = 4 * PAGE_BYTES;
+
+/// The lock-step channel to the host. Empty until it is open; a panic says its last word through it.
+static CHANNEL: SharedChannel<Fifos> = Mutex::new(RefCell::new(Channel::closed()));
+
+#[rtic::app(device = crate::chip, peripherals = false)]
+mod app {
+    use super::*;
+
+    #[shared]
+    struct Shared {
+        interrupt: parts::Interrupt<Port, Potentiometer>,
+        /// How far the line to the host has come.
+        progress: Poll,
+    }
+
+    #[local]
+    struct Local {
+        task: parts::Task<Store>,
+        sending: Sending,
+        receiving: Receiving,
+        received: Received,
+    }
+
+    #[init(local = [queues: Queues = Queues::new()])]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        let board = open();
+        let timing = Timing { scan_period_us: board.scan_period_us, set_length: board.set_length };
+        let identity =
+            DeviceIdentity { unit: String::try_from(board.serial()).unwrap_or_default(), firmware: version() };
+        let port = PortAcquisition::new(LockstepSpi::new(&CHANNEL, Bus::Port));
+        let potentiometer =
+            Max5494Trim::new(LockstepSpi::new(&CHANNEL, Bus::Potentiometer), LockstepDelay::new(&CHANNEL));
+        let compensator = Compensator::new(port, potentiometer, timing);
+        let flash = LockstepFlash::new(&CHANNEL);
+        let Ok(store) = Store::new(flash, 0..FLASH_BYTES as u32) else { panic!() };
+        let (interrupt, task, received) = parts::start(cx.local.queues, compensator, identity, store);
+        let (receiving, sending) = chip::uart0();
+        (Shared { interrupt, progress: Poll::default() }, Local { task, sending, receiving, received })
+    }
+
+    /// Waits in the channel for the next set, and stands for the pin that says so.
+    #[idle(shared = [progress])]
+    fn idle(mut cx: idle::Context) -> ! {
+        loop {
+            // With interrupts off, so that a byte that comes after the question still wakes from the sleep.
+            critical_section::with(|_| {
+                let progress = cx.shared.progress.lock(|progress| *progress);
+                match zerorate_lockstep::poll(&CHANNEL, progress) {
+                    Ok(true) => rtic::pend(chip::Interrupt::PORT0),
+                    // The host has sent bytes that are still on their way.
+                    Ok(false) => cortex_m::asm::wfi(),
+                    // Nobody is left to work for.
+                    Err(_) => semihosting::give_up(b"the bench has gone\n\0"),
+                }
+            });
+        }
+    }
+
+    /// Data ready.
+    #[task(binds = PORT0, priority = 3, shared = [interrupt])]
+    fn data_ready(mut cx: data_ready::Context) {
+        cx.shared.interrupt.lock(|interrupt| interrupt.service());
+        rtic::pend(chip::Interrupt::PORT1);
+    }
+
+    /// The host's line.
+    #[task(binds = UART0_RX, priority = 2, local = [receiving, received])]
+    fn host_line(cx: host_line::Context) {
+        while let Some(byte) = cx.local.receiving.take() {
+            // A byte too many is a frame whose CRC will not match.
+            let _ = cx.local.received.enqueue(byte);
+        }
+        rtic::pend(chip::Interrupt::PORT1);
+    }
+
+    /// Console and store.
+    #[task(binds = PORT1, priority = 1, shared = [interrupt, progress], local = [task, sending])]
+    fn console(mut cx: console::Context) {
+        let (task, sending) = (cx.local.task, cx.local.sending);
+        let line = &mut |bytes: &[u8]| {
+            sending.send(bytes);
+            true
+        };
+        task.run(&mut cx.shared.interrupt, line, || rtic::pend(chip::Interrupt::PORT0));
+        let progress = Poll { received: task.taken(), sent: sending.sent() };
+        cx.shared.progress.lock(|shared| *shared = progress);
+    }
+}
+
+/// Opens the channel and learns what board this is.
+fn open() -> Board {
+    let opened = Fifos::open().map_err(|_| BusFailed).and_then(|line| zerorate_lockstep::open(&CHANNEL, line));
+    match opened {
+        Ok(board) => board,
+        Err(_) => semihosting::give_up(
+            b"this firmware needs the simulated bench at the other end: zerorate calibrate --device emulated\n\0",
+        ),
+    }
+}
+
+/// This crate's version.
+fn version() -> [u16; 3] {
+    let part = |text: &str| text.parse().unwrap_or(0);
+    [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")].map(part)
+}
+
+/// The wiper is left where it is; the host is told, and the processor starts anew.
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    cortex_m::interrupt::disable();
+    if let Some(place) = info.location() {
+        // The host may be gone; the fault is counted all the same.
+        let _ = zerorate_lockstep::panicked(&CHANNEL, place.file(), place.line());
+    }
+    fault::restart()
+}
+
+#[allow(unsafe_code)]
+// SAFETY: it touches two words of memory that are there in any state, and restarts.
+#[cortex_m_rt::exception]
+unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+    fault::restart()
+}
