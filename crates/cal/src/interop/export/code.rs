@@ -1,6 +1,6 @@
 //! What source code is written from: each axis as the templates hold it, in floating point and in integers.
 
-use zerorate_core::drift::Shape;
+use zerorate_core::drift::{Memory, Shape};
 
 use super::ExportError;
 use crate::calibration::{AxisCalibration, Calibration};
@@ -115,6 +115,26 @@ impl Curve {
     }
 }
 
+impl Term {
+    fn of(term: &zerorate_core::drift::Term) -> Self {
+        let (is_play, size) = match term.memory {
+            Memory::Play { half_width } => (true, half_width),
+            Memory::Lag { time_constant_s } => (false, time_constant_s),
+        };
+        Self { is_play, size, weight: term.weight, share: term.share }
+    }
+}
+
+/// The model of an axis, its history included.
+pub(super) fn model_of(axis: &AxisCalibration) -> String {
+    let curve = axis.model().to_string();
+    match axis.history.as_ref().map(|history| history.terms().len()) {
+        None => curve,
+        Some(1) => format!("{curve} with a term of history"),
+        Some(terms) => format!("{curve} with {terms} terms of history"),
+    }
+}
+
 /// The nearest whole number; the callers have seen to it that it is no larger than fits.
 #[allow(clippy::cast_possible_truncation)]
 fn whole(value: f64) -> i64 {
@@ -129,15 +149,19 @@ pub(super) fn axes(calibration: &Calibration) -> Vec<Axis> {
 impl Axis {
     fn of(name: &str, axis: &AxisCalibration) -> Self {
         let fixed = Curve::of(&axis.drift.shape);
+        let (known, terms) = match &axis.history {
+            None => (fixed.clone(), Vec::new()),
+            Some(history) => (Curve::of(history.curve()), history.terms().iter().map(Term::of).collect()),
+        };
         Self {
             name: name.to_owned(),
             unit: axis.rate_unit.to_string(),
-            model: axis.model().to_string(),
+            model: model_of(axis),
             least: axis.drift.valid.min(),
             most: axis.drift.valid.max(),
-            known: fixed.clone(),
             fixed,
-            terms: Vec::new(),
+            known,
+            terms,
         }
     }
 
@@ -243,12 +267,8 @@ pub(super) fn quoted(name: &str) -> String {
 /// What a file of code says of its axes, a line each.
 pub(super) fn remarks(axes: &[Axis]) -> Vec<String> {
     let of = |axis: &Axis| {
-        let history = match axis.terms.len() {
-            0 => String::new(),
-            terms => format!(", {terms} terms of history"),
-        };
         format!(
-            "{}: {}{history}, in {}, from {} to {}; outside, the temperature is held at the end",
+            "{}: {}, in {}, from {} to {}; outside, the temperature is held at the end",
             super::one_line(&axis.name),
             axis.model,
             axis.unit,

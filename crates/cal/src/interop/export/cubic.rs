@@ -28,9 +28,9 @@ pub struct StaticCubic {
 /// What a cubic costs against the model that was chosen, in the axis's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Loss {
-    /// Held-out rms of the chosen model; `None` where it is not known.
+    /// Held-out rms of the chosen model, as deployed where that is known; `None` where it is not.
     pub chosen_rms: Option<f64>,
-    /// Held-out rms of a cubic; `None` where it is not known.
+    /// Held-out rms of a cubic, by the same measure; `None` where it is not known.
     pub cubic_rms: Option<f64>,
     /// How far the cubic is from the chosen static curve, at most over the range.
     pub furthest: f64,
@@ -40,7 +40,7 @@ impl StaticCubic {
     /// The cubic of an axis: the calibration's own where it has one, the curve itself where it is no more than a cubic,
     /// else the cubic that is nearest to the curve over its valid range by least squares.
     pub(super) fn of(axis: &AxisCalibration) -> Self {
-        Self::of_drift(&axis.drift)
+        Self::of_drift(axis.static_cubic.as_ref().map_or(&axis.drift, |cubic| &cubic.drift))
     }
 
     fn of_drift(drift: &Drift) -> Self {
@@ -129,10 +129,18 @@ impl Loss {
             let name = model.to_string();
             fit.and_then(|fit| fit.candidates.iter().find(|candidate| candidate.model == name)?.held_out_rms)
         };
-        let chosen_rms = fit.and_then(|fit| fit.held_out).map(|spread| spread.rms);
+        // What is deployed is compared, where a choice was nested: the history known, no drift in time.
+        let nested = fit.and_then(|fit| fit.nested);
+        let deployed = nested.and_then(|nested| nested.deployed_warm.zip(nested.cubic_deployed));
+        let held_out = || fit.and_then(|fit| fit.held_out).map(|spread| spread.rms);
+        let own = || axis.static_cubic.as_ref().and_then(|cubic| cubic.held_out).map(|spread| spread.rms);
         // A curve that is a cubic or less loses nothing; of the others the candidates tell.
-        let simple = matches!(axis.model(), Model::Poly(order) if order <= ORDER);
-        let cubic_rms = if simple { chosen_rms } else { candidate(Model::Poly(ORDER)) };
+        let simple = axis.history.is_none() && matches!(axis.model(), Model::Poly(order) if order <= ORDER);
+        let (chosen_rms, cubic_rms) = match deployed {
+            Some((chosen, cubic)) => (Some(chosen), Some(cubic)),
+            None if simple => (held_out(), held_out()),
+            None => (held_out(), own().or_else(|| candidate(Model::Poly(ORDER)))),
+        };
         let [min, max] = cubic.range;
         let furthest = temperatures(min, max)
             .map(|temperature| (cubic.evaluate(temperature) - axis.drift.evaluate(temperature).0).abs())

@@ -77,9 +77,6 @@ fn write_sensor(lines: &mut String, sensor: &mut ExportedSensor) -> Result<(), E
         let mut coefficients = [0.0; 4];
         if let Some(axis) = axis {
             axis.cubic = axis.cubic.about(reference);
-            if sensor.kind == Kind::Accelerometer {
-                axis.cubic = axis.cubic.clone().without_constant();
-            }
             axis.cubic.range = range;
             coefficients = axis.cubic.coefficients;
         }

@@ -86,8 +86,8 @@ pub(super) fn sensors(
         let place = letter(name).ok_or_else(|| ExportError::NoLetter { axis: name.clone(), format })?;
         let cubic = StaticCubic::of(axis);
         let loss = Loss::of(axis, &cubic).times(factor);
-        let exported =
-            ExportedAxis { name: name.clone(), model: axis.model().to_string(), cubic: cubic.times(factor), loss };
+        let model = super::code::model_of(axis);
+        let exported = ExportedAxis { name: name.clone(), model, cubic: cubic.times(factor), loss };
         let at = sensors.iter().position(|sensor| (sensor.kind, sensor.instance) == (kind, instance));
         let at = at.unwrap_or_else(|| {
             let range = [f64::NEG_INFINITY, f64::INFINITY];

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use zerorate_core::drift::Drift;
+use zerorate_core::drift::{Drift, History, HistoryState, Memory, Term, evaluate_dynamic};
 
 use super::calibrations::{axis, calibration, drift, three_axes};
 use crate::calibration::Calibration;
@@ -172,4 +172,112 @@ fn the_compiled_rust_is_the_hosts_model_over_the_whole_range() {
         let doubles = text.replace("pub type Real = f32;", "pub type Real = f64;");
         compare(&calibration, &rust(folder.path(), &doubles, RUST_MAIN).unwrap(), &units, 1e-14);
     }
+}
+
+/// The same program run through two hours of a temperature cycle that begins in the middle, a second a step.
+const C_HISTORY: &str = r#"
+#include <stdio.h>
+#include "calibration.h"
+int main(void)
+{
+    zr_state state[ZR_AXIS_COUNT] = {{0}};
+    zr_int_state int_state[ZR_AXIS_COUNT] = {{0}};
+    for (int i = 0; i <= 7200; i++) {
+        double t = 20 + 60 * sin(i * 0.0031) + 5 * sin(i * 0.05);
+        printf("%.17g", t);
+        for (int a = 0; a < ZR_AXIS_COUNT; a++) {
+            zr_advance(&ZR_AXES[a], &state[a], (zr_real)t, (zr_real)1);
+            zr_int_advance(&ZR_INT_AXES[a], &int_state[a], (int32_t)(t * 65536.0 + (t < 0 ? -0.5 : 0.5)));
+            printf(" %.17g %ld", (double)zr_bias_with_history(&ZR_AXES[a], &state[a]),
+                   (long)zr_int_bias_with_history(&ZR_INT_AXES[a], &int_state[a]));
+        }
+        printf("\n");
+    }
+    return 0;
+}
+"#;
+
+const RUST_HISTORY: &str = r#"
+#[path = "calibration.rs"]
+#[allow(dead_code)]
+mod calibration;
+use calibration::{AXES, INT_AXES, IntState, Real, State};
+fn main() {
+    let mut states = vec![State::default(); AXES.len()];
+    let mut int_states = vec![IntState::default(); AXES.len()];
+    for i in 0..=7200 {
+        let i = f64::from(i);
+        let t = 20.0 + 60.0 * (i * 0.0031).sin() + 5.0 * (i * 0.05).sin();
+        print!("{t:?}");
+        for a in 0..AXES.len() {
+            AXES[a].advance(&mut states[a], t as Real, 1.0);
+            INT_AXES[a].advance(&mut int_states[a], (t * 65536.0).round() as i32);
+            print!(" {:?} {}", AXES[a].bias_with_history(&states[a]), INT_AXES[a].bias_with_history(&int_states[a]));
+        }
+        println!();
+    }
+}
+"#;
+
+/// An axis with two plays and a lag, one with a lag alone, one without a history.
+fn with_history() -> Calibration {
+    let term = |memory, weight, share| Term { memory, weight, share };
+    let mut calibration = three_axes();
+    let x = calibration.axes.get_mut("gyro0.x").unwrap();
+    let terms = [
+        term(Memory::Play { half_width: 2.0 }, 6e-5, 0.2),
+        term(Memory::Play { half_width: 15.0 }, -1.1e-4, 0.5),
+        term(Memory::Lag { time_constant_s: 480.0 }, 4e-5, 0.3),
+    ];
+    let curve = drift(&[2.9e-3, -8.0e-3, 4.1e-3, 1.9e-3], false, -17.613, 74.021).shape;
+    x.history = Some(History::new(curve, &terms).unwrap());
+    let z = calibration.axes.get_mut("gyro0.z").unwrap();
+    let curve = drift(&[1e-3, 2e-3, -1e-3, 4e-3], true, -17.613, 74.021).shape;
+    z.history = Some(History::new(curve, &[term(Memory::Lag { time_constant_s: 60.0 }, 2e-5, 1.0)]).unwrap());
+    calibration
+}
+
+/// Holds a program's lines against the host's model of the same temperatures.
+fn compare_history(calibration: &Calibration, printed: &str, units: &[f64], relative: f64) {
+    let mut states = vec![HistoryState::default(); calibration.axes.len()];
+    let mut apart = 0.0_f64;
+    for line in printed.lines() {
+        let cells: Vec<f64> = line.split_whitespace().map(|cell| cell.parse().unwrap()).collect();
+        for (place, axis) in calibration.axes.values().enumerate() {
+            let state = &mut states[place];
+            if let Some(history) = &axis.history {
+                history.advance(&axis.drift, state, cells[0], 1.0);
+            }
+            let (expected, _, _) = evaluate_dynamic(&axis.drift, axis.history.as_ref(), state, cells[0]);
+            apart = apart.max((expected - axis.drift.evaluate(cells[0]).0).abs());
+            let size = axis.drift.peak_to_peak();
+            let (float, integer) = (cells[1 + 2 * place], cells[2 + 2 * place] * units[place]);
+            assert!((float - expected).abs() <= relative * size, "{line}: axis {place}: {float}, not {expected}");
+            // A lag in 2^-24 forgets by 2^-25 of a step's part more or less: 3e-5 of what it holds at 480 steps.
+            assert!((integer - expected).abs() <= 2e-5 * size, "{line}: axis {place}: {integer}, not {expected}");
+        }
+    }
+    assert_eq!(printed.lines().count(), 7201);
+    assert!(apart > 1e-3, "the history must be seen: {apart}");
+}
+
+#[test]
+fn histories_in_c_and_rust_are_the_hosts_through_a_cycle() {
+    let folder = tempfile::tempdir().unwrap();
+    let calibration = with_history();
+    let (text, module) = (written(&calibration, Format::C), written(&calibration, Format::Rust));
+    let units = units(&text);
+    let Some(doubles) = c(folder.path(), &text, C_HISTORY, &["-DZERORATE_REAL=double"]) else {
+        eprintln!("skipped: there is no gcc");
+        return;
+    };
+    compare_history(&calibration, &doubles, &units, 1e-12);
+    compare_history(&calibration, &c(folder.path(), &text, C_HISTORY, &[]).unwrap(), &units, 1e-5);
+    let Some(singles) = rust(folder.path(), &module, RUST_HISTORY) else {
+        eprintln!("skipped: there is no rustc");
+        return;
+    };
+    compare_history(&calibration, &singles, &units, 1e-5);
+    let doubles = module.replace("pub type Real = f32;", "pub type Real = f64;");
+    compare_history(&calibration, &rust(folder.path(), &doubles, RUST_HISTORY).unwrap(), &units, 1e-12);
 }
