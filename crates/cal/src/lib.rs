@@ -3,6 +3,7 @@
 pub mod allan;
 pub mod apply;
 pub mod calibration;
+pub mod characterise;
 pub mod choose;
 pub mod compose;
 pub mod condition;
@@ -17,4 +18,5 @@ pub mod recording;
 pub mod report;
 pub mod table;
 pub mod trim_fit;
+pub mod verify;
 pub mod whole_file;

@@ -1,7 +1,7 @@
 //! Reports: a calibration or a log as one HTML file that is whole by itself.
 //!
 //! The figures are SVG drawn by plotters, coloured by the page's style sheet so that they follow light, dark and print.
-//! There is no script, nothing is loaded from anywhere, and equal contents make equal bytes.
+//! Nothing is loaded from anywhere, and equal contents make equal bytes.
 //!
 //! ```text
 //! CalibrationReport (filled by the bench)  -> calibration_page  ─┐
@@ -22,4 +22,4 @@ pub use calibration::{
     AxisSoaks, CalibratedAxis, CalibrationReport, CandidateRow, Check, CompensationTest, Curve, Direction, DriftFacts,
     Mode, RampPoint, SoakComparison, SoakPoint, TapDeviation, TestPoint, TrimFacts, TrimLine, TrimPoint, UnitFacts,
 };
-pub use log::{LeftOut, LogAxis, LogPoint, LogReport, RejectedSamples};
+pub use log::{LeftOut, LogAxis, LogPoint, LogReport, Parameters, RejectedSamples};

@@ -26,12 +26,22 @@ fn equal_reports_make_equal_bytes() {
 #[test]
 fn nothing_is_loaded_from_anywhere() {
     for page in pages() {
-        for loader in ["http:", "https:", "src=", "@import", "url(", "<script", "xlink"] {
+        for loader in ["http:", "https:", "src=", "@import", "url(", "fetch(", "import(", "XMLHttp", "xlink"] {
             assert!(!page.contains(loader), "{loader}");
         }
         // The icon is empty and in the page.
         assert_eq!(between(&page, "<link ", ">"), [r#"rel="icon" href="data:,""#]);
     }
+}
+
+#[test]
+fn only_a_logs_page_has_a_script_and_what_it_copies_is_in_the_page() {
+    let [calibration, log] = pages();
+    assert!(!calibration.contains("<script"));
+    assert_eq!(log.matches("<script>").count(), 1);
+    let ids = between(&log, " id=\"", "\"");
+    let copied = between(&log, "data-copies=\"", "\"");
+    assert!(copied.len() >= 4 && copied.iter().all(|id| ids.contains(id)), "{copied:?}");
 }
 
 #[test]

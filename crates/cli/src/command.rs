@@ -10,6 +10,7 @@ mod info;
 mod report;
 mod setup;
 mod study;
+mod verify;
 mod virtual_board;
 
 use std::io;
@@ -35,6 +36,7 @@ Examples:
   zerorate fit log.csv --out calibration.json --report report.html
   zerorate apply calibration.json log.csv --out corrected.csv
   zerorate export calibration.json --format px4 --out vehicle.params
+  zerorate verify second.csv --with calibration.json --max-rms 1mrad/s
   zerorate help fit                  what fit does, its options, more examples
 
 Exit codes: 0 done; 1 the unit or the log was rejected, with reasons; 2 error.";
@@ -46,6 +48,7 @@ enum Command {
     Fit(fit::Fit),
     Apply(apply::Apply),
     Export(export::Export),
+    Verify(verify::Verify),
     Report(report::Report),
     Info(info::Info),
     Study(study::Study),
@@ -77,6 +80,7 @@ impl Cli {
             Command::Fit(fit) => fit.run(),
             Command::Apply(apply) => apply.run(),
             Command::Export(export) => export.run(),
+            Command::Verify(verify) => verify.run(),
             Command::Report(report) => report.run(),
             Command::Info(info) => info.run(),
             Command::Study(study) => study.run(),

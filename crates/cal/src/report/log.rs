@@ -1,8 +1,10 @@
 //! What the report of a log's fit shows.
 
 mod of_fit;
+mod parameters;
 
 use super::calibration::CandidateRow;
+use crate::characterise::Characteristics;
 use crate::log_fit::Spread;
 use crate::quality::{Reason, Verdict};
 
@@ -23,6 +25,8 @@ pub struct LogReport {
     pub axes: Vec<LogAxis>,
     /// The stretches left out, in order of time.
     pub left_out: Vec<LeftOut>,
+    /// Parameters as other programs take them, to be copied.
+    pub parameters: Vec<Parameters>,
     /// What to do to get a better log, a sentence each.
     pub advice: Vec<String>,
     /// The command to type next, if there is one.
@@ -57,6 +61,21 @@ pub struct LogAxis {
     pub candidates: Vec<CandidateRow>,
     /// What was fitted, in order of time.
     pub points: Vec<LogPoint>,
+    /// Noise, hysteresis and sensitivities; `None` where they were not looked for.
+    pub characteristics: Option<Characteristics>,
+    /// Temperatures with what 95 of 100 averages stay within of the prediction, coldest first; empty where it is not known.
+    pub band: Vec<(f64, f64)>,
+}
+
+/// A calibration in another program's form.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Parameters {
+    /// The program, as people know it.
+    pub program: String,
+    /// The command that writes it to a file.
+    pub command: String,
+    /// The text, or why there is none.
+    pub text: Result<String, String>,
 }
 
 /// Samples left out for one reason.

@@ -1,7 +1,8 @@
 //! The report of a log as a page.
 
 mod axis;
-mod direction;
+mod noise;
+mod parameters;
 
 use maud::{Markup, html};
 
@@ -24,7 +25,13 @@ impl LogReport {
         }
         if !self.axes.is_empty() {
             chapters.push(("models", "The choice of the model", self.models()));
+            if self.axes.iter().any(|axis| axis.characteristics.is_some()) {
+                chapters.push(("noise", "Noise and sensitivities", noise::chapter(self)));
+            }
             chapters.push(("coefficients", "Coefficients to copy", self.coefficients()));
+            if !self.parameters.is_empty() {
+                chapters.push(("parameters", "Parameters to copy", parameters::chapter(&self.parameters)));
+            }
         }
         if !self.advice.is_empty() {
             let advice = html! { ul.reasons { @for sentence in &self.advice { li { (sentence) } } } };
@@ -36,7 +43,7 @@ impl LogReport {
             header { (self.headline()) (page::contents(&links)) }
             main { @for (id, heading, chapter) in &chapters { (page::section(id, heading, chapter)) } }
         };
-        page::page(&format!("Fit of {}", self.file_name()), &body)
+        page::page_with_script(&format!("Fit of {}", self.file_name()), &body, parameters::SCRIPT)
     }
 
     fn headline(&self) -> Markup {
@@ -179,18 +186,18 @@ impl LogReport {
 
     fn coefficients(&self) -> Markup {
         html! {
-            p {
-                "Temperature in " (self.temperature_unit)
-                ". Subtract the curve from the rate, and hold the temperature within the valid range."
-            }
-            div.pair { @for axis in &self.axes { div {
-                h3 { (axis.name) ", " (axis.rate_unit) }
-                @if axis.is_polynomial {
-                    div.equation { p { i { "bias" } " = " (polynomial(&axis.raw_coefficients, "T", 5)) } }
+                    p {
+                        "Temperature in " (self.temperature_unit)
+                        ". Subtract the curve from the rate, and hold the temperature within the valid range."
+                    }
+        div.pair { @for (place, axis) in self.axes.iter().enumerate() { div {
+                        h3 { (axis.name) ", " (axis.rate_unit) }
+                        @if axis.is_polynomial {
+                            div.equation { p { i { "bias" } " = " (polynomial(&axis.raw_coefficients, "T", 5)) } }
+                        }
+                        (parameters::to_copy(&format!("coefficients-{}", place + 1), &to_copy(axis)))
+                    } } }
                 }
-                pre tabindex="0" { code { (to_copy(axis)) } }
-            } } }
-        }
     }
 }
 

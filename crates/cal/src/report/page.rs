@@ -1,4 +1,4 @@
-//! The page around a report: one file, no script, nothing loaded from anywhere.
+//! The page around a report: one file, nothing loaded from anywhere.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -9,6 +9,11 @@ const STYLE: &str = include_str!("style.css");
 
 /// A whole page. The browser's own title bar shows `title`.
 pub(super) fn page(title: &str, body: &Markup) -> String {
+    page_with_script(title, body, "")
+}
+
+/// A whole page with a script of its own in it, without which everything can be read all the same.
+pub(super) fn page_with_script(title: &str, body: &Markup, script: &'static str) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -22,7 +27,7 @@ pub(super) fn page(title: &str, body: &Markup) -> String {
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
             }
-            body { (body) }
+            body { (body) @if !script.is_empty() { script { (PreEscaped(script)) } } }
         }
     };
     page.into_string()

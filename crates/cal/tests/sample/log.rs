@@ -2,9 +2,11 @@
 
 use std::f64::consts::PI;
 
+use zerorate_cal::allan::Allan;
+use zerorate_cal::characterise::{Characteristics, Hysteresis, TemperatureSensitivity};
 use zerorate_cal::log_fit::Spread;
 use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
-use zerorate_cal::report::{CandidateRow, LeftOut, LogAxis, LogPoint, LogReport, RejectedSamples};
+use zerorate_cal::report::{CandidateRow, LeftOut, LogAxis, LogPoint, LogReport, Parameters, RejectedSamples};
 
 use super::noise;
 
@@ -43,6 +45,29 @@ fn axis(name: &str, seed: u64, size: f64) -> LogAxis {
         ],
         candidates: vec![candidate(1, 0.31), candidate(2, 0.22), candidate(3, 0.09), candidate(4, 0.089)],
         points: (0..2000).map(point).filter(|point| !left_out(point)).collect(),
+        characteristics: Some(characteristics(seed, size)),
+        band: (0..=50).map(|i| (-33.1 + 1.806 * f64::from(i), 0.16 * size)).collect(),
+    }
+}
+
+fn characteristics(seed: u64, size: f64) -> Characteristics {
+    // A walk below white noise: an Allan curve with both its slopes.
+    let mut bias = 0.0;
+    let rates: Vec<f64> = (0..1800)
+        .map(|i| {
+            bias += 0.002 * size * noise(seed + 40_000 + i);
+            bias + 0.03 * size * noise(seed + 80_000 + i)
+        })
+        .collect();
+    Characteristics {
+        temperature_sensitivity: TemperatureSensitivity {
+            mean: -0.01 * size,
+            steepest: -0.024 * size,
+            steepest_at: 12.3,
+        },
+        hysteresis: Ok(Hysteresis { largest: -0.24 * size, at: 14.0, rms: 0.15 * size, share: 0.17 }),
+        ramp_sensitivity: Err("the temperature always changed at one speed".into()),
+        residual_noise: Allan::of(&rates, 8.0).map_err(|error| error.to_string()),
     }
 }
 
@@ -69,6 +94,18 @@ pub fn log() -> LogReport {
             temperature: [10.2, 22.9],
             rows: 22_500,
         }],
+        parameters: vec![
+            Parameters {
+                program: "PX4 (QGroundControl)".into(),
+                command: "zerorate export calibration.json --format px4 --out calibration.params".into(),
+                text: Err("gyro 0 has no device id: give --device-id".into()),
+            },
+            Parameters {
+                program: "ArduPilot (Mission Planner, MAVProxy)".into(),
+                command: "zerorate export calibration.json --format ardupilot --out calibration.parm".into(),
+                text: Ok((0..40).map(|i| format!("INS_TCAL1_GYR1_{i} {}.123456789\n", 7 * i)).collect()),
+            },
+        ],
         advice: vec!["Leave the unit untouched while it logs: turn off motors, close the box, walk away.".into()],
         next_command: Some("zerorate apply calibration.json flight.csv --out corrected.csv".into()),
     }

@@ -3,7 +3,7 @@ use std::process::Stdio;
 
 use crate::{command, folder_with, zerorate};
 
-const SUBCOMMANDS: [&str; 7] = ["fit", "apply", "export", "report", "info", "setup", "completions"];
+const SUBCOMMANDS: [&str; 8] = ["fit", "apply", "export", "verify", "report", "info", "setup", "completions"];
 
 #[test]
 fn every_subcommand_explains_itself_with_examples() {

@@ -15,6 +15,7 @@ mod log;
 mod place;
 mod report;
 mod setup;
+mod verify;
 
 use std::path::Path;
 use std::process::{Command, Output};

@@ -78,6 +78,8 @@ pub struct Panel {
     pub x_range: Option<(f64, f64)>,
     /// The y range, where panels beside each other must agree; else what the marks need.
     pub y_range: Option<(f64, f64)>,
+    /// Both axes are logarithms to base ten, and so are the marks.
+    pub logarithms: bool,
     /// What is drawn, the lowest first.
     pub marks: Vec<Mark>,
 }
@@ -97,6 +99,7 @@ impl Panel {
             height: Self::TALL,
             x_range: None,
             y_range: None,
+            logarithms: false,
             marks: Vec::new(),
         }
     }
@@ -125,8 +128,17 @@ impl Panel {
         self
     }
 
+    /// The same over logarithms: marks are logarithms to base ten on both axes.
+    pub fn with_logarithms(mut self) -> Self {
+        self.logarithms = true;
+        self
+    }
+
     fn scales(&self) -> (Scale, Scale) {
         let points = || self.marks.iter().flat_map(Mark::points);
+        if self.logarithms {
+            return (Scale::decades(points().map(|point| point.0)), Scale::decades(points().map(|point| point.1)));
+        }
         let x = self.x_range.map_or_else(
             || {
                 let bands = self.marks.iter().filter_map(|mark| match mark {
@@ -168,7 +180,7 @@ impl Panel {
 
     fn description(&self, x: &Scale, y: &Scale) -> String {
         let ends = |name: &str, scale: &Scale| {
-            let written = |value| significant_text(value, 4);
+            let written = |value: f64| significant_text(if self.logarithms { 10_f64.powf(value) } else { value }, 4);
             format!("{name}, from {} to {}", written(scale.range.0), written(scale.range.1))
         };
         format!("Across: {}. Up: {}.", ends(&self.x_name, x), ends(&self.y_name, y))

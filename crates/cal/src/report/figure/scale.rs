@@ -20,6 +20,8 @@ pub(super) struct Scale {
     /// Labels are values divided by ten to this power, a multiple of three.
     pub(super) exponent: i32,
     decimals: usize,
+    /// Values are logarithms to base ten, and labels what they are of.
+    logarithms: bool,
 }
 
 impl Scale {
@@ -57,11 +59,42 @@ impl Scale {
         // Below a hundredth or from ten million on, zeros would hide the digits.
         let exponent = if (1e-2..1e7).contains(&largest) { 0 } else { thousands(largest) };
         let decimals = decimals(step / 10_f64.powi(exponent));
-        Self { range: (min, max), ticks, exponent, decimals }
+        Self { range: (min, max), ticks, exponent, decimals, logarithms: false }
+    }
+
+    /// A scale of logarithms to base ten that holds all of `values` that are numbers: a tick a decade, and at twice and
+    /// five times that where there are few.
+    // Decades are within 400.
+    #[allow(clippy::cast_possible_truncation)]
+    pub(super) fn decades(values: impl Iterator<Item = f64>) -> Self {
+        let range = Self::holding(values, 1.0).range;
+        let within = |tick: &f64| (range.0..=range.1).contains(tick);
+        let (first, last) = (range.0.floor().max(-400.0) as i32, range.1.ceil().min(400.0) as i32);
+        let at = |factors: &[f64]| -> Vec<f64> {
+            let decade = |decade: i32| factors.iter().map(move |factor| f64::from(decade) + factor.log10());
+            (first..=last).flat_map(decade).filter(within).take(MOST_TICKS).collect()
+        };
+        let whole = at(&[1.0]);
+        let ticks = if whole.len() > 2 { whole } else { at(&[1.0, 2.0, 5.0]) };
+        Self { range, ticks, exponent: 0, decimals: 0, logarithms: true }
     }
 
     /// The label of a tick.
+    // Decades are within 400, and factors are 1, 2 or 5.
+    #[allow(clippy::cast_possible_truncation)]
     pub(super) fn label(&self, tick: f64) -> String {
+        if self.logarithms {
+            let decade = (tick + 1e-9).floor();
+            let factor = 10_f64.powf(tick - decade).round();
+            return match (decade as i32, factor > 1.5) {
+                (0..=4, _) => super::super::number::fixed(factor * 10_f64.powf(decade), 0),
+                (-2..=-1, _) => {
+                    super::super::number::fixed(factor * 10_f64.powf(decade), usize::from(decade < -1.5) + 1)
+                }
+                (decade, true) => format!("{factor:.0}·10{}", super::super::number::raised(decade)),
+                (decade, false) => format!("10{}", super::super::number::raised(decade)),
+            };
+        }
         super::super::number::fixed(tick / 10_f64.powi(self.exponent), self.decimals)
     }
 }
@@ -139,6 +172,15 @@ mod tests {
     fn small_values_are_written_by_a_power_of_a_thousand() {
         let scale = Scale::over((0.0, 0.004), 5.0);
         assert_eq!((scale.exponent, labels(&scale)[1].as_str()), (-3, "1"));
+    }
+
+    #[test]
+    fn logarithms_are_labelled_by_what_they_are_of() {
+        let scale = Scale::decades([0.0, 3.5].into_iter());
+        assert_eq!(labels(&scale), ["1", "10", "100", "1000"]);
+        let few = Scale::decades([-4.6, -3.4].into_iter());
+        assert_eq!(labels(&few), ["5·10⁻⁵", "10⁻⁴", "2·10⁻⁴"]);
+        assert_eq!(labels(&Scale::decades([-1.7, 0.2].into_iter())), ["0.02", "0.05", "0.1", "0.2", "0.5", "1"]);
     }
 
     #[test]

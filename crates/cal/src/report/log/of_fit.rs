@@ -1,6 +1,8 @@
 //! From the fit of a log to its report.
 
+use super::parameters;
 use super::{LeftOut, LogAxis, LogPoint, LogReport, RejectedSamples};
+use crate::characterise::Characteristics;
 use crate::choose::Candidate;
 use crate::condition::{DropReason, Stretch};
 use crate::fit::Basis;
@@ -26,6 +28,7 @@ impl From<&LogFit> for LogReport {
             temperature_unit: first.map_or("", |axis| unit_of(axis.temperature_unit)).to_owned(),
             axes: fit.axes.iter().map(LogAxis::from).collect(),
             left_out: fit.stretches.iter().map(LeftOut::from).collect(),
+            parameters: parameters::of(fit),
             advice,
             next_command: None,
         }
@@ -72,6 +75,8 @@ impl From<&AxisFit> for LogAxis {
             samples_rejected: rejected.collect(),
             candidates: choice.candidates.iter().map(row).collect(),
             points: points.collect(),
+            characteristics: Some(Characteristics::of(axis)),
+            band: axis.band.iter().map(|point| (point.temperature, point.half_width)).collect(),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use maud::html;
 
-use super::direction::warming;
 use super::figure::{Figure, Ink, Mark, Panel, Sample, holding};
+use crate::characterise::warming;
 use crate::report::number::significant;
 use crate::report::{LogAxis, LogPoint, LogReport};
 
@@ -39,9 +39,29 @@ impl Time {
     }
 }
 
+/// The edges of the prediction band about the curve: below, above. The curve between its points is theirs.
+fn band(axis: &LogAxis) -> Vec<Vec<(f64, f64)>> {
+    let mut curve: Vec<(f64, f64)> = axis.points.iter().map(|p| (p.temperature, p.rate - p.corrected)).collect();
+    curve.retain(|(t, value)| t.is_finite() && value.is_finite());
+    curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if axis.band.is_empty() || curve.is_empty() {
+        return Vec::new();
+    }
+    // Of the points nearest in temperature the mean: with a history the prediction is more than one curve.
+    let near = (curve.len() / axis.band.len()).clamp(1, 40);
+    let middle = |temperature: f64| {
+        let after = curve.partition_point(|(t, _)| *t < temperature);
+        let from = after.saturating_sub(near / 2 + 1).min(curve.len().saturating_sub(near));
+        let nearest = &curve[from..(from + near).min(curve.len())];
+        nearest.iter().map(|(_, value)| value).sum::<f64>() / nearest.len() as f64
+    };
+    let edge = |sign: f64| axis.band.iter().map(|(t, half)| (*t, middle(*t) + sign * half)).collect();
+    vec![edge(-1.0), edge(1.0)]
+}
+
 pub(super) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure {
     let time = Time::of(&axis.points);
-    let warming = warming(&axis.points);
+    let warming = warming(&axis.points.iter().map(|point| point.temperature).collect::<Vec<_>>());
     let temperature_name = format!("temperature, {}", report.temperature_unit);
     let (raw_name, left_name) = (format!("rate, {}", axis.rate_unit), format!("corrected, {}", axis.rate_unit));
     let over_time = |of: fn(&LogPoint) -> f64| -> Vec<(f64, f64)> {
@@ -77,6 +97,7 @@ pub(super) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure
             .with(Mark::Dots(Ink::Heating, going(true, |p| p.rate)))
             .with(Mark::Dots(Ink::Cooling, going(false, |p| p.rate)))
             .with(Mark::Line(Ink::Curve, curve));
+    let warm_raw = band(axis).into_iter().fold(warm_raw, |panel, edge| panel.with(Mark::Line(Ink::Aim, edge)));
     let warm_left = Panel::new(format!("{name}: corrected rate against temperature"), &temperature_name, &left_name)
         .with_height(Panel::SHORT)
         .with(Mark::Dots(Ink::Heating, going(true, |p| p.corrected)))
@@ -91,6 +112,9 @@ pub(super) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure
         key.push((Ink::Cooling, Sample::Dot, "cooling".to_owned()));
     }
     key.push((Ink::Curve, Sample::Line, "fitted curve".to_owned()));
+    if !axis.band.is_empty() {
+        key.push((Ink::Aim, Sample::Line, "where 95 of 100 averages are expected".to_owned()));
+    }
     if !report.left_out.is_empty() && time.unit_s.is_some() {
         key.push((Ink::LeftOut, Sample::Patch, "left out".to_owned()));
     }

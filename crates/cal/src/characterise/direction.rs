@@ -1,28 +1,27 @@
 //! Which way the temperature was going, point by point, without being fooled by noise.
 
-use crate::report::LogPoint;
-
 /// A turn counts once the temperature has come back by this part of its span.
 const TURN: f64 = 0.03;
 
-/// For each point whether it was recorded while the unit warmed.
-pub(super) fn warming(points: &[LogPoint]) -> Vec<bool> {
-    let temperatures = || points.iter().map(|point| point.temperature).filter(|t| t.is_finite());
-    let (min, max) = temperatures().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (min.min(t), max.max(t)));
+/// For each temperature, in order of time, whether it was recorded while the unit warmed.
+#[must_use]
+pub fn warming(temperatures: &[f64]) -> Vec<bool> {
+    let finite = || temperatures.iter().copied().filter(|t| t.is_finite());
+    let (min, max) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (min.min(t), max.max(t)));
     let turn = TURN * (max - min);
-    let mut warming = vec![true; points.len()];
+    let mut warming = vec![true; temperatures.len()];
     // The leg begins at the last extreme; its direction is known once the temperature has moved by a turn.
     let (mut start, mut up) = (0, None);
     let (mut lowest, mut highest) = (0, 0);
-    for (place, point) in points.iter().enumerate().filter(|(_, point)| point.temperature.is_finite()) {
-        if point.temperature < points[lowest].temperature || points[lowest].temperature.is_nan() {
+    for (place, now) in temperatures.iter().enumerate().filter(|(_, now)| now.is_finite()) {
+        if *now < temperatures[lowest] || temperatures[lowest].is_nan() {
             lowest = place;
         }
-        if point.temperature > points[highest].temperature || points[highest].temperature.is_nan() {
+        if *now > temperatures[highest] || temperatures[highest].is_nan() {
             highest = place;
         }
-        let risen = up != Some(true) && point.temperature > points[lowest].temperature + turn;
-        let fallen = up != Some(false) && point.temperature < points[highest].temperature - turn;
+        let risen = up != Some(true) && *now > temperatures[lowest] + turn;
+        let fallen = up != Some(false) && *now < temperatures[highest] - turn;
         if risen || fallen {
             let extreme = if risen { lowest } else { highest };
             // What came before the extreme went the other way.
@@ -41,13 +40,12 @@ mod tests {
 
     #[test]
     fn a_noisy_triangle_has_one_turn() {
-        let point = |i: i32| {
+        let temperature = |i: i32| {
             let noise = f64::from(i * 7919 % 100) / 100.0;
-            let temperature = 60.0 - f64::from((i - 500).abs()) / 5.0 + noise;
-            LogPoint { elapsed_s: f64::from(i), temperature, rate: 0.0, corrected: 0.0 }
+            60.0 - f64::from((i - 500).abs()) / 5.0 + noise
         };
-        let points: Vec<LogPoint> = (0..1000).map(point).collect();
-        let warming = warming(&points);
+        let temperatures: Vec<f64> = (0..1000).map(temperature).collect();
+        let warming = warming(&temperatures);
         let turns: Vec<usize> = (1..1000).filter(|i| warming[*i] != warming[i - 1]).collect();
         assert_eq!(turns.len(), 1);
         assert!(warming[0] && turns[0].abs_diff(500) < 10, "{turns:?}");
@@ -56,7 +54,6 @@ mod tests {
     #[test]
     fn a_log_without_points_or_change_is_no_trouble() {
         assert!(warming(&[]).is_empty());
-        let still = LogPoint { elapsed_s: 0.0, temperature: 25.0, rate: 0.0, corrected: 0.0 };
-        assert_eq!(warming(&[still; 3]), [true; 3]);
+        assert_eq!(warming(&[25.0; 3]), [true; 3]);
     }
 }

@@ -1,0 +1,271 @@
+//! What a calibration leaves on a log that it has not seen, against pass limits.
+//!
+//! The log is conditioned as for a fit: start-up, spikes and times at which the unit was moved are left out, and what is
+//! left is averaged over about 10 s. A gyro's zero of another day is another constant, so sizes are about the mean and the
+//! mean is told beside them.
+
+mod limits;
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use thiserror::Error;
+use zerorate_core::drift::{HistoryState, evaluate_dynamic};
+
+pub use limits::{Limit, LimitError, Limits};
+
+use crate::calibration::{AxisCalibration, Calibration, CalibrationError, sha256_of_file};
+use crate::choose::Model;
+use crate::log_fit::{AxisFit, FitOptions, LogFitError, Spread, TracePoint, fit_log};
+use crate::quality::{Reason, TemperatureUnit};
+use crate::table::{Columns, RateUnit};
+
+/// How an axis of the log did.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VerifiedAxis {
+    /// The axis's name.
+    pub name: String,
+    /// The unit of all rates.
+    pub rate_unit: RateUnit,
+    /// What was recorded, about its mean, over averages of about 10 s.
+    pub raw: Spread,
+    /// What the calibration leaves, about its mean.
+    pub corrected: Spread,
+    /// The mean that the calibration leaves: the zero of this run against that of the calibration's.
+    pub offset: f64,
+    /// The least and the greatest temperature in the log.
+    pub temperature: [f64; 2],
+    /// The share of the log outside the calibrated range, 0 to 1: there the curve was held at its end.
+    pub outside: f64,
+    /// The limits that it misses, a sentence each; none where it passed.
+    pub missed: Vec<String>,
+    /// What was recorded and what is left, for figures.
+    #[serde(skip)]
+    pub points: Vec<VerifiedPoint>,
+}
+
+/// A point of a figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VerifiedPoint {
+    /// Seconds from the log's first row; NaN if not known.
+    pub time_s: f64,
+    /// Temperature, in the log's unit.
+    pub temperature: f64,
+    /// As recorded.
+    pub raw: f64,
+    /// Less the calibration's bias.
+    pub corrected: f64,
+}
+
+/// How a log did.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verified {
+    /// The log, as it was given.
+    pub log: String,
+    /// Whether every axis meets its limits.
+    pub passed: bool,
+    /// Whether the calibration was fitted on this very log: what is left is then in-sample, and no test.
+    pub in_sample: bool,
+    /// The temperature's unit.
+    pub temperature_unit: TemperatureUnit,
+    /// The axes that the calibration and the log share.
+    pub axes: Vec<VerifiedAxis>,
+    /// What was found wrong with the log, and what to know.
+    pub warnings: Vec<String>,
+}
+
+/// Why a log cannot be verified.
+#[derive(Debug, Error)]
+pub enum VerifyError {
+    /// The log cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogFitError),
+    /// The log is the one that the calibration was fitted on.
+    #[error(
+        "{}: the calibration was fitted on this very log (by its SHA-256), so it is no test of it: give a log of another run, or --in-sample to look all the same",
+        path.display()
+    )]
+    InSample {
+        /// The log.
+        path: PathBuf,
+    },
+    /// The log is no good for this.
+    #[error("{}: {reasons}", path.display())]
+    Unusable {
+        /// The log.
+        path: PathBuf,
+        /// Why.
+        reasons: String,
+    },
+    /// No axis in common.
+    #[error("{}: it has {found}, and the calibration is for {expected}", path.display())]
+    NoAxis {
+        /// The log.
+        path: PathBuf,
+        /// Its axes.
+        found: String,
+        /// The calibration's.
+        expected: String,
+    },
+    /// The units differ.
+    #[error("{}: axis {axis} is in {found}, and the calibration's in {expected}: give --rate-unit", path.display())]
+    Unit {
+        /// The log.
+        path: PathBuf,
+        /// The axis.
+        axis: String,
+        /// The log's unit.
+        found: String,
+        /// The calibration's.
+        expected: String,
+    },
+    /// The log's bytes cannot be read.
+    #[error(transparent)]
+    Source(#[from] CalibrationError),
+    /// A limit makes no sense for an axis.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
+}
+
+/// Applies a calibration to a log and holds what is left against limits. With `in_sample` a log that the calibration was
+/// fitted on is taken all the same.
+///
+/// # Errors
+/// [`VerifyError`].
+pub fn verify(
+    log: &Path,
+    calibration: &Calibration,
+    columns: &Columns,
+    limits: &Limits,
+    in_sample: bool,
+) -> Result<Verified, VerifyError> {
+    let sha256 = sha256_of_file(log).map_err(|source| CalibrationError::Read { path: log.to_owned(), source })?;
+    let is_own = calibration.sources.iter().any(|source| source.sha256 == sha256);
+    if is_own && !in_sample {
+        return Err(VerifyError::InSample { path: log.to_owned() });
+    }
+    // The curve of this fit is not used: the simplest will do.
+    let options =
+        FitOptions { columns: columns.clone(), model: Model::Poly(1), allow_narrow: true, ..FitOptions::default() };
+    let fit = fit_log(log, &options)?;
+    if fit.axes.is_empty() {
+        let reasons: Vec<String> = fit.judgement.reasons.iter().map(|reason| reason.text.clone()).collect();
+        return Err(VerifyError::Unusable { path: log.to_owned(), reasons: reasons.join("; ") });
+    }
+    let mut axes = Vec::new();
+    for axis in &fit.axes {
+        if let Some(own) = calibration.axes.get(&axis.name) {
+            axes.push(verify_axis(log, axis, own, calibration, limits)?);
+        }
+    }
+    if axes.is_empty() {
+        let names = |names: Vec<&str>| names.join(", ");
+        return Err(VerifyError::NoAxis {
+            path: log.to_owned(),
+            found: names(fit.axes.iter().map(|axis| axis.name.as_str()).collect()),
+            expected: names(calibration.axes.keys().map(String::as_str).collect()),
+        });
+    }
+    let mut warnings: Vec<String> =
+        fit.judgement.reasons.iter().filter(|r| !is_of_span(r)).map(|r| r.text.clone()).collect();
+    warnings.extend(axes.iter().filter(|axis| axis.outside > 0.0).map(|axis| {
+        format!(
+            "{}: {:.0} % of the log is outside the calibrated temperatures, where the curve is held at its end",
+            axis.name,
+            (100.0 * axis.outside).ceil()
+        )
+    }));
+    Ok(Verified {
+        log: log.display().to_string(),
+        passed: axes.iter().all(|axis| axis.missed.is_empty()),
+        in_sample: is_own,
+        temperature_unit: calibration.temperature_unit,
+        axes,
+        warnings,
+    })
+}
+
+/// A narrow span is no fault of a log that is not fitted.
+fn is_of_span(reason: &Reason) -> bool {
+    reason.kind == crate::quality::ReasonKind::NarrowSpan
+}
+
+fn verify_axis(
+    path: &Path,
+    axis: &AxisFit,
+    own: &AxisCalibration,
+    calibration: &Calibration,
+    limits: &Limits,
+) -> Result<VerifiedAxis, VerifyError> {
+    let unit = |found: String, expected: String| VerifyError::Unit {
+        path: path.to_owned(),
+        axis: axis.name.clone(),
+        found,
+        expected,
+    };
+    if axis.rate_unit != own.rate_unit {
+        return Err(unit(axis.rate_unit.to_string(), own.rate_unit.to_string()));
+    }
+    if axis.temperature_unit != calibration.temperature_unit {
+        return Err(unit(axis.temperature_unit.name().to_owned(), calibration.temperature_unit.name().to_owned()));
+    }
+    let points = corrected(own, &axis.trace);
+    let raw: Vec<f64> = points.iter().map(|point| point.raw).collect();
+    let left: Vec<f64> = points.iter().map(|point| point.corrected).collect();
+    let temperatures = points.iter().map(|point| point.temperature);
+    let outside = points
+        .iter()
+        .filter(|point| point.temperature < own.drift.valid.min() || point.temperature > own.drift.valid.max())
+        .count();
+    let (corrected, offset) = spread(&left);
+    let mut verified = VerifiedAxis {
+        name: axis.name.clone(),
+        rate_unit: axis.rate_unit,
+        raw: spread(&raw).0,
+        corrected,
+        offset,
+        temperature: [
+            temperatures.clone().fold(f64::INFINITY, f64::min),
+            temperatures.fold(f64::NEG_INFINITY, f64::max),
+        ],
+        outside: outside as f64 / points.len().max(1) as f64,
+        missed: Vec::new(),
+        points,
+    };
+    verified.missed = limits.missed(&verified)?;
+    Ok(verified)
+}
+
+/// The points of a log with a calibration's bias taken off.
+fn corrected(own: &AxisCalibration, trace: &[TracePoint]) -> Vec<VerifiedPoint> {
+    let finite = |point: &&TracePoint| point.temperature.is_finite() && point.rate.is_finite();
+    let mut state = HistoryState::default();
+    let mut before_s = f64::NAN;
+    let correct = |point: &TracePoint| {
+        if let Some(history) = &own.history {
+            // The history begins with the log, as it does on a device that is switched on.
+            history.advance(&own.drift, &mut state, point.temperature, point.time_s - before_s);
+            before_s = point.time_s;
+        }
+        let (bias, _, _) = evaluate_dynamic(&own.drift, own.history.as_ref(), &state, point.temperature);
+        VerifiedPoint {
+            time_s: point.time_s,
+            temperature: point.temperature,
+            raw: point.rate,
+            corrected: point.rate - bias,
+        }
+    };
+    trace.iter().filter(finite).map(correct).collect()
+}
+
+/// The size of values about their mean, and the mean.
+fn spread(values: &[f64]) -> (Spread, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let rms = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
+    let (min, max) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), v| (min.min(*v), max.max(*v)));
+    (Spread { rms, pp: max - min }, mean)
+}
+
+#[cfg(test)]
+mod tests;
