@@ -3,7 +3,7 @@
 use zerorate_cal::recording::{GroupRow, RecordingWriter};
 use zerorate_core::drift::Coverage;
 use zerorate_core::units::{Axis, Celsius, Counts, Kelvins, Seconds};
-use zerorate_core::wire::{GroupReport, Request, SampleWindow};
+use zerorate_core::wire::{GroupReport, Request, SampleWindow, TemperatureCheck};
 use zerorate_sim::Truth;
 
 use crate::error::BenchError;
@@ -293,6 +293,14 @@ pub mod flags {
     pub const SATURATED: u16 = 4;
     /// The tap changed when the group closed.
     pub const MOVED: u16 = 8;
+    /// The temperature did not move by a count for too long, and was not believed.
+    pub const STUCK: u16 = 16;
+    /// The temperature jumped more than a temperature can, and was not believed.
+    pub const JUMPED: u16 = 32;
+    /// The temperature stood at an end of the converter, and was not believed.
+    pub const TEMPERATURE_SATURATED: u16 = 64;
+    /// The wiper could not be written when the group closed.
+    pub const TRIM_FAILED: u16 = 128;
 }
 
 fn row(taken: &Taken, axis: Axis, (group, t_s): (u32, f64), chamber_set: Celsius, air: Celsius) -> GroupRow {
@@ -304,6 +312,13 @@ fn row(taken: &Taken, axis: Axis, (group, t_s): (u32, f64), chamber_set: Celsius
     };
     flags |= if report.saturated { flags::SATURATED } else { 0 };
     flags |= if report.moved_to.is_some() { flags::MOVED } else { 0 };
+    flags |= match report.temperature {
+        TemperatureCheck::Believed => 0,
+        TemperatureCheck::Stuck => flags::STUCK,
+        TemperatureCheck::Jumped => flags::JUMPED,
+        TemperatureCheck::Saturated => flags::TEMPERATURE_SATURATED,
+    };
+    flags |= if report.trim_failed { flags::TRIM_FAILED } else { 0 };
     GroupRow {
         group,
         t_s,

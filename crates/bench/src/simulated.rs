@@ -4,11 +4,12 @@
 //! data are ready), or for the chamber with the acquisition stopped. So simulated time runs as fast as it can, and
 //! every run of the same seed is the same.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::{Axis, Celsius, Seconds, Taps, Volts};
+use zerorate_core::wire::ResetCause;
 use zerorate_device::acquisition::{Acquisition, Timing};
 use zerorate_device::application::Application;
 use zerorate_device::compensator::Compensator;
@@ -17,6 +18,7 @@ use zerorate_device::direct::DirectAcquisition;
 use zerorate_device::port::PortAcquisition;
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
+use zerorate_device::watchdog::Watchdog;
 use zerorate_sim::{ConverterSpi, Flash, FlashPart, Plant, PlantDelay, PortSpi, PotentiometerSpi, SharedPlant, Truth};
 
 use crate::client::DeviceClient;
@@ -71,13 +73,35 @@ const PAGES: usize = 4;
 #[allow(clippy::cast_possible_truncation)] // 16 KiB
 const FLASH_BYTES: u32 = (PAGES * PAGE) as u32;
 
+/// The native device's application.
+type NativeApplication<A> = Application<A, Potentiometer, FlashStore<RecordFlash>, SimulatedWatchdog>;
+
+/// The simulated watchdog restarts a board that has not fed it for so many seconds, or for three groups where they are
+/// longer.
+const WATCHDOG_S: f64 = 8.0;
+
+/// A watchdog on the plant's time.
+struct SimulatedWatchdog {
+    plant: SharedPlant,
+    fed_at: Rc<Cell<f64>>,
+}
+
+impl Watchdog for SimulatedWatchdog {
+    fn feed(&mut self) {
+        self.fed_at.set(self.plant.borrow().time().0);
+    }
+}
+
 /// The native device: the application, what it runs on, and the bytes on their way to the host.
 pub(crate) struct NativeDevice<A> {
     plant: SharedPlant,
     identity: DeviceIdentity,
     timing: Timing,
     flash: RecordFlash,
-    application: Application<A, Potentiometer, FlashStore<RecordFlash>>,
+    fed_at: Rc<Cell<f64>>,
+    /// Restarts by the watchdog since power came.
+    restarts: u32,
+    application: NativeApplication<A>,
     outgoing: Vec<u8>,
     truths: Vec<Truth>,
 }
@@ -85,8 +109,19 @@ pub(crate) struct NativeDevice<A> {
 impl<A: OnPlant> NativeDevice<A> {
     fn new(plant: SharedPlant, identity: DeviceIdentity, timing: Timing) -> Self {
         let flash = FlashPart::new(Flash::erased(PAGES));
-        let application = start(&plant, &identity, timing, &flash);
-        Self { plant, identity, timing, flash, application, outgoing: Vec::new(), truths: Vec::new() }
+        let fed_at = Rc::new(Cell::new(plant.borrow().time().0));
+        let application = start(&plant, &identity, timing, &flash, &fed_at, 0);
+        Self {
+            plant,
+            identity,
+            timing,
+            flash,
+            fed_at,
+            restarts: 0,
+            application,
+            outgoing: Vec::new(),
+            truths: Vec::new(),
+        }
     }
 
     /// The device on a plant of its own.
@@ -115,19 +150,43 @@ impl<A: OnPlant> NativeDevice<A> {
 
     pub(crate) fn power_cycle(&mut self) {
         self.plant.borrow_mut().power_cycle();
+        self.restart(0);
+    }
+
+    fn restart(&mut self, restarts: u32) {
         self.outgoing.clear();
-        self.application = start(&self.plant, &self.identity, self.timing, &self.flash);
+        self.restarts = restarts;
+        self.fed_at.set(self.plant.borrow().time().0);
+        self.application = start(&self.plant, &self.identity, self.timing, &self.flash, &self.fed_at, restarts);
+    }
+
+    /// The task below the interrupt goes round; the watchdog restarts the processor, and nothing else on the board, if it
+    /// was not fed.
+    fn task_ran(&mut self) {
+        self.application.task_ran();
+        let patience = WATCHDOG_S.max(3.0 * self.group_period().0);
+        if self.plant.borrow().time().0 - self.fed_at.get() > patience {
+            self.restart(self.restarts + 1);
+        }
     }
 
     /// Lets the plant run until a set is full, and the application take it.
     pub(crate) fn run_set(&mut self) -> Result<(), LinkError> {
-        let truth = self.application.acquisition().run_set(&self.plant).ok_or(LinkError::Silent)?;
+        let Some(truth) = self.application.acquisition().run_set(&self.plant) else {
+            if self.application.status().running {
+                // Sets should come and do not: time passes all the same.
+                self.plant.borrow_mut().wait(self.group_period());
+                self.task_ran();
+            }
+            return Err(LinkError::Silent);
+        };
         self.truths.push(truth);
         let Self { application, outgoing, .. } = self;
         application.data_ready(&mut |bytes: &[u8]| {
             outgoing.extend_from_slice(bytes);
             true
         });
+        self.task_ran();
         Ok(())
     }
 
@@ -137,19 +196,25 @@ impl<A: OnPlant> NativeDevice<A> {
             outgoing.extend_from_slice(bytes);
             true
         });
+        self.task_ran();
     }
 }
 
-/// The application as it starts when power comes.
+/// The application as it starts when power comes, or the watchdog has restarted it so often.
 fn start<A: OnPlant>(
     plant: &SharedPlant,
     identity: &DeviceIdentity,
     timing: Timing,
     flash: &RecordFlash,
-) -> Application<A, Potentiometer, FlashStore<RecordFlash>> {
+    fed_at: &Rc<Cell<f64>>,
+    restarts: u32,
+) -> NativeApplication<A> {
     let Ok(store) = FlashStore::new(flash.clone(), 0..FLASH_BYTES) else { unreachable!("the pages are enough") };
     let part = Max5494Trim::new(PotentiometerSpi::new(plant), PlantDelay::new(plant));
-    Application::new(Compensator::new(A::connect(plant), part, timing), identity.clone(), store)
+    let compensator = Compensator::new(A::connect(plant), part, timing);
+    let watchdog = SimulatedWatchdog { plant: Rc::clone(plant), fed_at: Rc::clone(fed_at) };
+    let reset = if restarts == 0 { ResetCause::Power } else { ResetCause::Watchdog };
+    Application::supervised(compensator, identity.clone(), store, watchdog, reset, restarts)
 }
 
 /// The line to a native device.
@@ -256,6 +321,14 @@ pub fn bench(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
 #[must_use]
 pub fn direct_bench(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
     bench_on::<DirectAcquisition<ConverterSpi>>(plant, setup, unit)
+}
+
+/// A native device about a plant with nothing around it: the line to it, and the plant, on which anything can be broken.
+#[must_use]
+pub fn bare_device(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> (Box<dyn Link>, SharedPlant) {
+    let device = NativeDevice::<PortAcquisition<PortSpi>>::of_plant(plant, setup, unit);
+    let plant = Rc::clone(&device.plant);
+    (Box::new(NativeLink(Rc::new(RefCell::new(device)))), plant)
 }
 
 /// The simulated bench about a plant, its device on an acquisition of any kind.

@@ -72,13 +72,21 @@ impl GroupSums {
     /// may have been cut off there. `full_scale` is its highest reading, counts.
     #[must_use]
     pub fn is_saturated(&self, full_scale: u16) -> bool {
+        is_at_end(self.n, self.zro, self.zro_sq, full_scale)
+    }
+
+    /// Whether the temperature does, by the same rule: then it is no temperature.
+    #[must_use]
+    pub fn is_temperature_saturated(&self, full_scale: u16) -> bool {
+        is_at_end(self.n, self.temperature, self.temperature_sq, full_scale)
+    }
+
+    /// Whether the temperature samples scatter about their mean by more than so many counts rms.
+    #[must_use]
+    pub fn temperature_scatters(&self, counts_rms: u32) -> bool {
         let n = u128::from(self.n);
-        let to_bottom = u128::from(self.zro);
-        let to_top = (n * u128::from(full_scale)).saturating_sub(to_bottom);
-        // All times n: the nearer end's distance against four sigma, both squared.
-        let nearer = to_bottom.min(to_top);
-        let spread = (n * u128::from(self.zro_sq)).saturating_sub(to_bottom * to_bottom);
-        nearer * nearer <= 16 * spread || nearer == 0
+        let spread = spread(self.n, self.temperature, self.temperature_sq);
+        spread > n * n * u128::from(counts_rms) * u128::from(counts_rms)
     }
 
     /// The mean temperature as the law takes it, rounded to the nearest code in integers alone; `None` for an empty
@@ -91,6 +99,19 @@ impl GroupSums {
     }
 }
 
+/// `n S2 - S1^2`: the variance times n squared, exactly.
+fn spread(n: u32, sum: u64, squares: u64) -> u128 {
+    (u128::from(n) * u128::from(squares)).saturating_sub(u128::from(sum) * u128::from(sum))
+}
+
+fn is_at_end(n: u32, sum: u64, squares: u64, full_scale: u16) -> bool {
+    let to_bottom = u128::from(sum);
+    let to_top = (u128::from(n) * u128::from(full_scale)).saturating_sub(to_bottom);
+    // All times n: the nearer end's distance against four sigma, both squared.
+    let nearer = to_bottom.min(to_top);
+    nearer * nearer <= 16 * spread(n, sum, squares) || nearer == 0
+}
+
 #[allow(clippy::cast_precision_loss)] // sums of a group are far below 2^53
 fn mean(sum: u64, n: u32) -> Counts {
     Counts(sum as f64 / f64::from(n))
@@ -99,8 +120,7 @@ fn mean(sum: u64, n: u32) -> Counts {
 /// `(n S2 - S1^2) / n^2`, the difference taken in integers: nothing cancels.
 #[allow(clippy::cast_precision_loss)]
 fn variance(sum: u64, squares: u64, n: u32) -> f64 {
-    let spread = u128::from(n) * u128::from(squares) - u128::from(sum) * u128::from(sum);
-    spread as f64 / (f64::from(n) * f64::from(n))
+    spread(n, sum, squares) as f64 / (f64::from(n) * f64::from(n))
 }
 
 #[cfg(test)]

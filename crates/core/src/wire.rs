@@ -5,6 +5,10 @@
 //!
 //! A command says at which group it takes effect and is answered with the group at which it did. What changes how
 //! groups are taken happens between two groups, never within one; what only asks is answered at once.
+//!
+//! [`Request::Identity`] opens a conversation. Within one, a command that is sent again with its number and content
+//! unchanged is not done again: the device answers with what happened, or goes on waiting for the command's group. What
+//! only asks is asked anew.
 
 pub mod frame;
 
@@ -74,8 +78,8 @@ pub enum Request {
         /// The part.
         bytes: Vec<u8, CHUNK>,
     },
-    /// Checks the buffered record, stores it, and takes it into use between groups. A declared pause: groups that
-    /// fall into it are lost and counted.
+    /// Checks the buffered record, stores it at once, and takes it into use between groups. A declared pause: groups
+    /// that fall into it are lost and counted.
     CommitCalibration {
         /// Length of the whole record, bytes.
         length: u16,
@@ -196,6 +200,47 @@ pub struct Identity {
     pub calibration: CalibrationState,
     /// The group that is being filled.
     pub group: GroupNumber,
+    /// Whether groups are being taken.
+    pub running: bool,
+    /// The last commanded taps, X then Y.
+    pub taps: [Taps; 2],
+    /// The modes, X then Y.
+    pub modes: [Mode; 2],
+    /// Why the device started last.
+    pub reset: ResetCause,
+}
+
+/// Why a device started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum ResetCause {
+    /// Its power came.
+    #[default]
+    Power,
+    /// Its watchdog was not fed: sets stopped coming, or its program hung.
+    Watchdog,
+    /// Its program stopped itself at a fault of its own.
+    Panic,
+    /// Something else: its reset pin, a debugger.
+    Other,
+}
+
+impl ResetCause {
+    /// Whether the device restarted itself, and goes on compensating without being asked.
+    #[must_use]
+    pub const fn is_fault(self) -> bool {
+        matches!(self, Self::Watchdog | Self::Panic)
+    }
+}
+
+impl core::fmt::Display for ResetCause {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Power => "power on",
+            Self::Watchdog => "restarted by the watchdog: sets stopped coming, or the program hung",
+            Self::Panic => "restarted after a fault of the program",
+            Self::Other => "reset pin or debugger",
+        })
+    }
 }
 
 /// Whether a calibration is in use, and why not. Without one the device runs uncompensated at the middle tap.
@@ -319,6 +364,43 @@ pub struct FaultCounts {
     pub damaged_frames: u32,
     /// Uploads dropped because the line was too slow.
     pub dropped_uploads: u32,
+    /// Whole frames that held no message of this version.
+    pub unknown_frames: u32,
+    /// Commands that came again and were not done again.
+    pub repeated_commands: u32,
+    /// Groups of an axis whose temperature did not move by a count for too long.
+    pub temperature_stuck: u32,
+    /// Groups of an axis whose temperature jumped, or scattered, more than a temperature can.
+    pub temperature_jumped: u32,
+    /// Groups of an axis whose temperature stood at either end of the converter.
+    pub temperature_saturated: u32,
+    /// Restarts by the watchdog or after a fault of the program, since power came.
+    pub restarts: u32,
+}
+
+/// Whether a group's temperature is believed. What is not leaves tap and correction where the last believed one put them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum TemperatureCheck {
+    /// It is believed.
+    #[default]
+    Believed,
+    /// It has not moved by a count for too long.
+    Stuck,
+    /// It jumped, or scattered, more than a temperature can; a jump that stays is believed after a few groups.
+    Jumped,
+    /// It stands at either end of the converter.
+    Saturated,
+}
+
+impl core::fmt::Display for TemperatureCheck {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Believed => "believed",
+            Self::Stuck => "stuck: it does not move by a count, the tap is held",
+            Self::Jumped => "jumped: more than a temperature can, the tap is held",
+            Self::Saturated => "at an end of the converter, the tap is held: is the sensor connected?",
+        })
+    }
 }
 
 /// One axis's part of a group.
@@ -338,6 +420,10 @@ pub struct AxisReport {
     pub saturated: bool,
     /// The tap that was written when the group closed, if it changed.
     pub moved_to: Option<Taps>,
+    /// Whether the temperature is believed.
+    pub temperature: TemperatureCheck,
+    /// Whether the wiper was to be written when the group closed, and could not be: it will be tried again.
+    pub trim_failed: bool,
 }
 
 /// A closed group.
@@ -347,6 +433,8 @@ pub struct GroupReport {
     pub group: GroupNumber,
     /// Groups lost since acquisition started.
     pub lost: u32,
+    /// Reads of a set that failed since the device started.
+    pub acquisition_errors: u32,
     /// The axes, X then Y.
     pub axes: [AxisReport; 2],
 }

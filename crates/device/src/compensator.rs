@@ -11,12 +11,16 @@ use zerorate_core::wire::{AxisReport, FaultCounts, GroupReport, Refusal, SampleW
 
 use crate::acquisition::{Acquisition, Set, Timing};
 use crate::compensator::samples::Stream;
+use crate::compensator::temperature::TemperatureWatch;
 use crate::trim_part::TrimPart;
 
 mod samples;
+mod temperature;
 
 /// Commands that may wait for their group.
 const MAX_WAITING: usize = 8;
+/// Answers that may wait for room among the reports: more than there can be commands under way.
+const MAX_ANSWERS: usize = 16;
 /// The highest reading of a 14-bit converter, counts.
 const FULL_SCALE: u16 = (1 << 14) - 1;
 
@@ -73,14 +77,36 @@ pub enum Report {
 }
 
 /// What the task below the interrupt may look at.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Status {
     /// The group that is being filled, or the first that will be.
     pub group: GroupNumber,
+    /// Whether groups are being taken.
+    pub running: bool,
+    /// Sets that have arrived since start-up, for the watchdog.
+    pub sets: u32,
+    /// The last commanded taps.
+    pub taps: [Taps; 2],
+    /// The modes.
+    pub modes: [Mode; 2],
     /// Whether a calibration is in use.
     pub calibrated: bool,
     /// The compensator's part of the fault counters.
     pub faults: FaultCounts,
+}
+
+impl Default for Status {
+    fn default() -> Self {
+        Self {
+            group: GroupNumber(0),
+            running: false,
+            sets: 0,
+            taps: [Taps::MIDDLE; 2],
+            modes: [Mode::Off; 2],
+            calibrated: false,
+            faults: FaultCounts::default(),
+        }
+    }
 }
 
 /// The compensator: an acquisition, a trim part, the laws of both axes and their state.
@@ -96,6 +122,11 @@ pub struct Compensator<A, P> {
     /// The last group, while its samples are on their way out.
     stream: Option<Stream>,
     waiting: Vec<Scheduled, MAX_WAITING>,
+    /// Answers that found no room yet: none is ever dropped, or the host would ask in vain.
+    answers: Vec<Report, MAX_ANSWERS>,
+    temperatures: [TemperatureWatch; 2],
+    /// Wipers that may stand elsewhere than commanded, because a write failed.
+    unsure: [bool; 2],
     status: Status,
 }
 
@@ -104,11 +135,8 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     #[must_use]
     pub fn new(acquisition: A, mut part: P, timing: Timing) -> Self {
         let mut status = Status::default();
-        for axis in Axis::BOTH {
-            if part.write(axis, Taps::MIDDLE).is_err() {
-                status.faults.trim_errors += 1;
-            }
-        }
+        let unsure = Axis::BOTH.map(|axis| part.write(axis, Taps::MIDDLE).is_err());
+        status.faults.trim_errors = unsure.map(u32::from).iter().sum();
         Self {
             acquisition,
             part,
@@ -120,6 +148,9 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             window: SampleWindow::NONE,
             stream: None,
             waiting: Vec::new(),
+            answers: Vec::new(),
+            temperatures: Default::default(),
+            unsure,
             status,
         }
     }
@@ -132,8 +163,14 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
 
     /// What the task below may look at.
     #[must_use]
-    pub const fn status(&self) -> Status {
-        self.status
+    pub fn status(&self) -> Status {
+        let axes = &self.axes;
+        Status {
+            running: self.running,
+            taps: axes.each_ref().map(|a| a.tap()),
+            modes: axes.each_ref().map(|a| a.mode()),
+            ..self.status
+        }
     }
 
     /// The acquisition, for whoever drives its ticks.
@@ -159,20 +196,23 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         }
     }
 
+    /// Takes groups again after a restart that nobody asked for. An acquisition that cannot be reached is counted.
+    pub fn resume(&mut self) {
+        if self.set_acquisition(true).is_err() {
+            self.status.faults.acquisition_errors += 1;
+        }
+    }
+
     /// The interrupt: called when a set is ready, and when a command was queued.
     ///
     /// The samples of a group that are asked for are too many for the queue: after each time that the reports have been
     /// taken out, [`stream`](Self::stream) goes on with them.
     pub fn service(&mut self, commands: &mut Consumer<'_, Scheduled>, reports: &mut Producer<'_, Report>) {
-        if self.running {
-            match self.read_set(reports) {
-                Ok(true) => {
-                    self.close_group(reports);
-                    self.run_commands(reports);
-                }
-                Ok(false) => {}
-                Err(_) => self.status.faults.acquisition_errors += 1,
-            }
+        self.report_answers(reports);
+        if self.running && self.read_set(reports) {
+            self.status.sets = self.status.sets.wrapping_add(1);
+            self.close_group(reports);
+            self.run_commands(reports);
         }
         self.stream(reports);
         while let Some(command) = commands.dequeue() {
@@ -187,28 +227,43 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         }
     }
 
-    fn read_set(&mut self, reports: &mut Producer<'_, Report>) -> Result<bool, A::Error> {
-        let read = self.acquisition.read_set(&mut self.set, self.window.is_open());
-        // The samples of the group before are gone with its set; the group itself is not.
-        if let (Some(stream), Ok(true) | Err(_)) = (&self.stream, &read) {
-            self.status.faults.dropped_uploads += stream.left(&self.window);
-            let report = stream.report.clone();
-            self.stream = None;
-            self.report(Report::Group(report), reports);
+    /// Reads the set that waits; `false` when there is none, or it cannot be read. A read that failed is tried once more:
+    /// a set that was not read whole still waits.
+    fn read_set(&mut self, reports: &mut Producer<'_, Report>) -> bool {
+        let with_scans = self.window.is_open();
+        let mut read = self.acquisition.read_set(&mut self.set, with_scans);
+        if read.is_err() {
+            self.status.faults.acquisition_errors += 1;
+            self.set_goes(reports);
+            read = self.acquisition.read_set(&mut self.set, with_scans);
+            self.status.faults.acquisition_errors += u32::from(read.is_err());
         }
-        read
+        let is_read = matches!(read, Ok(true));
+        if is_read {
+            self.set_goes(reports);
+        }
+        is_read
+    }
+
+    /// The samples of the group before are gone with its set; the group itself is not.
+    fn set_goes(&mut self, reports: &mut Producer<'_, Report>) {
+        if let Some(stream) = self.stream.take() {
+            self.status.faults.dropped_uploads += stream.left(&self.window);
+            self.report(Report::Group(stream.report), reports);
+        }
     }
 
     /// Goes on reporting the samples of the last group as far as the queue has room; `true` while there are more.
     pub fn stream(&mut self, reports: &mut Producer<'_, Report>) -> bool {
-        let Some(stream) = &mut self.stream else { return false };
+        self.report_answers(reports);
+        let Some(stream) = &mut self.stream else { return !self.answers.is_empty() };
         // What is answered meanwhile finds room as well.
         while reports.len() + samples::KEPT_FREE < reports.capacity() {
             let Some(block) = stream.next_block(&self.window, &self.set.scans) else {
                 let report = stream.report.clone();
                 self.stream = None;
                 self.report(Report::Group(report), reports);
-                return false;
+                return !self.answers.is_empty();
             };
             if reports.enqueue(Report::Samples(block)).is_err() {
                 self.status.faults.dropped_uploads += 1;
@@ -233,7 +288,19 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     }
 
     fn answer(&mut self, sequence: u16, result: Result<(), Refusal>, reports: &mut Producer<'_, Report>) {
-        self.report(Report::Done { sequence, group: self.status.group, result }, reports);
+        // In the order in which they were done.
+        self.report_answers(reports);
+        let answer = Report::Done { sequence, group: self.status.group, result };
+        let kept = if self.answers.is_empty() { reports.enqueue(answer) } else { Err(answer) };
+        if kept.is_err_and(|answer| self.answers.push(answer).is_err()) {
+            self.status.faults.dropped_uploads += 1;
+        }
+    }
+
+    fn report_answers(&mut self, reports: &mut Producer<'_, Report>) {
+        while reports.ready() && !self.answers.is_empty() {
+            let _ = reports.enqueue(self.answers.remove(0));
+        }
     }
 
     fn report(&mut self, report: Report, reports: &mut Producer<'_, Report>) {
@@ -277,12 +344,15 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         if run {
             self.status.group = GroupNumber(0);
             self.set.lost = 0;
+            // Time has passed, nobody knows how much: any temperature is as good as another.
+            self.temperatures = Default::default();
         }
         Ok(())
     }
 
     fn write_wiper(&mut self, axis: Axis, tap: Taps) -> Result<(), ()> {
-        if self.part.write(axis, tap).is_err() {
+        self.unsure[axis.index()] = self.part.write(axis, tap).is_err();
+        if self.unsure[axis.index()] {
             self.status.faults.trim_errors += 1;
             return Err(());
         }
@@ -302,9 +372,10 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             self.axes[axis.index()].lose_groups(missed);
         }
         let before = self.axes.clone();
-        let axes = Axis::BOTH.map(|axis| self.close_axis(axis));
+        let axes = Axis::BOTH.map(|axis| self.close_axis(axis, missed));
         self.status.group = GroupNumber(group.0.wrapping_add(1));
-        let report = GroupReport { group, lost: self.set.lost, axes };
+        let acquisition_errors = self.status.faults.acquisition_errors;
+        let report = GroupReport { group, lost: self.set.lost, acquisition_errors, axes };
         if self.set.scans.is_empty() {
             self.report(Report::Group(report), reports);
         } else {
@@ -312,17 +383,22 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         }
     }
 
-    fn close_axis(&mut self, axis: Axis) -> AxisReport {
+    fn close_axis(&mut self, axis: Axis, missed: u32) -> AxisReport {
         let sums = self.set.sums[axis.index()];
         let law = self.laws.as_ref().map(|laws| &laws[axis.index()]);
         let state = &mut self.axes[axis.index()];
         state.skip_samples(sums.n);
         let (tap, mode) = (state.tap(), state.mode());
-        let outcome = state.close_group(law, &sums);
-        // A write that fails leaves the shadow as it was; the law asks again with the next group.
-        let moved_to = outcome.move_to.filter(|&wanted| self.write_wiper(axis, wanted).is_ok());
+        let (temperature, code) = self.temperatures[axis.index()].check(&sums, missed, self.timing);
+        let outcome = state.close_group_at(law, &sums, code);
+        // A write that fails leaves the shadow as it was; the law asks again with the next group. Where the wiper stands
+        // then nobody knows, so the tap it should have is written again, too.
+        let rewrite = Some(tap).filter(|_| self.unsure[axis.index()]);
+        let written = outcome.move_to.or(rewrite).map(|wanted| self.write_wiper(axis, wanted));
+        let moved_to = outcome.move_to.filter(|_| written == Some(Ok(())));
         let saturated = sums.is_saturated(FULL_SCALE);
         let faults = &mut self.status.faults;
+        temperature::count(temperature, faults);
         faults.saturated += u32::from(saturated);
         faults.out_of_range += u32::from(matches!(outcome.coverage, Coverage::Below | Coverage::Above));
         AxisReport {
@@ -333,6 +409,8 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             coverage: outcome.coverage,
             saturated,
             moved_to,
+            temperature,
+            trim_failed: written == Some(Err(())),
         }
     }
 }

@@ -3,16 +3,20 @@
 //! Bytes come in one by one; frames go out through [`Transmit`]. What concerns groups is handed to the compensator by
 //! a queue; what only asks is answered at once.
 
+mod memory;
+
 use heapless::Vec;
 use heapless::spsc::{Consumer, Producer};
 use zerorate_core::compensate::{AxisLaw, Mode};
 use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, RecordError, UnitSerial};
 use zerorate_core::units::{Axis, GroupNumber};
-use zerorate_core::wire::frame::{Receiver, encode};
+use zerorate_core::wire::frame::{FrameError, Receiver, encode};
 use zerorate_core::wire::{
-    Answer, CHUNK, CalibrationState, Command, Identity, Message, Refusal, Request, Upload, WIRE_VERSION,
+    Answer, CHUNK, CalibrationState, Command, FaultCounts, Identity, Message, Refusal, Request, ResetCause, Upload,
+    WIRE_VERSION,
 };
 
+use self::memory::{Memory, Outcome};
 use crate::acquisition::Timing;
 use crate::compensator::{Action, Report, Scheduled, Status};
 use crate::store::{RecordStore, Stored};
@@ -50,11 +54,15 @@ pub struct Console<S> {
     buffer: Vec<u8, MAX_RECORD_BYTES>,
     uploads: u32,
     with_groups: bool,
-    damaged_frames: u32,
-    dropped_uploads: u32,
+    memory: Memory,
+    /// The console's part of the fault counters.
+    faults: FaultCounts,
+    reset: ResetCause,
     calibration: CalibrationState,
-    /// The buffer holds a checked record that is to be taken into use.
-    install: bool,
+    /// The buffer holds a checked record that is to be taken into use from this group on.
+    install: Option<GroupNumber>,
+    /// The group that is being filled, as far as it is known here.
+    group: GroupNumber,
 }
 
 impl<S: RecordStore> Console<S> {
@@ -70,14 +78,27 @@ impl<S: RecordStore> Console<S> {
             buffer: Vec::new(),
             uploads: 0,
             with_groups: false,
-            damaged_frames: 0,
-            dropped_uploads: 0,
+            memory: Memory::new(),
+            faults: FaultCounts::default(),
+            reset: ResetCause::Power,
             calibration: CalibrationState::Blank,
-            install: false,
+            install: None,
+            group: GroupNumber(0),
         };
         console.calibration = console.load();
-        console.install = console.calibration.is_in_use();
+        console.install = console.calibration.is_in_use().then_some(GroupNumber(0));
         console
+    }
+
+    /// Why the device started, and how often it has restarted itself since its power came: the board knows.
+    pub const fn started(&mut self, reset: ResetCause, restarts: u32) {
+        self.reset = reset;
+        self.faults.restarts = restarts;
+    }
+
+    /// Whether a calibration is in use, and why not.
+    pub const fn calibration(&self) -> CalibrationState {
+        self.calibration
     }
 
     /// Reads the stored record into the buffer and checks it.
@@ -112,12 +133,10 @@ impl<S: RecordStore> Console<S> {
         &self.store
     }
 
-    /// The laws that are to be taken into use, once. They are made here, from the buffered record, so that they need not
-    /// be kept twice.
+    /// The laws that are to be taken into use now, once; to be asked after bytes were received and after reports were
+    /// uploaded. They are made here, from the buffered record, so that they need not be kept twice.
     pub fn take_laws(&mut self) -> Option<Laws> {
-        if !core::mem::take(&mut self.install) {
-            return None;
-        }
+        self.install.take_if(|from| *from <= self.group)?;
         let laws = laws_of(&self.buffer, &self.identity.unit).ok();
         self.buffer.clear();
         laws
@@ -133,24 +152,32 @@ impl<S: RecordStore> Console<S> {
     ) -> bool {
         match self.receiver.push::<Command>(byte) {
             None => false,
-            Some(Err(_)) => {
-                self.damaged_frames += 1;
+            Some(Err(error)) => {
+                let unknown = error == FrameError::Content;
+                self.faults.unknown_frames += u32::from(unknown);
+                self.faults.damaged_frames += u32::from(!unknown);
                 false
             }
-            Some(Ok(command)) => self.obey(command, status, commands, line),
+            Some(Ok(command)) => {
+                self.group = status.group;
+                self.obey(command, status, commands, line)
+            }
         }
     }
 
     /// Sends what the compensator has reported.
     pub fn upload(&mut self, reports: &mut Consumer<'_, Report>, line: &mut impl Transmit) {
         while let Some(report) = reports.dequeue() {
+            if let Report::Group(group) = &report {
+                self.group = GroupNumber(group.group.0.wrapping_add(1));
+            }
             let message = match report {
                 Report::Group(_) if !self.with_groups => continue,
                 Report::Group(group) => Message::Group(group),
                 Report::Samples(block) => Message::Samples(block),
                 Report::Done { sequence, group, result } => {
-                    let answer = result.map_or_else(Answer::Refused, |()| Answer::Done);
-                    Message::Answer { to: sequence, group, answer }
+                    self.memory.settle(sequence, (group, result));
+                    Message::Answer { to: sequence, group, answer: answer_of(result) }
                 }
             };
             self.send(message, line);
@@ -162,7 +189,7 @@ impl<S: RecordStore> Console<S> {
         // The number is spent even when the upload is dropped: so the host sees that one is missing.
         self.uploads = self.uploads.wrapping_add(1);
         let sent = encode(&upload).is_ok_and(|frame| line.transmit(&frame));
-        self.dropped_uploads += u32::from(!sent);
+        self.faults.dropped_uploads += u32::from(!sent);
     }
 
     fn obey(
@@ -173,34 +200,55 @@ impl<S: RecordStore> Console<S> {
         line: &mut impl Transmit,
     ) -> bool {
         let Command { sequence, at, request } = command;
-        let action = match request {
-            Request::SetMode { axis, mode } => Some(Action::SetMode(axis, mode)),
-            Request::SetTap { axis, tap } => Some(Action::SetTap(axis, tap)),
-            Request::StorePowerUpTap => Some(Action::StorePowerUpTap),
-            Request::SetAcquisition { run } => Some(Action::SetAcquisition(run)),
-            Request::SetStream { groups, samples } => {
-                self.with_groups = groups;
-                Some(Action::SetSamples(samples))
+        // What only asks, and what may be done twice, is answered anew.
+        let answer = match request {
+            Request::Identity => {
+                self.memory.forget();
+                Some(Answer::Identity(self.identity(status)))
             }
+            Request::Faults => Some(Answer::Faults(self.faults(status))),
+            Request::ReadCalibration { offset } => Some(self.read_calibration(offset)),
+            Request::WriteCalibration { offset, ref bytes } => Some(answer_of(self.write_calibration(offset, bytes))),
             _ => None,
         };
-        if let Some(action) = action {
-            if commands.enqueue(Scheduled { sequence, at, action }).is_ok() {
-                return true;
-            }
-            self.answer(sequence, status.group, Answer::Refused(Refusal::Busy), line);
+        if let Some(answer) = answer {
+            self.answer(sequence, status.group, answer, line);
             return false;
         }
-        let answer = match request {
-            Request::Identity => Answer::Identity(self.identity(status)),
-            Request::Faults => Answer::Faults(self.faults(status)),
-            Request::ReadCalibration { offset } => self.read_calibration(offset),
-            Request::WriteCalibration { offset, bytes } => done(self.write_calibration(offset, &bytes)),
-            Request::CommitCalibration { length } => done(self.commit_calibration(length)),
-            // The others went to the compensator.
+        let crc = self.receiver.crc();
+        if let Some(outcome) = self.memory.find(sequence, crc) {
+            self.faults.repeated_commands += 1;
+            if let Some((group, result)) = outcome {
+                self.answer(sequence, group, answer_of(result), line);
+            }
+            return false;
+        }
+        let action = match request {
+            Request::CommitCalibration { length } => {
+                let group = at.map_or(status.group, |at| at.max(status.group));
+                let outcome: Outcome = (group, self.commit_calibration(length, group));
+                self.memory.done(sequence, crc, outcome);
+                self.answer(sequence, group, answer_of(outcome.1), line);
+                return false;
+            }
+            Request::SetMode { axis, mode } => Action::SetMode(axis, mode),
+            Request::SetTap { axis, tap } => Action::SetTap(axis, tap),
+            Request::StorePowerUpTap => Action::StorePowerUpTap,
+            Request::SetAcquisition { run } => Action::SetAcquisition(run),
+            Request::SetStream { samples, .. } => Action::SetSamples(samples),
+            // The others were answered.
             _ => return false,
         };
-        self.answer(sequence, status.group, answer, line);
+        if self.memory.wait(sequence, crc) {
+            if commands.enqueue(Scheduled { sequence, at, action }).is_ok() {
+                if let Request::SetStream { groups, .. } = request {
+                    self.with_groups = groups;
+                }
+                return true;
+            }
+            self.memory.settle(sequence, (status.group, Err(Refusal::Busy)));
+        }
+        self.answer(sequence, status.group, Answer::Refused(Refusal::Busy), line);
         false
     }
 
@@ -217,14 +265,18 @@ impl<S: RecordStore> Console<S> {
             sample_period_us: self.timing.scan_period_us,
             calibration: self.calibration,
             group: status.group,
+            running: status.running,
+            taps: status.taps,
+            modes: status.modes,
+            reset: self.reset,
         }
     }
 
-    fn faults(&self, status: &Status) -> zerorate_core::wire::FaultCounts {
-        let mut faults = status.faults;
-        faults.damaged_frames += self.damaged_frames;
-        faults.dropped_uploads += self.dropped_uploads;
-        faults
+    fn faults(&self, status: &Status) -> FaultCounts {
+        let FaultCounts { damaged_frames, dropped_uploads, unknown_frames, repeated_commands, restarts, .. } =
+            self.faults;
+        let dropped_uploads = dropped_uploads.saturating_add(status.faults.dropped_uploads);
+        FaultCounts { damaged_frames, dropped_uploads, unknown_frames, repeated_commands, restarts, ..status.faults }
     }
 
     fn read_calibration(&mut self, offset: u16) -> Answer {
@@ -239,6 +291,10 @@ impl<S: RecordStore> Console<S> {
     }
 
     fn write_calibration(&mut self, offset: u16, bytes: &[u8]) -> Result<(), Refusal> {
+        if self.install.is_some() {
+            // The buffer is still needed: the record in it waits for its group.
+            return Err(Refusal::Busy);
+        }
         let end = usize::from(offset) + bytes.len();
         if end > self.buffer.len() {
             self.buffer.resize_default(end).map_err(|_| Refusal::OutOfBuffer)?;
@@ -248,18 +304,18 @@ impl<S: RecordStore> Console<S> {
     }
 
     /// Everything is checked before anything is stored: a record that cannot be run never replaces one that can.
-    fn commit_calibration(&mut self, length: u16) -> Result<(), Refusal> {
+    fn commit_calibration(&mut self, length: u16, from: GroupNumber) -> Result<(), Refusal> {
         let record = self.buffer.get(..usize::from(length)).ok_or(Refusal::OutOfBuffer)?;
         laws_of(record, &self.identity.unit)?;
         self.store.commit(record).map_err(|_| Refusal::StoreFailed)?;
         self.buffer.truncate(usize::from(length));
         self.calibration = CalibrationState::InUse;
-        self.install = true;
+        self.install = Some(from);
         Ok(())
     }
 }
 
-fn done(result: Result<(), Refusal>) -> Answer {
+fn answer_of(result: Result<(), Refusal>) -> Answer {
     result.map_or_else(Answer::Refused, |()| Answer::Done)
 }
 

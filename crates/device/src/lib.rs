@@ -16,3 +16,4 @@ pub mod direct;
 pub mod port;
 pub mod store;
 pub mod trim_part;
+pub mod watchdog;

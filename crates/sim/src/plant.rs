@@ -16,7 +16,7 @@ use crate::chamber::{Chamber, SetPointOutside};
 use crate::channel::{Channel, Input};
 use crate::converter::Converter;
 use crate::divider::Divider;
-use crate::fault::Fault;
+use crate::fault::{Fault, Faults};
 use crate::parameters::PlantParameters;
 use crate::port::Port;
 use crate::potentiometer::Potentiometer;
@@ -58,7 +58,7 @@ pub struct Plant {
     converter: Converter,
     /// The last scan: temperature X, zero-rate X, temperature Y, zero-rate Y.
     held: [u16; 4],
-    faults: Vec<Fault>,
+    faults: Faults,
     sums: Sums,
     takes: u32,
     pub(crate) potentiometer: Potentiometer,
@@ -99,7 +99,7 @@ impl Plant {
             input: Input::Gyro,
             converter,
             held: [0; 4],
-            faults: Vec::new(),
+            faults: Faults::default(),
             sums: Sums::default(),
             takes: 0,
             potentiometer,
@@ -152,9 +152,9 @@ impl Plant {
 
     /// Lets the acquisition port scan until a set is full, and tells that set's truth; `None` if the port does not run.
     pub fn run_set(&mut self) -> Option<Truth> {
-        while self.port.running() {
+        while self.port_scans() {
             let truth = self.port_scan();
-            if truth.is_some() {
+            if truth.is_some() && !self.faults.lets_a_set_go_by() {
                 return truth;
             }
         }
@@ -168,7 +168,7 @@ impl Plant {
     /// Noise is drawn at the scan, not at the conversion, so the port and a processor that drives the A/D itself see the
     /// very same samples from the same seed.
     pub fn next_scan(&mut self) {
-        if self.port.running() {
+        if self.port_scans() {
             _ = self.port_scan();
             return;
         }
@@ -259,6 +259,9 @@ impl Plant {
 
     /// Mends everything.
     pub fn clear_faults(&mut self) {
+        if self.faults.contains(Fault::NoScans) {
+            self.port_scan_ns = self.now_ns + self.port.scan_period_ns();
+        }
         self.faults.clear();
     }
 

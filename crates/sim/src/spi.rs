@@ -5,9 +5,10 @@ use std::rc::Rc;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
 
+use crate::fault::Bus;
 use crate::plant::{Plant, SharedPlant};
 
-/// A transfer that failed, because [`crate::Fault::DeadSpi`] was injected.
+/// A transfer that failed, because a [`crate::Fault`] was injected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BusFault;
 
@@ -27,6 +28,7 @@ impl Error for BusFault {
 
 /// A part that hangs on SPI: what it does as chip select falls, in eight clocks, and as chip select rises.
 trait Slave {
+    const BUS: Bus;
     fn select(plant: &mut Plant);
     fn exchange(plant: &mut Plant, byte: u8) -> u8;
     fn deselect(plant: &mut Plant);
@@ -35,7 +37,7 @@ trait Slave {
 /// Does a transaction's operations. Bytes that are only read clock zeros in.
 fn transact<S: Slave>(shared: &SharedPlant, operations: &mut [Operation<'_, u8>]) -> Result<(), BusFault> {
     let plant = &mut *shared.borrow_mut();
-    if plant.bus_is_dead() {
+    if plant.transfer_fails(S::BUS) {
         return Err(BusFault);
     }
     S::select(plant);
@@ -112,6 +114,8 @@ impl PortSpi {
 struct PortSlave;
 
 impl Slave for PortSlave {
+    const BUS: Bus = Bus::Port;
+
     fn select(plant: &mut Plant) {
         plant.port.select();
     }
@@ -127,6 +131,8 @@ impl Slave for PortSlave {
 struct PotentiometerSlave;
 
 impl Slave for PotentiometerSlave {
+    const BUS: Bus = Bus::Potentiometer;
+
     fn select(plant: &mut Plant) {
         plant.potentiometer.select();
     }
@@ -145,6 +151,8 @@ impl Slave for PotentiometerSlave {
 struct ConverterSlave;
 
 impl Slave for ConverterSlave {
+    const BUS: Bus = Bus::Converter;
+
     fn select(plant: &mut Plant) {
         plant.ad7949.select();
     }

@@ -271,9 +271,20 @@ impl AxisCompensation {
 
     /// Closes a group: the correction for its mean, and the tap for its temperature.
     pub fn close_group(&mut self, law: Option<&AxisLaw>, sums: &GroupSums) -> GroupOutcome {
+        self.close_group_at(law, sums, sums.temperature_code())
+    }
+
+    /// Closes a group whose temperature is known better than by its own sums: the last one that was believed. `None`
+    /// where none is known.
+    pub fn close_group_at(
+        &mut self,
+        law: Option<&AxisLaw>,
+        sums: &GroupSums,
+        code: Option<TemperatureCode>,
+    ) -> GroupOutcome {
         let effect_sum = core::mem::take(&mut self.effect_sum);
-        let (Some(law), Some(code)) = (law, sums.temperature_code()) else {
-            // An empty group has no temperature, and its time has passed all the same.
+        let (Some(law), Some(code)) = (law, code) else {
+            // A group without a temperature has taken its time all the same.
             self.lose_groups(1);
             let (coverage, knowledge) = (Coverage::Invalid, Knowledge::Known);
             return GroupOutcome { corrected: mean_q16(sums, 0), coverage, knowledge, move_to: None };

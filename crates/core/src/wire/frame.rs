@@ -66,6 +66,10 @@ pub fn encode(message: &impl Serialize) -> Result<Vec<u8, MAX_FRAME>, FrameError
 /// # Errors
 /// [`FrameError`], by what is wrong first.
 pub fn decode<T: DeserializeOwned>(stuffed: &mut [u8]) -> Result<T, FrameError> {
+    decode_with_crc(stuffed).map(|(message, _)| message)
+}
+
+fn decode_with_crc<T: DeserializeOwned>(stuffed: &mut [u8]) -> Result<(T, u32), FrameError> {
     let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Stuffing)?;
     let payload = stuffed.get(..length).ok_or(FrameError::Stuffing)?;
     let (content, crc) = payload.split_last_chunk::<4>().ok_or(FrameError::TooShort)?;
@@ -73,7 +77,7 @@ pub fn decode<T: DeserializeOwned>(stuffed: &mut [u8]) -> Result<T, FrameError> 
         return Err(FrameError::Crc);
     }
     let (message, rest) = postcard::take_from_bytes(content).map_err(|_| FrameError::Content)?;
-    if rest.is_empty() { Ok(message) } else { Err(FrameError::Content) }
+    if rest.is_empty() { Ok((message, u32::from_le_bytes(*crc))) } else { Err(FrameError::Content) }
 }
 
 /// Collects bytes into frames.
@@ -81,13 +85,20 @@ pub fn decode<T: DeserializeOwned>(stuffed: &mut [u8]) -> Result<T, FrameError> 
 pub struct Receiver {
     bytes: Vec<u8, MAX_FRAME>,
     overflowed: bool,
+    crc: u32,
 }
 
 impl Receiver {
     /// An empty receiver.
     #[must_use]
     pub const fn new() -> Self {
-        Self { bytes: Vec::new(), overflowed: false }
+        Self { bytes: Vec::new(), overflowed: false, crc: 0 }
+    }
+
+    /// The CRC-32 of the last message that was read: one that is sent again has the same.
+    #[must_use]
+    pub const fn crc(&self) -> u32 {
+        self.crc
     }
 
     /// Takes one byte; when it ends a frame, what the frame says, or why it cannot be read. An empty frame is no
@@ -103,7 +114,10 @@ impl Receiver {
         } else if self.bytes.is_empty() {
             None
         } else {
-            Some(decode(&mut self.bytes))
+            Some(decode_with_crc(&mut self.bytes).map(|(message, crc)| {
+                self.crc = crc;
+                message
+            }))
         };
         self.bytes.clear();
         frame
@@ -117,7 +131,8 @@ mod tests {
     use crate::group::GroupSums;
     use crate::units::{Axis, GroupNumber, Taps};
     use crate::wire::{
-        AxisReport, CHUNK, Command, GroupReport, Message, Request, SAMPLES_PER_BLOCK, Sample, SampleBlock, Upload,
+        AxisReport, CHUNK, Command, GroupReport, Message, Request, SAMPLES_PER_BLOCK, Sample, SampleBlock,
+        TemperatureCheck, Upload,
     };
     use proptest::prelude::*;
 
@@ -143,8 +158,11 @@ mod tests {
             coverage: Coverage::Invalid,
             saturated: true,
             moved_to: Some(Taps::LAST),
+            temperature: TemperatureCheck::Saturated,
+            trim_failed: true,
         };
-        let group = GroupReport { group: GroupNumber(u32::MAX), lost: u32::MAX, axes: [axis.clone(), axis] };
+        let (group, many) = (GroupNumber(u32::MAX), u32::MAX);
+        let group = GroupReport { group, lost: many, acquisition_errors: many, axes: [axis.clone(), axis] };
         let sample = Sample { temperature: u16::MAX, zro: u16::MAX, corrected_q16: i32::MIN };
         let mut samples = Vec::new();
         samples.resize(SAMPLES_PER_BLOCK, sample).unwrap();

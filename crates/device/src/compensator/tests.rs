@@ -82,7 +82,10 @@ fn the_wiper_is_written_only_when_the_tap_changes() {
     assert_eq!(rig.writes(), [(Axis::X, 500)]);
     rig.set(1, 8501, 8200);
     assert_eq!(rig.writes(), []);
-    rig.set(2, 8700, 8200);
+    // Not faster than a temperature moves.
+    rig.set(2, 8600, 8200);
+    assert_eq!(rig.writes(), [(Axis::X, 501)]);
+    rig.set(3, 8700, 8200);
     assert_eq!(rig.writes(), [(Axis::X, 502)]);
 }
 
@@ -226,4 +229,43 @@ fn a_full_report_queue_is_counted_not_waited_for() {
     let (mut reports, _) = rig.reports.split();
     rig.compensator.service(&mut rig.commands.split().1, &mut reports);
     assert_eq!(rig.compensator.status().faults.dropped_uploads, 1);
+}
+
+#[test]
+fn an_answer_that_finds_no_room_waits_and_is_never_dropped() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetAcquisition(true));
+    for sequence in 0..7 {
+        let tap = Action::SetTap(Axis::Y, Taps::new(500 + sequence).unwrap());
+        rig.commands.enqueue(Scheduled { sequence, at: None, action: tap }).unwrap();
+    }
+    while rig.reports.enqueue(done(0)).is_ok() {}
+    rig.sets.push(0, 9000, 8400);
+    let (mut reports, _) = rig.reports.split();
+    rig.compensator.service(&mut rig.commands.split().1, &mut reports);
+    rig.sets.push(1, 9000, 8400);
+    rig.compensator.service(&mut rig.commands.split().1, &mut rig.reports.split().0);
+    while rig.reports.dequeue().is_some() {}
+    let answered: Vec<u16> = rig
+        .service()
+        .iter()
+        .filter_map(|report| match report {
+            Report::Done { sequence, .. } => Some(*sequence),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(answered, [0, 1, 2, 3, 4, 5, 6]);
+}
+
+#[test]
+fn the_status_says_taps_modes_and_whether_sets_arrive() {
+    let mut rig = Rig::calibrated();
+    assert_eq!((rig.compensator.status().running, rig.compensator.status().sets), (false, 0));
+    rig.order(None, Action::SetMode(Axis::X, Mode::Trim));
+    rig.order(None, Action::SetAcquisition(true));
+    rig.set(0, 8500, 8541);
+    let status = rig.compensator.status();
+    assert_eq!((status.running, status.sets), (true, 1));
+    assert_eq!(status.modes, [Mode::Trim, Mode::Off]);
+    assert_eq!(status.taps.map(Taps::get), [500, 511]);
 }

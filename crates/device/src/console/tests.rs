@@ -29,24 +29,41 @@ fn console<S: RecordStore>(store: S) -> Console<S> {
     Console::new(identity, Timing::PAPER, store)
 }
 
-/// Sends one request and returns the answer.
+/// Sends one request, each with a number of its own, and returns the answer.
 fn ask<S: RecordStore>(console: &mut Console<S>, request: Request) -> Option<Answer> {
+    let sequence = u16::try_from(console.uploads).unwrap();
     let mut commands: Queue<Scheduled, 8> = Queue::new();
+    say(console, &Command { sequence, at: None, request }, &mut commands).map(|(_, _, answer)| answer)
+}
+
+/// Sends a command and returns the answer: to which number, from which group on, what.
+fn say<S: RecordStore>(
+    console: &mut Console<S>,
+    command: &Command,
+    commands: &mut Queue<Scheduled, 8>,
+) -> Option<(u16, GroupNumber, Answer)> {
     let mut sent: Vec<u8> = Vec::new();
     let mut line = |bytes: &[u8]| {
         sent.extend_from_slice(bytes);
         true
     };
-    let command = frame::encode(&Command { sequence: 9, at: None, request }).unwrap();
-    for &byte in &command {
+    let frame = frame::encode(command).unwrap();
+    for &byte in &frame {
         console.receive(byte, &Status::default(), &mut commands.split().0, &mut line);
     }
     let mut receiver = Receiver::new();
     let upload: Upload = sent.iter().find_map(|&byte| receiver.push(byte))?.unwrap();
     match upload.message {
-        Message::Answer { to: 9, answer, .. } => Some(answer),
+        Message::Answer { to, group, answer } => Some((to, group, answer)),
         other => panic!("not an answer: {other:?}"),
     }
+}
+
+/// Reports that the compensator has done a command.
+fn report_done<S: RecordStore>(console: &mut Console<S>, sequence: u16, group: u32, result: Result<(), Refusal>) {
+    let mut reports: Queue<Report, 4> = Queue::new();
+    reports.enqueue(Report::Done { sequence, group: GroupNumber(group), result }).unwrap();
+    console.upload(&mut reports.split().1, &mut |_: &[u8]| true);
 }
 
 fn write<S: RecordStore>(console: &mut Console<S>, bytes: &[u8]) -> Option<Answer> {
@@ -103,6 +120,12 @@ fn a_record_that_cannot_be_run_never_replaces_one_that_can() {
     let mut console = console(MemoryStore::default());
     let good = encoded("ZR-7");
     write(&mut console, &good);
+    assert_eq!(
+        ask(&mut console, Request::WriteCalibration { offset: 0, bytes: heapless::Vec::new() }),
+        Some(Answer::Refused(Refusal::Busy)),
+        "until the record in the buffer is in use"
+    );
+    assert!(console.take_laws().is_some());
     let mut damaged = good.clone();
     damaged[40] ^= 1;
     let refused = |refusal| Some(Answer::Refused(refusal));
@@ -146,3 +169,121 @@ fn the_device_says_who_it_is() {
     assert_eq!((identity.unit.as_str(), identity.firmware), ("ZR-7", [1, 2, 3]));
     assert_eq!((identity.samples_per_group, identity.sample_period_us), (500, 3000));
 }
+
+fn set_tap(sequence: u16, tap: u16) -> Command {
+    let tap = zerorate_core::units::Taps::new(tap).unwrap();
+    Command { sequence, at: None, request: Request::SetTap { axis: Axis::X, tap } }
+}
+
+#[test]
+fn a_command_that_comes_again_is_answered_again_and_not_done_again() {
+    let mut console = console(MemoryStore::default());
+    let mut commands: Queue<Scheduled, 8> = Queue::new();
+    assert_eq!(say(&mut console, &set_tap(70, 600), &mut commands), None);
+    assert_eq!(say(&mut console, &set_tap(70, 600), &mut commands), None, "it still waits");
+    assert_eq!(commands.len(), 1, "once");
+    report_done(&mut console, 70, 12, Ok(()));
+    let again = say(&mut console, &set_tap(70, 600), &mut commands);
+    assert_eq!(again, Some((70, GroupNumber(12), Answer::Done)), "the group at which it was done");
+    assert_eq!(commands.len(), 1);
+    // The same number with another content is another command: a host that has begun anew.
+    assert_eq!(say(&mut console, &set_tap(70, 601), &mut commands), None);
+    assert_eq!(commands.len(), 2);
+    let Some(Answer::Faults(faults)) = ask(&mut console, Request::Faults) else { panic!("the faults") };
+    assert_eq!(faults.repeated_commands, 2);
+}
+
+#[test]
+fn a_refusal_is_remembered_too_but_not_that_there_was_no_room() {
+    let mut console = console(MemoryStore::default());
+    let mut commands: Queue<Scheduled, 8> = Queue::new();
+    say(&mut console, &set_tap(1, 600), &mut commands);
+    report_done(&mut console, 1, 3, Err(Refusal::TrimPartFailed));
+    let again = say(&mut console, &set_tap(1, 600), &mut commands);
+    assert_eq!(again, Some((1, GroupNumber(3), Answer::Refused(Refusal::TrimPartFailed))));
+    say(&mut console, &set_tap(2, 600), &mut commands);
+    report_done(&mut console, 2, 3, Err(Refusal::Busy));
+    commands.dequeue();
+    commands.dequeue();
+    assert_eq!(say(&mut console, &set_tap(2, 600), &mut commands), None);
+    assert_eq!(commands.len(), 1, "tried again");
+    // The queue holds seven.
+    let answers: Vec<_> = (10..20).map(|k| say(&mut console, &set_tap(k, 600), &mut commands)).collect();
+    assert!(answers[..6].iter().all(Option::is_none));
+    assert!(answers[6..].iter().all(|answer| matches!(answer, Some((_, _, Answer::Refused(Refusal::Busy))))));
+}
+
+#[test]
+fn an_identity_opens_a_conversation_and_forgets_the_one_before() {
+    let mut console = console(MemoryStore::default());
+    let mut commands: Queue<Scheduled, 8> = Queue::new();
+    say(&mut console, &set_tap(5, 600), &mut commands);
+    report_done(&mut console, 5, 1, Ok(()));
+    let hello = Command { sequence: 4, at: None, request: Request::Identity };
+    assert!(say(&mut console, &hello, &mut commands).is_some());
+    assert!(say(&mut console, &hello, &mut commands).is_some(), "always anew");
+    assert_eq!(say(&mut console, &set_tap(5, 600), &mut commands), None);
+    assert_eq!(commands.len(), 2, "done, as another conversation's number is its own");
+}
+
+#[test]
+fn a_commit_that_comes_again_stores_once() {
+    let mut console = console(MemoryStore::default());
+    let mut commands: Queue<Scheduled, 8> = Queue::new();
+    let bytes = encoded("ZR-7");
+    for (part, chunk) in bytes.chunks(CHUNK).enumerate() {
+        let request = Request::WriteCalibration {
+            offset: u16::try_from(part * CHUNK).unwrap(),
+            bytes: chunk.iter().copied().collect(),
+        };
+        ask(&mut console, request);
+    }
+    let request = Request::CommitCalibration { length: u16::try_from(bytes.len()).unwrap() };
+    let commit = Command { sequence: 900, at: Some(GroupNumber(40)), request };
+    let done = Some((900, GroupNumber(40), Answer::Done));
+    assert_eq!(say(&mut console, &commit, &mut commands), done);
+    assert!(console.take_laws().is_none(), "its group has not come");
+    assert_eq!(say(&mut console, &commit, &mut commands), done);
+    console.group = GroupNumber(40);
+    assert!(console.take_laws().is_some());
+    assert_eq!(say(&mut console, &commit, &mut commands), done, "and the buffer is empty by now");
+    assert_eq!(stored(&mut console), bytes);
+}
+
+#[test]
+fn what_is_stored_is_named_when_it_cannot_be_used() {
+    let with = |bytes: &[u8], unit: &str| {
+        let mut store = MemoryStore::default();
+        store.commit(bytes).unwrap();
+        let identity = DeviceIdentity { unit: UnitSerial::try_from(unit).unwrap(), firmware: [1, 0, 0] };
+        let mut console = Console::new(identity, Timing::PAPER, store);
+        let Some(Answer::Identity(identity)) = ask(&mut console, Request::Identity) else { panic!("it keeps talking") };
+        assert_eq!(console.take_laws().is_some(), identity.calibration.is_in_use());
+        identity.calibration
+    };
+    let good = encoded("ZR-7");
+    assert_eq!(with(&good, "ZR-7"), CalibrationState::InUse);
+    assert_eq!(with(&good, ""), CalibrationState::InUse, "a board without a serial takes any");
+    assert_eq!(with(&good, "ZR-8"), CalibrationState::OtherUnit);
+    let mut damaged = good.clone();
+    damaged[60] ^= 4;
+    assert_eq!(with(&damaged, "ZR-7"), CalibrationState::Damaged);
+    let mut newer = good;
+    newer[4..6].copy_from_slice(&99_u16.to_le_bytes());
+    assert_eq!(with(&newer, "ZR-7"), CalibrationState::UnknownVersion { found: 99 });
+}
+
+#[test]
+fn a_frame_that_is_whole_and_says_nothing_we_know_is_counted_apart() {
+    let mut console = console(MemoryStore::default());
+    let mut commands: Queue<Scheduled, 8> = Queue::new();
+    // A request of a later version: a number that stands for none of ours.
+    let frame = frame::encode(&(3_u16, None::<u32>, 200_u8)).unwrap();
+    for &byte in &frame {
+        assert!(!console.receive(byte, &Status::default(), &mut commands.split().0, &mut |_: &[u8]| true));
+    }
+    let Some(Answer::Faults(faults)) = ask(&mut console, Request::Faults) else { panic!("the faults") };
+    assert_eq!((faults.unknown_frames, faults.damaged_frames), (1, 0));
+}
+
+mod noise;

@@ -4,7 +4,7 @@ use zerorate_core::units::{Axis, Taps};
 
 use super::{Moved, Plant};
 use crate::channel::WiperVolts;
-use crate::fault::Fault;
+use crate::fault::{Bus, Fault};
 use crate::truth::{AxisTruth, Sums, Truth};
 
 /// While scanning, temperatures and slow noise move on once this has passed: on the steepest ramp of 2.5 K/min the
@@ -15,8 +15,13 @@ const SLOW_STEP_NS: u64 = 100_000_000;
 const WAIT_STEP_NS: u64 = 1_000_000_000;
 
 impl Plant {
-    pub(crate) fn bus_is_dead(&self) -> bool {
-        self.faults.contains(&Fault::DeadSpi)
+    pub(crate) fn transfer_fails(&mut self, bus: Bus) -> bool {
+        self.faults.break_transfer(bus)
+    }
+
+    /// Whether the port is told to scan, and can.
+    pub(super) fn port_scans(&self) -> bool {
+        self.port.running() && !self.faults.contains(Fault::NoScans)
     }
 
     pub(crate) fn now_ns(&self) -> u64 {
@@ -32,10 +37,10 @@ impl Plant {
     /// Lets time pass by whole nanoseconds.
     pub(crate) fn pass_ns(&mut self, time_ns: u64) {
         let until_ns = self.now_ns + time_ns;
-        while self.port.running() && self.port_scan_ns <= until_ns {
+        while self.port_scans() && self.port_scan_ns <= until_ns {
             _ = self.port_scan();
         }
-        if !self.port.running() {
+        if !self.port_scans() {
             while self.slow_ns + WAIT_STEP_NS <= until_ns {
                 self.move_slow(self.slow_ns + WAIT_STEP_NS);
             }
@@ -91,10 +96,13 @@ impl Plant {
             sums.package_c += channel.thermal.package_c();
             sums.die_c += channel.thermal.die_c();
             sums.signals_v.iter_mut().zip(channel.filtered_v()).for_each(|(sum, volts)| *sum += volts);
-            if !self.faults.contains(&Fault::StuckTemperature(channel.axis)) {
+            if !self.faults.contains(Fault::StuckTemperature(channel.axis)) {
                 held[0] = self.converter.convert(temperature_v);
             }
-            held[1] = if self.faults.contains(&Fault::SaturatedInput(channel.axis)) {
+            if !self.faults.is_empty() {
+                held[0] = self.faults.temperature(channel.axis, held[0]);
+            }
+            held[1] = if self.faults.contains(Fault::SaturatedInput(channel.axis)) {
                 self.converter.convert(channel.high_rail_v())
             } else {
                 self.converter.convert(zero_rate_v)

@@ -1,0 +1,279 @@
+//! Each fault of the device's table, put there through the simulated bench and seen from the host: what is done, what is
+//! counted, what is said. No fault moves the wiper by more than the model asks.
+
+#![allow(clippy::unwrap_used)] // what a test cannot do without
+
+use zerorate_bench::client::{ClientError, DeviceClient};
+use zerorate_bench::plants::PlantKind;
+use zerorate_bench::setup::SetUp;
+use zerorate_bench::simulated;
+use zerorate_core::compensate::{EdgeTable, LowPass, Mode};
+use zerorate_core::drift::{Coverage, Drift, Polynomial, Scale, Shape, ValidRange};
+use zerorate_core::record::{AxisRecord, DeviceRecord, UnitSerial};
+use zerorate_core::trim::{Trim, TrimLine};
+use zerorate_core::units::{Axis, Celsius, Counts, Taps, TemperatureCode, TemperatureScale};
+use zerorate_core::wire::{
+    CalibrationState, GroupReport, Refusal, Request, ResetCause, SampleWindow, TemperatureCheck,
+};
+use zerorate_sim::{Fault, SharedPlant};
+
+/// Scans a group.
+const GROUP: u32 = 500;
+
+/// Eq. (1) and (2) of the paper's X, on both axes, calibrated over a range of temperature readings.
+fn record(valid: [f64; 2]) -> DeviceRecord {
+    let scale = Scale::spanning(8500.0, 11_900.0).unwrap();
+    let curve = Polynomial::from_raw_coefficients(scale, &[13_435.7, -0.894_782, 0.375_298e-4]).unwrap();
+    let mut axis = AxisRecord {
+        drift: Drift { shape: Shape::Polynomial(curve), valid: ValidRange::new(valid[0], valid[1]).unwrap() },
+        trim: Trim { line: TrimLine::new(-0.032, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap(), measured: None },
+        dead_band: 0.05,
+        low_pass: LowPass::NONE,
+        start_up_mode: Mode::Hybrid,
+        edges: None,
+        history: None,
+    };
+    axis.edges = Some(EdgeTable::solve(&axis.static_law(TemperatureScale::QUARTER_COUNTS)).unwrap());
+    DeviceRecord {
+        unit: UnitSerial::try_from("ZR-1").unwrap(),
+        temperature_scale: TemperatureScale::QUARTER_COUNTS,
+        axes: [axis.clone(), axis],
+    }
+}
+
+/// A calibrated device at work, X and Y in mode trim.
+struct Rig {
+    device: DeviceClient,
+    plant: SharedPlant,
+    record: DeviceRecord,
+}
+
+impl Rig {
+    fn at_work() -> Self {
+        Self::calibrated_over([8500.0, 11_900.0])
+    }
+
+    fn calibrated_over(valid: [f64; 2]) -> Self {
+        let unit = UnitSerial::try_from("ZR-1").unwrap();
+        let (link, plant) = simulated::bare_device(PlantKind::Paper.build(1), &SetUp::paper(), &unit);
+        let mut rig = Self { device: DeviceClient::new(link), plant, record: record(valid) };
+        rig.device.identify().unwrap();
+        rig.device.deploy(&rig.record).unwrap();
+        for axis in Axis::BOTH {
+            rig.device.order(Request::SetMode { axis, mode: Mode::Trim }).unwrap();
+        }
+        rig.start();
+        rig
+    }
+
+    fn start(&mut self) {
+        self.device.order(Request::SetStream { groups: true, samples: SampleWindow::NONE }).unwrap();
+        self.device.order(Request::SetAcquisition { run: true }).unwrap();
+    }
+
+    fn inject(&self, fault: Fault) {
+        self.plant.borrow_mut().inject(fault);
+    }
+
+    fn group(&mut self) -> GroupReport {
+        self.device.next_group().unwrap().report
+    }
+
+    fn groups(&mut self, n: usize) -> Vec<GroupReport> {
+        (0..n).map(|_| self.group()).collect()
+    }
+
+    /// The tap that the model asks for at a group's own temperature.
+    fn asked(&self, group: &GroupReport, axis: Axis) -> Taps {
+        let code = group.axes[axis.index()].sums.temperature_code().unwrap();
+        self.record.axis(axis).static_law(TemperatureScale::QUARTER_COUNTS).tap(code).unwrap()
+    }
+
+    fn wiper(&self, axis: Axis) -> u16 {
+        self.plant.borrow().potentiometer().wiper(axis).get()
+    }
+}
+
+fn taps(groups: &[GroupReport], axis: Axis) -> Vec<u16> {
+    groups.iter().map(|group| group.axes[axis.index()].tap.get()).collect()
+}
+
+fn checks(groups: &[GroupReport], axis: Axis) -> Vec<TemperatureCheck> {
+    groups.iter().map(|group| group.axes[axis.index()].temperature).collect()
+}
+
+#[test]
+fn without_a_fault_nothing_is_counted_and_every_temperature_is_believed() {
+    let mut rig = Rig::at_work();
+    rig.plant.borrow_mut().chamber_set_point(Celsius(60.0)).unwrap();
+    let groups = rig.groups(200);
+    for axis in Axis::BOTH {
+        assert!(checks(&groups, axis).iter().all(|&check| check == TemperatureCheck::Believed));
+    }
+    let faults = rig.device.faults().unwrap();
+    assert_eq!(faults, zerorate_core::wire::FaultCounts::default());
+}
+
+#[test]
+fn a_stuck_temperature_holds_its_tap_is_said_and_is_believed_again_when_it_moves() {
+    let mut rig = Rig::at_work();
+    rig.groups(5);
+    rig.inject(Fault::StuckTemperature(Axis::X));
+    rig.plant.borrow_mut().chamber_set_point(Celsius(60.0)).unwrap();
+    // Five minutes of the ramp: Y follows it, X does not know of it.
+    let stuck = rig.groups(200);
+    assert!(checks(&stuck[3..], Axis::X).iter().all(|&check| check == TemperatureCheck::Stuck));
+    let (x, y) = (taps(&stuck[1..], Axis::X), taps(&stuck[1..], Axis::Y));
+    assert!(x.iter().all(|&tap| tap == x[0]), "{x:?}");
+    assert!(y[0] != y[198], "Y's tap follows the ramp: {y:?}");
+    assert_eq!(rig.device.faults().unwrap().temperature_stuck as usize, 198, "all but the first two");
+    rig.plant.borrow_mut().clear_faults();
+    let mended = rig.groups(6);
+    assert_eq!(*checks(&mended, Axis::X).last().unwrap(), TemperatureCheck::Believed);
+    assert_eq!(mended[5].axes[0].tap, rig.asked(&mended[4], Axis::X));
+}
+
+#[test]
+fn one_bad_group_does_not_throw_the_tap_and_a_jump_that_stays_moves_it_to_what_the_model_asks() {
+    let mut rig = Rig::at_work();
+    let before = rig.groups(5)[4].axes[0].tap;
+    rig.inject(Fault::TemperatureOff { axis: Axis::X, counts: -2000, scans: GROUP });
+    let glitch = rig.groups(5);
+    assert!(checks(&glitch, Axis::X).contains(&TemperatureCheck::Jumped));
+    assert!(taps(&glitch, Axis::X).iter().all(|&tap| tap == before.get()), "{:?}", taps(&glitch, Axis::X));
+    assert_eq!(*checks(&glitch, Axis::X).last().unwrap(), TemperatureCheck::Believed);
+    assert!(checks(&glitch, Axis::Y).iter().all(|&check| check == TemperatureCheck::Believed), "Y is another sensor");
+
+    rig.inject(Fault::TemperatureOff { axis: Axis::X, counts: -2000, scans: 10 * GROUP });
+    let stays = rig.groups(9);
+    let jumped = checks(&stays, Axis::X).iter().filter(|&&check| check == TemperatureCheck::Jumped).count();
+    assert_eq!(jumped, 2, "{:?}", checks(&stays, Axis::X));
+    let asked = rig.asked(&stays[7], Axis::X);
+    assert_ne!(asked, before);
+    // From the old tap to the one that the model asks for, at once, and nowhere else.
+    let seen = taps(&stays, Axis::X);
+    assert!(seen.iter().all(|&tap| tap == before.get() || tap == asked.get()), "{seen:?}");
+    assert_eq!(seen[8], asked.get());
+    assert!(rig.device.faults().unwrap().temperature_jumped >= 3);
+}
+
+#[test]
+fn a_temperature_sensor_that_is_torn_off_is_never_believed() {
+    let mut rig = Rig::at_work();
+    let before = rig.groups(5)[4].axes[0].tap;
+    rig.inject(Fault::TemperatureAt { axis: Axis::X, counts: 0 });
+    let groups = rig.groups(20);
+    assert_eq!(checks(&groups[1..], Axis::X), [TemperatureCheck::Saturated; 19]);
+    assert!(taps(&groups, Axis::X).iter().all(|&tap| tap == before.get()));
+    assert!(rig.device.faults().unwrap().temperature_saturated >= 19);
+}
+
+#[test]
+fn outside_the_calibrated_range_the_temperature_is_clamped_and_it_is_said() {
+    // The room is at 10 710 counts.
+    let mut rig = Rig::calibrated_over([8500.0, 10_000.0]);
+    let groups = rig.groups(5);
+    let law = rig.record.axis(Axis::X).static_law(TemperatureScale::QUARTER_COUNTS);
+    let at_the_end = law.tap(TemperatureCode(40_000)).unwrap();
+    for group in &groups[1..] {
+        assert_eq!((group.axes[0].coverage, group.axes[0].tap), (Coverage::Above, at_the_end));
+    }
+    assert_eq!(rig.device.faults().unwrap().out_of_range, 10, "two axes, five groups");
+}
+
+#[test]
+fn a_saturated_reading_is_marked_and_the_tap_goes_on_following_the_temperature() {
+    let mut rig = Rig::at_work();
+    rig.groups(5);
+    rig.inject(Fault::SaturatedInput(Axis::Y));
+    rig.plant.borrow_mut().chamber_set_point(Celsius(60.0)).unwrap();
+    let groups = rig.groups(200);
+    assert!(groups[1..].iter().all(|group| group.axes[1].saturated && !group.axes[0].saturated));
+    assert!(rig.device.faults().unwrap().saturated >= 199);
+    assert_ne!(taps(&groups, Axis::Y)[2], taps(&groups, Axis::Y)[199]);
+}
+
+#[test]
+fn an_overrun_loses_groups_which_are_counted_and_named_and_throws_nothing() {
+    let mut rig = Rig::at_work();
+    let before = rig.groups(5);
+    rig.inject(Fault::Overrun { sets: 3 });
+    let after = rig.groups(3);
+    assert_eq!((before[4].group.0, after[0].group.0, after[0].lost), (4, 8, 3));
+    assert_eq!(rig.device.take_lost_groups(), [5..=7]);
+    assert_eq!(rig.device.faults().unwrap().lost_sets, 3);
+    assert_eq!(after[2].axes[0].tap, before[4].axes[0].tap);
+}
+
+#[test]
+fn a_failed_read_of_a_set_is_tried_again_and_a_dead_bus_loses_groups_by_name() {
+    let mut rig = Rig::at_work();
+    rig.groups(5);
+    rig.inject(Fault::PortSpi { transfers: 1 });
+    let again = rig.group();
+    assert_eq!((again.group.0, again.acquisition_errors), (5, 1), "the same set, a little later");
+    rig.inject(Fault::PortSpi { transfers: 4 });
+    let after = rig.groups(2);
+    assert_eq!(after[0].group.0, 8, "two sets could not be read");
+    assert_eq!(rig.device.take_lost_groups(), [6..=7]);
+    let faults = rig.device.faults().unwrap();
+    assert_eq!((faults.acquisition_errors, faults.lost_sets), (5, 2));
+}
+
+#[test]
+fn a_wiper_that_cannot_be_written_is_said_and_written_again() {
+    let mut rig = Rig::at_work();
+    let held = rig.groups(5)[4].axes[0].tap;
+    // A command that fails is refused; the wiper, wherever it stands now, is put back at the next group.
+    rig.inject(Fault::PotentiometerSpi { transfers: 1 });
+    let tap = Taps::new(600).unwrap();
+    let refused = rig.device.order(Request::SetTap { axis: Axis::X, tap });
+    assert!(matches!(refused, Err(ClientError::Refused(Refusal::TrimPartFailed))), "{refused:?}");
+    rig.groups(2);
+    assert_eq!(rig.wiper(Axis::X), held.get());
+    // A move that fails is tried at every group, and the report says so.
+    rig.inject(Fault::PotentiometerSpi { transfers: 3 });
+    rig.device.discard_groups();
+    for axis in Axis::BOTH {
+        rig.device.order(Request::SetMode { axis, mode: Mode::Off }).unwrap();
+    }
+    let moved = rig.device.order(Request::SetTap { axis: Axis::X, tap });
+    assert!(matches!(moved, Err(ClientError::Refused(Refusal::TrimPartFailed))), "{moved:?}");
+    let groups = rig.groups(6);
+    let failed = groups.iter().filter(|group| group.axes[0].trim_failed).count();
+    assert_eq!(failed, 2, "the third failure was the first");
+    assert_eq!(rig.wiper(Axis::X), held.get());
+    assert_eq!(rig.device.faults().unwrap().trim_errors, 4);
+}
+
+#[test]
+fn sets_that_stop_coming_end_in_a_restart_after_which_the_device_compensates_again() {
+    let mut rig = Rig::at_work();
+    rig.groups(5);
+    rig.inject(Fault::NoScans);
+    for _ in 0..6 {
+        assert!(rig.device.next_group().is_err());
+    }
+    rig.plant.borrow_mut().clear_faults();
+    rig.device.restarted();
+    let identity = rig.device.identify().unwrap();
+    assert_eq!(identity.reset, ResetCause::Watchdog);
+    assert_eq!((identity.calibration, identity.running), (CalibrationState::InUse, true));
+    assert_eq!(identity.modes, [Mode::Hybrid; 2], "those of start-up");
+    assert_eq!(rig.device.faults().unwrap().restarts, 1);
+    rig.device.order(Request::SetStream { groups: true, samples: SampleWindow::NONE }).unwrap();
+    let groups = rig.groups(3);
+    assert_eq!(groups[2].axes[0].tap, rig.asked(&groups[1], Axis::X), "it goes on by itself");
+}
+
+#[test]
+fn a_blank_device_and_another_units_record_run_at_the_middle_tap_and_say_why() {
+    let unit = UnitSerial::try_from("ZR-2").unwrap();
+    let (link, _) = simulated::bare_device(PlantKind::Paper.build(1), &SetUp::paper(), &unit);
+    let mut device = DeviceClient::new(link);
+    let identity = device.identify().unwrap();
+    assert_eq!((identity.calibration, identity.taps), (CalibrationState::Blank, [Taps::MIDDLE; 2]));
+    let refused = device.deploy(&record([8500.0, 11_900.0]));
+    assert!(matches!(refused, Err(ClientError::Refused(Refusal::OtherUnit))), "{refused:?}");
+    assert_eq!(device.identify().unwrap().calibration, CalibrationState::Blank);
+}
