@@ -80,6 +80,20 @@ type NativeApplication<A> = Application<A, Potentiometer, FlashStore<RecordFlash
 /// longer.
 const WATCHDOG_S: f64 = 8.0;
 
+/// What a board keeps through a restart of its processor, in memory that is not cleared.
+#[derive(Debug, Clone, Copy)]
+struct Kept {
+    /// Restarts by the watchdog since power came.
+    restarts: u32,
+    taps: [Taps; 2],
+}
+
+impl Default for Kept {
+    fn default() -> Self {
+        Self { restarts: 0, taps: [Taps::MIDDLE; 2] }
+    }
+}
+
 /// A watchdog on the plant's time.
 struct SimulatedWatchdog {
     plant: SharedPlant,
@@ -110,7 +124,7 @@ impl<A: OnPlant> NativeDevice<A> {
     fn new(plant: SharedPlant, identity: DeviceIdentity, timing: Timing) -> Self {
         let flash = FlashPart::new(Flash::erased(PAGES));
         let fed_at = Rc::new(Cell::new(plant.borrow().time().0));
-        let application = start(&plant, &identity, timing, &flash, &fed_at, 0);
+        let application = start(&plant, &identity, timing, &flash, &fed_at, Kept::default());
         Self {
             plant,
             identity,
@@ -150,14 +164,14 @@ impl<A: OnPlant> NativeDevice<A> {
 
     pub(crate) fn power_cycle(&mut self) {
         self.plant.borrow_mut().power_cycle();
-        self.restart(0);
+        self.restart(Kept::default());
     }
 
-    fn restart(&mut self, restarts: u32) {
+    fn restart(&mut self, kept: Kept) {
         self.outgoing.clear();
-        self.restarts = restarts;
+        self.restarts = kept.restarts;
         self.fed_at.set(self.plant.borrow().time().0);
-        self.application = start(&self.plant, &self.identity, self.timing, &self.flash, &self.fed_at, restarts);
+        self.application = start(&self.plant, &self.identity, self.timing, &self.flash, &self.fed_at, kept);
     }
 
     /// The task below the interrupt goes round; the watchdog restarts the processor, and nothing else on the board, if it
@@ -166,7 +180,7 @@ impl<A: OnPlant> NativeDevice<A> {
         self.application.task_ran();
         let patience = WATCHDOG_S.max(3.0 * self.group_period().0);
         if self.plant.borrow().time().0 - self.fed_at.get() > patience {
-            self.restart(self.restarts + 1);
+            self.restart(Kept { restarts: self.restarts + 1, taps: self.application.status().taps });
         }
     }
 
@@ -207,14 +221,18 @@ fn start<A: OnPlant>(
     timing: Timing,
     flash: &RecordFlash,
     fed_at: &Rc<Cell<f64>>,
-    restarts: u32,
+    kept: Kept,
 ) -> NativeApplication<A> {
     let Ok(store) = FlashStore::new(flash.clone(), 0..FLASH_BYTES) else { unreachable!("the pages are enough") };
     let part = Max5494Trim::new(PotentiometerSpi::new(plant), PlantDelay::new(plant));
-    let compensator = Compensator::new(A::connect(plant), part, timing);
+    let acquisition = A::connect(plant);
+    let (reset, compensator) = if kept.restarts == 0 {
+        (ResetCause::Power, Compensator::new(acquisition, part, timing))
+    } else {
+        (ResetCause::Watchdog, Compensator::holding(acquisition, part, timing, kept.taps))
+    };
     let watchdog = SimulatedWatchdog { plant: Rc::clone(plant), fed_at: Rc::clone(fed_at) };
-    let reset = if restarts == 0 { ResetCause::Power } else { ResetCause::Watchdog };
-    Application::supervised(compensator, identity.clone(), store, watchdog, reset, restarts)
+    Application::supervised(compensator, identity.clone(), store, watchdog, reset, kept.restarts)
 }
 
 /// The line to a native device.

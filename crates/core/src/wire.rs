@@ -324,6 +324,8 @@ pub enum Refusal {
     LawRefused,
     /// The record could not be stored.
     StoreFailed,
+    /// The acquisition was stopped, or started anew, before the command's group came.
+    Stopped,
 }
 
 impl core::fmt::Display for Refusal {
@@ -341,6 +343,7 @@ impl core::fmt::Display for Refusal {
             Self::OtherUnit => f.write_str("the record belongs to a unit of another serial"),
             Self::LawRefused => f.write_str("the device cannot run the record's law: compose it again"),
             Self::StoreFailed => f.write_str("the device could not store the record: its flash has failed"),
+            Self::Stopped => f.write_str("the acquisition was stopped before the command's group came: send it again"),
         }
     }
 }

@@ -36,7 +36,8 @@ impl<A: Acquisition, P: TrimPart, S: RecordStore> Application<A, P, S> {
 
 impl<A: Acquisition, P: TrimPart, S: RecordStore, W: Watchdog> Application<A, P, S, W> {
     /// The application at start-up with a watchdog over it. After a restart by the watchdog or by a fault of the program,
-    /// a calibrated device takes groups again by itself: compensation goes on, host or no host.
+    /// a calibrated device takes groups again by itself: compensation goes on, host or no host. The compensator is then one
+    /// that [holds](Compensator::holding) the wipers.
     #[must_use]
     pub fn supervised(
         mut compensator: Compensator<A, P>,
@@ -54,6 +55,9 @@ impl<A: Acquisition, P: TrimPart, S: RecordStore, W: Watchdog> Application<A, P,
             if reset.is_fault() {
                 compensator.resume();
             }
+        } else if reset.is_fault() {
+            // Uncompensated means the middle tap; wherever the wipers were held, it was for a law that is gone.
+            compensator.rest();
         }
         let supervisor = Supervisor::new(watchdog);
         Self { compensator, console, commands: Queue::new(), reports: Queue::new(), supervisor }

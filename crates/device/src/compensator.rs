@@ -76,6 +76,9 @@ pub enum Report {
     Samples(zerorate_core::wire::SampleBlock),
 }
 
+/// A command's number, the first group for which it holds, and what came of it.
+type Answered = (u16, GroupNumber, Result<(), Refusal>);
+
 /// What the task below the interrupt may look at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Status {
@@ -123,7 +126,7 @@ pub struct Compensator<A, P> {
     stream: Option<Stream>,
     waiting: Vec<Scheduled, MAX_WAITING>,
     /// Answers that found no room yet: none is ever dropped, or the host would ask in vain.
-    answers: Vec<Report, MAX_ANSWERS>,
+    answers: Vec<Answered, MAX_ANSWERS>,
     temperatures: [TemperatureWatch; 2],
     /// Wipers that may stand elsewhere than commanded, because a write failed.
     unsure: [bool; 2],
@@ -133,16 +136,22 @@ pub struct Compensator<A, P> {
 impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     /// A compensator at start-up: acquisition stopped, both wipers commanded to the middle tap, no calibration.
     #[must_use]
-    pub fn new(acquisition: A, mut part: P, timing: Timing) -> Self {
-        let mut status = Status::default();
-        let unsure = Axis::BOTH.map(|axis| part.write(axis, Taps::MIDDLE).is_err());
-        status.faults.trim_errors = unsure.map(u32::from).iter().sum();
+    pub fn new(acquisition: A, part: P, timing: Timing) -> Self {
+        let mut compensator = Self::holding(acquisition, part, timing, [Taps::MIDDLE; 2]);
+        compensator.rest();
+        compensator
+    }
+
+    /// A compensator after a restart that nobody asked for: the wipers are left where they stand, which are the taps that
+    /// the board has kept through it. With the first group each is written what it should have.
+    #[must_use]
+    pub fn holding(acquisition: A, part: P, timing: Timing, taps: [Taps; 2]) -> Self {
         Self {
             acquisition,
             part,
             timing,
             laws: None,
-            axes: Axis::BOTH.map(|_| AxisCompensation::new(None, Taps::MIDDLE)),
+            axes: taps.map(|tap| AxisCompensation::new(None, tap)),
             set: Set::default(),
             running: false,
             window: SampleWindow::NONE,
@@ -150,8 +159,16 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             waiting: Vec::new(),
             answers: Vec::new(),
             temperatures: Default::default(),
-            unsure,
-            status,
+            unsure: [true; 2],
+            status: Status::default(),
+        }
+    }
+
+    /// Commands both wipers to the middle tap.
+    pub fn rest(&mut self) {
+        for axis in Axis::BOTH {
+            // One that fails is counted, and written again with the next group.
+            let _ = self.write_wiper(axis, Taps::MIDDLE);
         }
     }
 
@@ -222,6 +239,9 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
                 }
             } else {
                 let result = self.act(command.action);
+                if matches!(command.action, Action::SetAcquisition(_)) && result.is_ok() {
+                    self.refuse_waiting(reports);
+                }
                 self.answer(command.sequence, result, reports);
             }
         }
@@ -288,18 +308,25 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     }
 
     fn answer(&mut self, sequence: u16, result: Result<(), Refusal>, reports: &mut Producer<'_, Report>) {
-        // In the order in which they were done.
-        self.report_answers(reports);
-        let answer = Report::Done { sequence, group: self.status.group, result };
-        let kept = if self.answers.is_empty() { reports.enqueue(answer) } else { Err(answer) };
-        if kept.is_err_and(|answer| self.answers.push(answer).is_err()) {
+        if self.answers.push((sequence, self.status.group, result)).is_err() {
             self.status.faults.dropped_uploads += 1;
+        }
+        self.report_answers(reports);
+    }
+
+    /// Reports what was answered, in that order, as far as there is room.
+    fn report_answers(&mut self, reports: &mut Producer<'_, Report>) {
+        while reports.ready() && !self.answers.is_empty() {
+            let (sequence, group, result) = self.answers.remove(0);
+            let _ = reports.enqueue(Report::Done { sequence, group, result });
         }
     }
 
-    fn report_answers(&mut self, reports: &mut Producer<'_, Report>) {
-        while reports.ready() && !self.answers.is_empty() {
-            let _ = reports.enqueue(self.answers.remove(0));
+    /// The groups that commands wait for will not come.
+    fn refuse_waiting(&mut self, reports: &mut Producer<'_, Report>) {
+        while !self.waiting.is_empty() {
+            let command = self.waiting.remove(0);
+            self.answer(command.sequence, Err(Refusal::Stopped), reports);
         }
     }
 

@@ -6,7 +6,8 @@ use zerorate_core::units::{Axis, Celsius, Volts};
 use zerorate_sim::Fault;
 
 /// The orders, for help texts.
-const KNOWN: &str = "chamber C, feed VOLTS, gyros, voltmeter, power, break stuck-x|stuck-y|saturated-x|saturated-y|spi, \
+const KNOWN: &str = "chamber C, feed VOLTS, gyros, voltmeter, power, break \
+                     stuck-x|stuck-y|torn-x|torn-y|jump-x|jump-y|saturated-x|saturated-y|overrun|no-scans|port|trim|spi, \
                      byte-errors RATE, mend, status, quit";
 
 /// What a person does at the bench of a virtual board.
@@ -57,12 +58,25 @@ impl FromStr for Order {
     }
 }
 
+/// A contact that is loose for a second.
+const fn jump(axis: Axis) -> Fault {
+    Fault::TemperatureOff { axis, counts: -2000, scans: 333 }
+}
+
 fn fault(what: &str) -> Option<Fault> {
     match what {
         "stuck-x" => Some(Fault::StuckTemperature(Axis::X)),
         "stuck-y" => Some(Fault::StuckTemperature(Axis::Y)),
         "saturated-x" => Some(Fault::SaturatedInput(Axis::X)),
         "saturated-y" => Some(Fault::SaturatedInput(Axis::Y)),
+        "torn-x" => Some(Fault::TemperatureAt { axis: Axis::X, counts: 0 }),
+        "torn-y" => Some(Fault::TemperatureAt { axis: Axis::Y, counts: 0 }),
+        "jump-x" => Some(jump(Axis::X)),
+        "jump-y" => Some(jump(Axis::Y)),
+        "overrun" => Some(Fault::Overrun { sets: 3 }),
+        "no-scans" => Some(Fault::NoScans),
+        "port" => Some(Fault::PortSpi { transfers: 4 }),
+        "trim" => Some(Fault::PotentiometerSpi { transfers: 4 }),
         "spi" => Some(Fault::DeadSpi),
         _ => None,
     }

@@ -269,3 +269,30 @@ fn the_status_says_taps_modes_and_whether_sets_arrive() {
     assert_eq!(status.modes, [Mode::Trim, Mode::Off]);
     assert_eq!(status.taps.map(Taps::get), [500, 511]);
 }
+
+#[test]
+fn commands_that_wait_when_the_acquisition_stops_are_answered() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetAcquisition(true));
+    let tap = Action::SetTap(Axis::Y, Taps::new(600).unwrap());
+    assert_eq!(rig.order(Some(900), tap), []);
+    assert_eq!(rig.order(None, Action::SetAcquisition(false)), [refused(0, Refusal::Stopped), done(0)]);
+    assert_eq!(rig.writes(), []);
+}
+
+#[test]
+fn after_a_restart_the_wipers_are_held_until_the_first_group_and_then_written_what_they_should_have() {
+    let mut rig = Rig::blank();
+    let taps = [500, 512].map(|tap| Taps::new(tap).unwrap());
+    rig.compensator = Compensator::holding(rig.sets.clone(), rig.part.clone(), Timing::PAPER, taps);
+    let record = record("u");
+    rig.compensator.install(Axis::BOTH.map(|axis| record.axis(axis).law(record.temperature_scale).unwrap()));
+    rig.compensator.set_modes([Mode::Hybrid, Mode::Off]);
+    rig.compensator.resume();
+    assert_eq!(rig.writes(), []);
+    assert_eq!(rig.compensator.status().taps, taps);
+    rig.set(0, 8500, 8200);
+    assert_eq!(rig.writes(), [(Axis::X, 500), (Axis::Y, 512)]);
+    rig.set(1, 8502, 8200);
+    assert_eq!(rig.writes(), []);
+}
