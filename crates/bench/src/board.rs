@@ -56,6 +56,14 @@ pub struct Info {
     pub calibration: String,
     /// The stored record, where there is one.
     pub record: Option<RecordFacts>,
+    /// Whether groups are being taken.
+    pub acquiring: bool,
+    /// The last commanded taps, X then Y.
+    pub taps: [u16; 2],
+    /// The modes, X then Y.
+    pub modes: [&'static str; 2],
+    /// Why the board started last.
+    pub started: String,
 }
 
 /// What a stored record says of itself.
@@ -106,6 +114,10 @@ impl Board {
             calibrated: identity.calibration.is_in_use(),
             calibration: identity.calibration.to_string(),
             record: RecordFacts::of(&stored),
+            acquiring: identity.running,
+            taps: identity.taps.map(Taps::get),
+            modes: identity.modes.map(Mode::name),
+            started: identity.reset.to_string(),
         })
     }
 

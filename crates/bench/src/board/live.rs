@@ -5,7 +5,7 @@ use std::time::Duration;
 use serde::Serialize;
 use zerorate_core::drift::Coverage;
 use zerorate_core::units::Axis;
-use zerorate_core::wire::{Request, SampleWindow};
+use zerorate_core::wire::{Request, SampleWindow, TemperatureCheck};
 
 use super::Board;
 use crate::client::{ClientError, Group};
@@ -45,7 +45,8 @@ pub struct LiveAxis {
     pub moved_to: Option<u16>,
     /// The mode while it was taken.
     pub mode: &'static str,
-    /// What to look at: `below`, `above`, `invalid`, `saturated`.
+    /// What to look at: `below`, `above`, `invalid`, `saturated`, `temperature-stuck`, `temperature-jumped`,
+    /// `temperature-saturated`, `trim-failed`.
     pub flags: Vec<&'static str>,
 }
 
@@ -112,6 +113,12 @@ impl LiveGroup {
                 Coverage::Invalid if of.mode == super::Mode::Off => None,
                 Coverage::Invalid => Some("invalid"),
             };
+            let temperature = match of.temperature {
+                TemperatureCheck::Believed => None,
+                TemperatureCheck::Stuck => Some("temperature-stuck"),
+                TemperatureCheck::Jumped => Some("temperature-jumped"),
+                TemperatureCheck::Saturated => Some("temperature-saturated"),
+            };
             LiveAxis {
                 axis: axis.name(),
                 temperature_counts: of.sums.mean_temperature().0,
@@ -121,7 +128,15 @@ impl LiveGroup {
                 tap: of.tap.get(),
                 moved_to: of.moved_to.map(super::Taps::get),
                 mode: of.mode.name(),
-                flags: coverage.into_iter().chain(of.saturated.then_some("saturated")).collect(),
+                flags: [
+                    coverage,
+                    of.saturated.then_some("saturated"),
+                    temperature,
+                    of.trim_failed.then_some("trim-failed"),
+                ]
+                .into_iter()
+                .flatten()
+                .collect(),
             }
         });
         Self { group: report.group.0, lost: report.lost, axes }

@@ -34,7 +34,9 @@ impl Info {
                 "groups",
                 format!("{} samples every {} us: {period_s} s each", info.samples_per_group, info.sample_period_us),
             ),
-            ("at group", info.group.to_string()),
+            ("at group", format!("{}, {}", info.group, if info.acquiring { "acquiring" } else { "standing still" })),
+            ("taps", format!("{} and {} ({} and {})", info.taps[0], info.taps[1], info.modes[0], info.modes[1])),
+            ("started", info.started.clone()),
             ("calibration", info.calibration.clone()),
             ("stored", stored),
         ]);
