@@ -180,14 +180,9 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
 
     /// What the task below may look at.
     #[must_use]
-    pub fn status(&self) -> Status {
-        let axes = &self.axes;
-        Status {
-            running: self.running,
-            taps: axes.each_ref().map(|a| a.tap()),
-            modes: axes.each_ref().map(|a| a.mode()),
-            ..self.status
-        }
+    pub const fn status(&self) -> Status {
+        let [x, y] = &self.axes;
+        Status { running: self.running, taps: [x.tap(), y.tap()], modes: [x.mode(), y.mode()], ..self.status }
     }
 
     /// The acquisition, for whoever drives its ticks.
