@@ -1,19 +1,24 @@
 //! Conditioning: from the rows of a log to groups of which only drift is left.
 //!
 //! Rows without numbers, start-up rows and spikes are dropped within a group; groups in which the unit was
-//! moved are left out, and steps of the rate are found and taken out, on the groups ([`level()`]). Everything found is
+//! moved, or the temperature stood still, are left out, and steps of the rate are found and taken out, on the groups ([`level()`]). Everything found is
 //! counted and can be shown. What is kept in memory is groups.
 
 mod group;
 mod level;
 mod motion;
 mod robust;
+mod settle;
 mod step;
+mod temperature;
+mod weight;
 
 use serde::Serialize;
 
 pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUPS};
-pub use level::{Levels, level};
+pub use level::{Levels, leave_out_times, level};
+pub use temperature::smooth_stairs;
+pub use weight::weigh;
 
 /// Why rows were left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -33,6 +38,10 @@ pub enum DropReason {
     Rotation,
     /// In the group in which the rate stepped.
     Step,
+    /// In a group within which nothing was logged for long.
+    Gap,
+    /// In a stretch in which the temperature stood still, and then jumped.
+    FrozenTemperature,
 }
 
 /// A count of rows left out for one reason.
@@ -80,9 +89,9 @@ impl Tally {
 pub struct Stretch {
     /// Why.
     pub reason: DropReason,
-    /// The first row and the row after the last, from 0.
+    /// The first row and the row after the last, from 0; of a gap twice the row after it.
     pub rows: (u64, u64),
-    /// The time of the first and last group, seconds from the log's first row; NaN without a time column.
+    /// The time of its first and last row, seconds from the log's first row; NaN without a time column.
     pub time_s: (f64, f64),
     /// The least and greatest group temperature, in the column's unit.
     pub temperature: (f64, f64),

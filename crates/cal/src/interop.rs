@@ -1,5 +1,6 @@
 //! Formats of autopilots and of other programs. What these call things stays in here.
 
+mod dataflash;
 pub mod export;
 mod streams;
 mod ulog;
@@ -41,7 +42,13 @@ impl Format {
 
 /// The format that a file's first bytes tell, if it is an autopilot's.
 pub(crate) fn recognise(start: &[u8]) -> Option<Format> {
-    if start.starts_with(&ulog::MAGIC) { Some(Format::ULog) } else { None }
+    if start.starts_with(&ulog::MAGIC) {
+        Some(Format::ULog)
+    } else if dataflash::recognises(start) {
+        Some(Format::DataFlash)
+    } else {
+        None
+    }
 }
 
 /// Reads a log once from beginning to end.
@@ -50,6 +57,6 @@ pub(crate) fn read(path: &Path, format: Format, sink: &mut dyn Sink) -> Result<E
     let file = File::open(path).map_err(unreadable)?;
     match format {
         Format::ULog => ulog::read(file, sink).map_err(unreadable),
-        Format::DataFlash => ulog::read(file, sink).map_err(unreadable),
+        Format::DataFlash => dataflash::read(file, sink).map_err(unreadable),
     }
 }

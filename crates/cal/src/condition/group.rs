@@ -110,6 +110,9 @@ pub struct Grouping {
     rates: Vec<Vec<f64>>,
     groups: Vec<Group>,
     tallies: Vec<Tally>,
+    /// The least change from one temperature to another.
+    temperature_step: f64,
+    last_temperature: f64,
 }
 
 impl Grouping {
@@ -127,7 +130,16 @@ impl Grouping {
             rates: vec![Vec::new(); axes],
             groups: Vec::new(),
             tallies: vec![Tally::default(); axes],
+            temperature_step: f64::INFINITY,
+            last_temperature: f64::NAN,
         }
+    }
+
+    /// The least change from one row's temperature to another: the height of a stair of a coarse sensor. Infinite where
+    /// none changed.
+    #[must_use]
+    pub fn temperature_step(&self) -> f64 {
+        self.temperature_step
     }
 
     /// Takes in some rows, in order.
@@ -135,6 +147,13 @@ impl Grouping {
         if rows.part != self.part {
             self.close();
             self.part = rows.part;
+        }
+        for temperature in rows.temperature.iter().filter(|temperature| temperature.is_finite()) {
+            let step = (temperature - self.last_temperature).abs();
+            if step > 0.0 && step < self.temperature_step {
+                self.temperature_step = step;
+            }
+            self.last_temperature = *temperature;
         }
         let mut start = 0;
         while start < rows.temperature.len() {

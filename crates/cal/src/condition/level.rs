@@ -1,73 +1,175 @@
-//! What can be seen on groups: stretches in which the unit was moved, and steps of the rate.
+//! What can be seen on groups: stretches that are no drift, and steps of the rate.
 
 use super::motion::mark_moved;
+use super::settle::mark_settling;
 use super::step::take_out_steps;
+use super::temperature::mark_frozen;
 use super::{DropReason, Group, Step, Stretch, Tally};
 use crate::quality::TemperatureUnit;
 
 /// A jump of the temperature of more than this share of the least span, 0.5 C, explains a jump of the rate.
 const TEMPERATURE_JUMP: f64 = 0.05;
 
+/// Two steps in opposite directions whose sizes agree to this share are one stretch of another rate.
+const AGREEMENT: f64 = 0.1;
+
+/// A time without rows is told if it is longer than this, and than [`GAP_GROUPS`].
+const GAP_S: f64 = 30.0;
+
+/// In typical groups.
+const GAP_GROUPS: f64 = 3.0;
+
 /// What was found.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Levels {
-    /// Stretches left out of all axes, for a unit that is moved is moved as a whole.
+    /// Stretches left out of all axes, for a unit that is moved is moved as a whole; and gaps.
     pub stretches: Vec<Stretch>,
     /// Steps taken out.
     pub steps: Vec<Step>,
 }
 
-/// Leaves out the groups in which the unit was moved (their rows become 0 and are counted) and takes out steps: rates
-/// after a step are reduced by its size, so the curve holds for the level before the first one.
-pub fn level(groups: &mut [Group], tallies: &mut [Tally], unit: TemperatureUnit) -> Levels {
+/// Leaves out the groups in which the unit was moved, settled after its start, or had no true temperature (their rows
+/// become 0 and are counted) and takes out steps: rates after a step are reduced by its size, so the curve holds for the
+/// level before the first one. `turns` is a rate that only a turning unit shows, infinite where there is none.
+pub fn level(groups: &mut [Group], tallies: &mut [Tally], unit: TemperatureUnit, turns: f64) -> Levels {
     let axes = tallies.len();
-    let mut moved = vec![false; groups.len()];
+    let mut marks: Vec<Option<DropReason>> = vec![None; groups.len()];
     for axis in 0..axes {
-        mark_moved(groups, axis, &mut moved);
+        mark_moved(groups, axis, turns, &mut marks);
     }
+    mark_frozen(groups, &mut marks);
+    mark_gaps_within(groups, &mut marks);
     let rows: Vec<Vec<u32>> = groups.iter().map(|group| group.axes.iter().map(|part| part.rows).collect()).collect();
-    for (group, _) in groups.iter_mut().zip(&moved).filter(|(_, moved)| **moved) {
-        group.axes.iter_mut().for_each(|part| part.rows = 0);
-    }
+    leave_out(groups, &marks);
     let margin = TEMPERATURE_JUMP * unit.min_span();
-    let steps: Vec<Step> = (0..axes).flat_map(|axis| take_out_steps(groups, axis, margin)).collect();
-    let mut stretches = stretches(groups, &moved);
-    for stretch in &mut stretches {
-        name_the_group_of_a_step(stretch, groups, &steps);
+    let mut steps: Vec<Step> = (0..axes).flat_map(|axis| take_out_steps(groups, axis, margin)).collect();
+    join_opposite_steps(groups, &mut steps, &mut marks);
+    for axis in 0..axes {
+        mark_settling(groups, axis, &mut marks);
     }
-    for (group, rows) in groups.iter().zip(rows) {
-        let left_out = stretches.iter().find(|stretch| (stretch.rows.0..stretch.rows.1).contains(&group.first_row));
-        for ((tally, rows), stretch) in tallies.iter_mut().zip(rows).zip(std::iter::repeat(left_out)) {
-            if let Some(stretch) = stretch {
-                tally.add(stretch.reason, u64::from(rows));
+    name_the_groups_of_steps(groups, &steps, &mut marks);
+    leave_out(groups, &marks);
+    for ((group, rows), mark) in groups.iter().zip(rows).zip(&marks) {
+        for ((tally, rows), part) in tallies.iter_mut().zip(rows).zip(&group.axes) {
+            if let Some(reason) = mark.filter(|_| part.rows == 0) {
+                tally.add(reason, u64::from(rows));
             }
         }
     }
+    let mut stretches = stretches(groups, &marks);
+    stretches.extend(gaps(groups));
+    stretches.sort_by_key(|stretch| stretch.rows);
     Levels { stretches, steps }
 }
 
-/// A group in which a step falls scatters like a moved one, but nothing moved.
-fn name_the_group_of_a_step(stretch: &mut Stretch, groups: &[Group], steps: &[Step]) {
-    let one_group = groups.iter().any(|group| (group.first_row, group.end_row) == stretch.rows);
-    if one_group && steps.iter().any(|step| step.row == stretch.rows.1) {
-        stretch.reason = DropReason::Step;
+/// Leaves out the groups of one sensor at times at which another of the same unit was moved. Gives what was left out
+/// besides what was left out before.
+pub fn leave_out_times(groups: &mut [Group], tallies: &mut [Tally], times_s: &[(f64, f64)]) -> Vec<Stretch> {
+    let overlaps = |group: &Group| times_s.iter().any(|(from, to)| group.times_s.0 <= *to && group.times_s.1 >= *from);
+    let marks: Vec<Option<DropReason>> = groups
+        .iter()
+        .map(|group| (group.axes.iter().any(|part| part.rows > 0) && overlaps(group)).then_some(DropReason::Rotation))
+        .collect();
+    for (group, _) in groups.iter().zip(&marks).filter(|(_, mark)| mark.is_some()) {
+        for (tally, part) in tallies.iter_mut().zip(&group.axes) {
+            tally.add(DropReason::Rotation, u64::from(part.rows));
+        }
+    }
+    leave_out(groups, &marks);
+    stretches(groups, &marks)
+}
+
+fn leave_out(groups: &mut [Group], marks: &[Option<DropReason>]) {
+    for (group, _) in groups.iter_mut().zip(marks).filter(|(_, mark)| mark.is_some()) {
+        for part in &mut group.axes {
+            part.rows = 0;
+            part.weight = 0.0;
+        }
     }
 }
 
-fn stretches(groups: &[Group], moved: &[bool]) -> Vec<Stretch> {
+/// A step up and one back down by as much are a rotation that lasted, or a disturbance: the stretch between is left out and
+/// the level after it is as it was.
+fn join_opposite_steps(groups: &mut [Group], steps: &mut Vec<Step>, marks: &mut [Option<DropReason>]) {
+    let mut place = 0;
+    while place + 1 < steps.len() {
+        let (first, second) = (&steps[place], &steps[place + 1]);
+        let same = first.axis == second.axis && (first.size + second.size).abs() < AGREEMENT * first.size.abs();
+        if !same {
+            place += 1;
+            continue;
+        }
+        let (axis, from, to, up, down) = (first.axis, first.row, second.row, first.size, second.size);
+        for (group, mark) in groups.iter_mut().zip(marks.iter_mut()).filter(|(group, _)| group.first_row >= from) {
+            group.axes[axis].rate += up;
+            if group.first_row < to {
+                *mark = Some(DropReason::Rotation);
+            } else {
+                group.axes[axis].rate += down;
+            }
+        }
+        steps.drain(place..place + 2);
+    }
+}
+
+/// A group in which a step falls scatters like a moved one, but nothing moved.
+fn name_the_groups_of_steps(groups: &[Group], steps: &[Step], marks: &mut [Option<DropReason>]) {
+    for step in steps {
+        let Some(after) = groups.iter().position(|group| group.first_row == step.row) else { continue };
+        let alone = |place: usize| place == 0 || marks[place - 1].is_none();
+        if after > 0 && marks[after - 1] == Some(DropReason::Rotation) && alone(after - 1) {
+            marks[after - 1] = Some(DropReason::Step);
+        }
+    }
+}
+
+/// Groups of rows between which nothing was logged for long: their means are of two times.
+fn mark_gaps_within(groups: &[Group], marks: &mut [Option<DropReason>]) {
+    let limit = gap_limit(groups);
+    for (group, mark) in groups.iter().zip(marks) {
+        if group.times_s.1 - group.times_s.0 > limit && mark.is_none() {
+            *mark = Some(DropReason::Gap);
+        }
+    }
+}
+
+/// Times without rows between groups.
+fn gaps(groups: &[Group]) -> Vec<Stretch> {
+    let limit = gap_limit(groups);
+    groups
+        .windows(2)
+        .filter(|pair| pair[0].log == pair[1].log && pair[1].times_s.0 - pair[0].times_s.1 > limit)
+        .map(|pair| Stretch {
+            reason: DropReason::Gap,
+            rows: (pair[0].end_row, pair[1].first_row),
+            time_s: (pair[0].times_s.1, pair[1].times_s.0),
+            temperature: (pair[0].temperature.min(pair[1].temperature), pair[0].temperature.max(pair[1].temperature)),
+        })
+        .collect()
+}
+
+/// A time longer than this is a gap, seconds.
+fn gap_limit(groups: &[Group]) -> f64 {
+    let mut lengths: Vec<f64> = groups.iter().map(|group| group.times_s.1 - group.times_s.0).collect();
+    let typical = super::robust::median(&mut lengths);
+    if typical.is_finite() { (GAP_GROUPS * typical).max(GAP_S) } else { f64::INFINITY }
+}
+
+fn stretches(groups: &[Group], marks: &[Option<DropReason>]) -> Vec<Stretch> {
     let mut found: Vec<Stretch> = Vec::new();
-    for (group, _) in groups.iter().zip(moved).filter(|(_, moved)| **moved) {
-        match found.last_mut().filter(|stretch| stretch.rows.1 == group.first_row) {
+    for (group, mark) in groups.iter().zip(marks) {
+        let Some(reason) = *mark else { continue };
+        match found.last_mut().filter(|stretch| stretch.rows.1 == group.first_row && stretch.reason == reason) {
             Some(stretch) => {
                 stretch.rows.1 = group.end_row;
-                stretch.time_s.1 = group.time_s;
+                stretch.time_s.1 = group.times_s.1;
                 stretch.temperature.0 = stretch.temperature.0.min(group.temperature);
                 stretch.temperature.1 = stretch.temperature.1.max(group.temperature);
             }
             None => found.push(Stretch {
-                reason: DropReason::Rotation,
+                reason,
                 rows: (group.first_row, group.end_row),
-                time_s: (group.time_s, group.time_s),
+                time_s: group.times_s,
                 temperature: (group.temperature, group.temperature),
             }),
         }

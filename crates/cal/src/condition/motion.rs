@@ -1,8 +1,8 @@
 //! Groups in which the unit was moved.
 
-use super::Group;
 use super::group::typical_scatter;
 use super::robust::{centre_and_sigma, median, noise};
+use super::{DropReason, Group};
 
 /// A group whose scatter is this many times the typical one was moved. With 21 rows a standard deviation is itself
 /// known to 15 %.
@@ -14,11 +14,12 @@ const MOVED_SIGMA: f64 = 12.0;
 /// Groups on each side that the running median looks at: a rotation shorter than as many groups cannot move it.
 const NEIGHBOURS: usize = 10;
 
-/// Marks the groups in which an axis shows a movement.
-pub(super) fn mark_moved(groups: &[Group], axis: usize, moved: &mut [bool]) {
+/// Marks the groups in which an axis shows a movement; `turns` is a distance from the median rate that no drift reaches.
+pub(super) fn mark_moved(groups: &[Group], axis: usize, turns: f64, marks: &mut [Option<DropReason>]) {
     let typical = typical_scatter(groups, axis);
     let used: Vec<usize> = (0..groups.len()).filter(|&group| groups[group].axes[axis].rows > 0).collect();
     let rates: Vec<f64> = used.iter().map(|&group| groups[group].axes[axis].rate).collect();
+    let middle = median(&mut rates.clone());
     let deviations: Vec<f64> = (0..rates.len())
         .map(|place| {
             // Symmetric, so that a drift at the ends of the log is no deviation.
@@ -31,10 +32,11 @@ pub(super) fn mark_moved(groups: &[Group], axis: usize, moved: &mut [bool]) {
     }
     let (_, sigma) = centre_and_sigma(&deviations);
     let sigma = sigma.max(noise(&rates));
-    for (&group, deviation) in used.iter().zip(&deviations) {
+    for ((&group, deviation), rate) in used.iter().zip(&deviations).zip(&rates) {
         let scatter = groups[group].axes[axis].scatter;
-        if deviation.abs() > MOVED_SIGMA * sigma || scatter > MOVED_SCATTER * typical {
-            moved[group] = true;
+        let turned = (rate - middle).abs() > turns;
+        if deviation.abs() > MOVED_SIGMA * sigma || scatter > MOVED_SCATTER * typical || turned {
+            marks[group] = Some(DropReason::Rotation);
         }
     }
 }

@@ -3,19 +3,23 @@
 use super::robust::{centre_and_sigma, noise};
 use super::{Group, Step};
 
-/// Groups on each side of a boundary from which a line is drawn to it.
+/// Groups on each side of a boundary from which a line is drawn to it: close by, so that the temperature's slope is in
+/// the lines and no more of the drift than a line holds.
 const STEP_GROUPS: usize = 8;
 
-/// A jump at a boundary of more than this many standard deviations is a step.
-const STEP_SIGMA: f64 = 12.0;
+/// A jump at a boundary of more than this many standard deviations of all such jumps may be a step.
+const STEP_SIGMA: f64 = 15.0;
 
 /// A step is this many times the rms of the values about the lines on either side: a rate that bends from one level to
-/// another drifts, and only one that is steady before and after has stepped. The largest bends of the shared chamber
-/// recording come to 9.
-const STEADY: f64 = 15.0;
+/// another drifts, and only one that is steady before and after has stepped.
+const STEADY: f64 = 8.0;
 
 /// Steps taken out of one axis, at most: a rate with more of them is not one with steps.
-const MAX_STEPS: usize = 8;
+const MAX_STEPS: usize = 4;
+
+/// A step stands out by this factor from the largest jump beyond [`MAX_STEPS`]. Parts jump by themselves at some
+/// temperatures: the shared chamber recording has a dozen jumps, the largest 2.5 times the fifth.
+const STANDS_OUT: f64 = 5.0;
 
 /// Finds the largest step of an axis, takes it out, and looks again. `temperature_margin` is the jump of the temperature
 /// that explains a jump of the rate, as where a log was stopped and went on.
@@ -31,7 +35,8 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
         let rates: Vec<f64> = used.iter().map(|&group| groups[group].axes[axis].rate).collect();
         let jumps = jumps(&used, &rates);
         let (_, sigma) = centre_and_sigma(&jumps.iter().map(|jump| jump.size).collect::<Vec<_>>());
-        let limit = STEP_SIGMA * sigma.max(noise(&rates));
+        let limit =
+            (STEP_SIGMA * sigma.max(noise(&rates))).max(STANDS_OUT * background(&jumps, MAX_STEPS - steps.len()));
         let largest = jumps
             .iter()
             .zip(&temperature_jumps)
@@ -39,6 +44,8 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
                 jump.size.abs() > limit
                     && jump.size.abs() > STEADY * jump.unsteadiness
                     && temperature.size.abs() <= temperature_margin
+                    // Between two logs it is no step.
+                    && groups[jump.group].log == groups[jump.before].log
             })
             .map(|(jump, _)| jump)
             .max_by(|a, b| a.size.abs().total_cmp(&b.size.abs()));
@@ -57,8 +64,27 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
     steps
 }
 
+/// The size of the largest jump that is left when so many separate ones are taken away; 0 of none.
+fn background(jumps: &[Jump], separate: usize) -> f64 {
+    let mut order: Vec<usize> = (0..jumps.len()).collect();
+    order.sort_by(|a, b| jumps[*b].size.abs().total_cmp(&jumps[*a].size.abs()));
+    let mut peaks: Vec<usize> = Vec::new();
+    for place in order {
+        // A jump shows at all boundaries whose lines reach over it.
+        if peaks.iter().all(|peak| place.abs_diff(*peak) >= STEP_GROUPS) {
+            if peaks.len() == separate {
+                return jumps[place].size.abs();
+            }
+            peaks.push(place);
+        }
+    }
+    0.0
+}
+
 /// What happens at a boundary between groups.
 struct Jump {
+    /// The last group before it.
+    before: usize,
     /// The first group after it.
     group: usize,
     /// The line through the values after it less the line through those before it, both drawn to the boundary.
@@ -73,12 +99,13 @@ fn jumps(used: &[usize], values: &[f64]) -> Vec<Jump> {
     let points: Vec<(f64, f64)> = used.iter().map(|&group| group as f64).zip(values.iter().copied()).collect();
     points
         .windows(2 * STEP_GROUPS)
-        .zip(&used[STEP_GROUPS..])
-        .map(|(window, &group)| {
+        .zip(used[STEP_GROUPS - 1..].windows(2))
+        .map(|(window, groups)| {
             let (before, after) = window.split_at(STEP_GROUPS);
             let boundary = f64::midpoint(before[STEP_GROUPS - 1].0, after[0].0);
             let ((before, before_rms), (after, after_rms)) = (line_at(before, boundary), line_at(after, boundary));
-            Jump { group, size: after - before, unsteadiness: before_rms.max(after_rms) }
+            let unsteadiness = before_rms.max(after_rms);
+            Jump { before: groups[0], group: groups[1], size: after - before, unsteadiness }
         })
         .collect()
 }

@@ -34,7 +34,7 @@ fn condition(temperatures: &[f64], rates: &[Vec<f64>]) -> (Vec<Group>, Vec<Tally
     let time_s: Vec<f64> = (0..temperatures.len()).map(|row| row as f64 * 0.5).collect();
     grouping.push_rows(&rows(&time_s, temperatures, rates));
     let (mut groups, mut tallies) = grouping.finish();
-    let levels = level(&mut groups, &mut tallies, TemperatureUnit::C);
+    let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY);
     (groups, tallies, levels)
 }
 

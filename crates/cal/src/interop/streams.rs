@@ -38,6 +38,11 @@ impl Streams {
         Some(number)
     }
 
+    /// Whether no sensor was met.
+    pub(super) fn is_empty(&self) -> bool {
+        self.sensors.is_empty()
+    }
+
     /// Seconds from the first row of any sensor.
     pub(super) fn seconds(&mut self, time_us: u64) -> f64 {
         let first = *self.first_us.get_or_insert(time_us);

@@ -1,12 +1,11 @@
 //! A file as a window of bytes that moves forward over it, whatever the file's length.
 
-use std::io::{self, Read};
+use std::io::{self, Read, Seek};
 
 /// Bytes in the window: more than any message has.
 const WINDOW_BYTES: usize = 1 << 20;
 
 /// The bytes of a reader from some position on.
-#[derive(Debug)]
 pub(super) struct Window<R> {
     reader: R,
     bytes: Vec<u8>,
@@ -68,5 +67,14 @@ impl<R: Read> Window<R> {
                 return Ok(self.position - begin);
             }
         }
+    }
+}
+
+impl<R: Read + Seek> Window<R> {
+    /// Goes back to the beginning of the file.
+    pub(super) fn rewind(&mut self) -> io::Result<()> {
+        self.reader.rewind()?;
+        (self.start, self.end, self.position) = (0, 0, 0);
+        Ok(())
     }
 }

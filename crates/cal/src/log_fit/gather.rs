@@ -19,6 +19,8 @@ pub(super) struct Gathered {
     pub tallies: Vec<Tally>,
     /// All rows.
     pub rows: u64,
+    /// The least change from one row's temperature to another.
+    pub temperature_step: f64,
 }
 
 /// What was gathered of all logs.
@@ -156,6 +158,7 @@ impl Gathered {
         }
         self.groups.append(&mut next.groups);
         self.rows += next.rows;
+        self.temperature_step = self.temperature_step.min(next.temperature_step);
         for (own, other) in self.tallies.iter_mut().zip(&next.tallies) {
             other.rejected().iter().for_each(|rejected| own.add(rejected.reason, rejected.count));
         }
@@ -226,8 +229,9 @@ impl Sink for Taking<'_> {
 
 impl Taken {
     fn finish(self) -> Gathered {
+        let temperature_step = self.grouping.temperature_step();
         let (groups, tallies) = self.grouping.finish();
-        Gathered { stream: self.stream, groups, tallies, rows: self.rows }
+        Gathered { stream: self.stream, groups, tallies, rows: self.rows, temperature_step }
     }
 }
 

@@ -2,12 +2,23 @@
 
 use std::path::Path;
 
+use zerorate_core::drift::Scale;
+
 use super::gather::{Gathered, gather, is_accelerometer};
 use super::residual::Residuals;
 use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, choose, words};
 use crate::choose::Stretches;
-use crate::condition::{Levels, level};
+use crate::condition::{DropReason, Group, Levels, Stretch, leave_out_times, level, smooth_stairs, weigh};
+use crate::fit::{Basis, Fit};
 use crate::quality::{Judgement, Reason, ReasonKind};
+use crate::table::RateUnit;
+
+/// The order of the polynomial that tells what an accelerometer shows at its reference temperature.
+const REFERENCE_ORDER: usize = 3;
+
+/// A rate further than this from the log's median is a rotation: 17 degrees a second, thirty times the drift of the worst
+/// of the shared field-fitted units.
+const TURNS_RAD_PER_S: f64 = 0.3;
 
 /// Fits every axis of every sensor: one pass for the groups, the rest on them.
 pub(super) fn fit(paths: &[&Path], options: &FitOptions, fit: &mut LogFit) -> Result<(), LogFitError> {
@@ -19,12 +30,76 @@ pub(super) fn fit(paths: &[&Path], options: &FitOptions, fit: &mut LogFit) -> Re
         let seen: Vec<String> = logs.seen.iter().map(ToString::to_string).collect();
         fit.judgement.add(Reason::new(ReasonKind::NoSensor, words::no_sensor(&seen)));
     }
-    for sensor in &mut logs.sensors {
-        let levels = level(&mut sensor.groups, &mut sensor.tallies, sensor.stream.temperature_unit);
+    let mut levels: Vec<Levels> = logs.sensors.iter_mut().map(condition).collect();
+    leave_out_together(&mut logs.sensors, &mut levels);
+    for (sensor, levels) in logs.sensors.iter_mut().zip(levels) {
+        if is_accelerometer(&sensor.stream) {
+            (0..sensor.stream.names.len()).for_each(|axis| take_from_reference(&mut sensor.groups, axis));
+        }
+        (0..sensor.stream.names.len()).for_each(|axis| weigh(&mut sensor.groups, axis));
         fit_sensor(sensor, &levels, options, fit);
-        fit.stretches.extend(levels.stretches);
+        for stretch in levels.stretches {
+            // Sensors of one unit are moved, and stop, together.
+            let same = |known: &Stretch| known.reason == stretch.reason && overlap(known.time_s, stretch.time_s);
+            match fit.stretches.iter_mut().find(|known| same(known)) {
+                Some(known) => {
+                    known.time_s = (known.time_s.0.min(stretch.time_s.0), known.time_s.1.max(stretch.time_s.1));
+                }
+                None => fit.stretches.push(stretch),
+            }
+        }
     }
+    fit.stretches.sort_by(|a, b| a.time_s.0.total_cmp(&b.time_s.0));
     Ok(())
+}
+
+/// Finds what is no drift in a sensor's groups.
+fn condition(sensor: &mut Gathered) -> Levels {
+    if words::is_coarse(sensor) {
+        smooth_stairs(&mut sensor.groups, sensor.temperature_step);
+    }
+    let turns = TURNS_RAD_PER_S
+        * match sensor.stream.unit {
+            RateUnit::RadPerS => 1.0,
+            RateUnit::Dps => 1.0_f64.to_degrees(),
+            RateUnit::Counts | RateUnit::MetresPerS2 => f64::INFINITY,
+        };
+    level(&mut sensor.groups, &mut sensor.tallies, sensor.stream.temperature_unit, turns)
+}
+
+/// A unit is moved as a whole: what one sensor saw of it, the others leave out too.
+fn leave_out_together(sensors: &mut [Gathered], levels: &mut [Levels]) {
+    let times = |levels: &Levels| -> Vec<(f64, f64)> {
+        let moved = levels.stretches.iter().filter(|stretch| stretch.reason == DropReason::Rotation);
+        moved.map(|stretch| stretch.time_s).filter(|(from, to)| from.is_finite() && to.is_finite()).collect()
+    };
+    let all: Vec<Vec<(f64, f64)>> = levels.iter().map(times).collect();
+    for (place, (sensor, levels)) in sensors.iter_mut().zip(levels).enumerate() {
+        let others: Vec<(f64, f64)> =
+            all.iter().enumerate().filter(|(other, _)| *other != place).flat_map(|(_, times)| times).copied().collect();
+        levels.stretches.extend(leave_out_times(&mut sensor.groups, &mut sensor.tallies, &others));
+    }
+}
+
+/// Takes what an accelerometer shows at the middle of its temperatures from all its readings: gravity and its constant,
+/// which cannot be told apart at rest.
+fn take_from_reference(groups: &mut [Group], axis: usize) {
+    let used = || groups.iter().filter(|group| group.axes[axis].rows > 0 && group.temperature.is_finite());
+    let span = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), group| {
+        (min.min(group.temperature), max.max(group.temperature))
+    });
+    let Some(scale) = Scale::spanning(span.0, span.1) else { return };
+    let order = REFERENCE_ORDER.min(used().count().saturating_sub(1));
+    let mut fit = Fit::new(scale, Basis::Powers(order), 1);
+    used().for_each(|group| fit.push(group.temperature, &[group.axes[axis].rate]));
+    // The middle of the range is 0 of the scaled variable, where only the constant is left.
+    let Ok(solutions) = fit.finish() else { return };
+    let constant = solutions[0].coefficients[0];
+    groups.iter_mut().for_each(|group| group.axes[axis].rate -= constant);
+}
+
+fn overlap(a: (f64, f64), b: (f64, f64)) -> bool {
+    a.0 <= b.1 && b.0 <= a.1
 }
 
 fn fit_sensor(sensor: &Gathered, levels: &Levels, options: &FitOptions, fit: &mut LogFit) {

@@ -4,6 +4,9 @@ use super::gather::Gathered;
 use crate::condition::{DropReason, Levels, Step, Stretch};
 use crate::quality::{Judgement, Reason, ReasonKind};
 
+/// A step of the temperature of this share of the least span is coarse.
+const COARSE: f64 = 0.02;
+
 /// Puts what conditioning found of an axis into its judgement.
 pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, levels: &Levels) {
     let (stream, tally) = (&sensor.stream, &sensor.tallies[axis]);
@@ -14,6 +17,13 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
     let spikes = tally.count(DropReason::Spike) + tally.count(DropReason::TemperatureSpike);
     let what = "far from their neighbours; look for a loose connection or a disturbed bench";
     judgement.dropped(ReasonKind::Spikes, name, what, spikes, sensor.rows);
+    if is_coarse(sensor) {
+        let text = format!(
+            "the temperature comes in steps of {:.2} {unit}: they were drawn to a slope, and the curve is blurred by them",
+            sensor.temperature_step
+        );
+        judgement.add(Reason::new(ReasonKind::CoarseTemperature, text));
+    }
     for stretch in &levels.stretches {
         if let Some(reason) = of_stretch(stretch, unit) {
             judgement.add(reason);
@@ -24,9 +34,24 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
     }
 }
 
+/// Whether the temperature comes in steps that a curve feels: a fiftieth of the least span, 0.2 C.
+pub(super) fn is_coarse(sensor: &Gathered) -> bool {
+    let step = sensor.temperature_step;
+    step.is_finite() && step >= COARSE * sensor.stream.temperature_unit.min_span()
+}
+
 fn of_stretch(stretch: &Stretch, unit: &str) -> Option<Reason> {
     let (kind, what) = match stretch.reason {
         DropReason::Rotation => (ReasonKind::Rotation, "the unit was moved"),
+        DropReason::StartUp => (ReasonKind::StartUp, "the readings settled after the start"),
+        DropReason::FrozenTemperature => (ReasonKind::FrozenTemperature, "the temperature stood still, then jumped,"),
+        DropReason::Gap => {
+            let text = format!(
+                "nothing was logged from {:.0} s to {:.0} s, at {:.1} to {:.1} {unit}: what happened there is not known",
+                stretch.time_s.0, stretch.time_s.1, stretch.temperature.0, stretch.temperature.1
+            );
+            return Some(Reason::new(ReasonKind::Gap, text));
+        }
         // A step is told by itself.
         _ => return None,
     };

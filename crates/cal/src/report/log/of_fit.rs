@@ -102,6 +102,8 @@ fn words_for(reason: DropReason) -> &'static str {
         DropReason::Spike => "rate far from its neighbours",
         DropReason::Rotation => "the unit was moved",
         DropReason::Step => "the rate stepped",
+        DropReason::Gap => "nothing was logged for a while",
+        DropReason::FrozenTemperature => "the temperature stood still",
     }
 }
 

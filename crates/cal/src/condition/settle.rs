@@ -1,0 +1,74 @@
+//! The first readings after the start, which settle towards the others.
+
+use super::robust::{median, noise};
+use super::{DropReason, Group};
+
+/// Groups at the beginning of a log that may settle: the first minute or so.
+const MOST: usize = 8;
+
+/// Groups behind them that show where the rate settles to.
+const REFERENCE: usize = 12;
+
+/// A group further than this many standard deviations from where the others lead settles.
+const SETTLING_SIGMA: f64 = 10.0;
+
+/// Marks the groups at the beginning of each log that settle, in one axis.
+pub(super) fn mark_settling(groups: &[Group], axis: usize, marks: &mut [Option<DropReason>]) {
+    let mut start = 0;
+    while start < groups.len() {
+        let end = start + groups[start..].iter().take_while(|group| group.log == groups[start].log).count();
+        mark_start(&groups[start..end], axis, &mut marks[start..end]);
+        start = end;
+    }
+}
+
+fn mark_start(groups: &[Group], axis: usize, marks: &mut [Option<DropReason>]) {
+    if groups.len() < 2 * (MOST + REFERENCE) {
+        return;
+    }
+    let point = |place: usize| (groups[place].temperature, groups[place].axes[axis].rate);
+    let usable = |place: &usize| groups[*place].axes[axis].rows > 0 && groups[*place].temperature.is_finite();
+    let later: Vec<f64> = (MOST..groups.len()).filter(usable).map(|place| point(place).1).collect();
+    let sigma = noise(&later);
+    let mut last = None;
+    // From the settled groups back to the start: each is predicted by those behind it.
+    for place in (0..MOST).rev() {
+        let behind: Vec<(f64, f64)> = (place + 1..).take(REFERENCE).filter(usable).map(point).collect();
+        if behind.len() < REFERENCE / 2 || !usable(&place) {
+            continue;
+        }
+        let (predicted, spread) = extrapolated(&behind, point(place).0);
+        if (point(place).1 - predicted).abs() > SETTLING_SIGMA * sigma.max(spread) {
+            last = last.max(Some(place));
+        } else if last.is_none() {
+            continue;
+        }
+    }
+    // Only what begins with the log settles, and what settles comes closer to where it settles.
+    let Some(last) = last else { return };
+    let settled: Vec<(f64, f64)> = (last + 1..).take(REFERENCE).filter(usable).map(point).collect();
+    let off = |place: usize| {
+        let (predicted, spread) = extrapolated(&settled, point(place).0);
+        ((point(place).1 - predicted).abs(), spread)
+    };
+    let all = (0..=last).filter(usable).all(|place| {
+        let (off, spread) = off(place);
+        off > SETTLING_SIGMA * sigma.max(spread)
+    });
+    let closer = (0..last).all(|place| off(place).0 > off(place + 1).0);
+    if all && closer {
+        marks[..=last].iter_mut().filter(|mark| mark.is_none()).for_each(|mark| *mark = Some(DropReason::StartUp));
+    }
+}
+
+/// The line through points of temperature and rate, drawn to a temperature, and how uncertain it is there.
+fn extrapolated(points: &[(f64, f64)], temperature: f64) -> (f64, f64) {
+    let n = points.len() as f64;
+    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / n, y + point.1 / n));
+    let run: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
+    let rise: f64 = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum();
+    let slope = if run > 0.0 { rise / run } else { 0.0 };
+    let mut off: Vec<f64> = points.iter().map(|point| (point.1 - y - slope * (point.0 - x)).abs()).collect();
+    let far = if run > 0.0 { (temperature - x).powi(2) / run } else { 0.0 };
+    (y + slope * (temperature - x), 1.4826 * median(&mut off) * (1.0 + 1.0 / n + far).sqrt())
+}

@@ -1,0 +1,70 @@
+//! Temperatures that are not what the gyro has: frozen, or in coarse steps.
+
+use super::robust::median;
+use super::{DropReason, Group};
+
+/// Groups in which the temperature does not change at all, at least, to be frozen.
+const FROZEN_GROUPS: usize = 6;
+
+/// A frozen temperature ends in a jump of this many times what it changes by from group to group.
+const FROZEN_JUMP: f64 = 5.0;
+
+/// Marks stretches in which the temperature stood still although it moves elsewhere, and then jumped to where it was.
+pub(super) fn mark_frozen(groups: &[Group], marks: &mut [Option<DropReason>]) {
+    let flat = |group: &Group| group.temperature_range <= 0.0;
+    let still = groups.iter().filter(|group| flat(group)).count();
+    if still == 0 || 2 * still > groups.len() {
+        return;
+    }
+    let change = |pair: &[Group]| (pair[1].temperature - pair[0].temperature).abs();
+    let mut changes: Vec<f64> =
+        groups.windows(2).filter(|pair| !flat(&pair[0]) && !flat(&pair[1])).map(change).collect();
+    let typical = median(&mut changes);
+    let mut start = 0;
+    for run in groups.chunk_by(|a, b| flat(a) && flat(b) && same(a.temperature, b.temperature)) {
+        let end = start + run.len();
+        if run.len() >= FROZEN_GROUPS
+            && flat(&run[0])
+            && groups.get(end).is_some_and(|next| change_to(&run[0], next) > FROZEN_JUMP * typical)
+        {
+            marks[start..end]
+                .iter_mut()
+                .filter(|mark| mark.is_none())
+                .for_each(|mark| *mark = Some(DropReason::FrozenTemperature));
+        }
+        start = end;
+    }
+}
+
+fn change_to(group: &Group, next: &Group) -> f64 {
+    (next.temperature - group.temperature).abs()
+}
+
+fn same(a: f64, b: f64) -> bool {
+    a.total_cmp(&b).is_eq()
+}
+
+/// Draws the stairs of a coarse temperature to a slope: each group takes the mean of those around it over about the time
+/// of one stair. `step` is the height of a stair.
+pub fn smooth_stairs(groups: &mut [Group], step: f64) {
+    let temperatures: Vec<f64> = groups.iter().map(|group| group.temperature).collect();
+    let rise: f64 = temperatures.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|rise| rise.is_finite()).sum();
+    if rise <= 0.0 {
+        return;
+    }
+    // Groups that a stair takes, on average.
+    let stair = step * temperatures.len() as f64 / rise;
+    let reach = (0..=MOST_REACH).take_while(|reach| 2.0 * (*reach as f64) < stair).last().unwrap_or(0);
+    for (place, group) in groups.iter_mut().enumerate() {
+        // Symmetric, so that a slope stays one at the ends.
+        let reach = reach.min(place).min(temperatures.len() - 1 - place);
+        let around = temperatures[place - reach..=place + reach].iter().filter(|t| t.is_finite());
+        let (sum, count) = around.fold((0.0, 0_u32), |(sum, count), t| (sum + t, count + 1));
+        if count > 0 && group.temperature.is_finite() {
+            group.temperature = sum / f64::from(count);
+        }
+    }
+}
+
+/// Groups on each side over which stairs are smoothed, at most: ten minutes of 10 s each.
+const MOST_REACH: usize = 30;
