@@ -11,12 +11,14 @@
 use heapless::spsc::{Consumer, Producer, Queue};
 use rtic::Mutex;
 use zerorate_core::compensate::AxisLaw;
-use zerorate_device::acquisition::Acquisition;
+use zerorate_device::acquisition::{Acquisition, Timing};
 use zerorate_device::application::{COMMANDS, REPORTS};
 use zerorate_device::compensator::{Compensator, Report, Scheduled, Status};
 use zerorate_device::console::{Console, DeviceIdentity, Transmit};
 use zerorate_device::store::RecordStore;
 use zerorate_device::trim_part::TrimPart;
+
+use crate::fault::{self, Started};
 
 /// Bytes of the host that may wait for the console: two frames of the longest kind but one.
 const RECEIVED: usize = 1024;
@@ -54,6 +56,7 @@ impl<A: Acquisition, P: TrimPart> Interrupt<A, P> {
     /// The work of the interrupt: a set is ready, or a command was queued.
     pub fn service(&mut self) {
         self.compensator.service(&mut self.commands, &mut self.reports);
+        fault::keep_taps(self.compensator.status().taps);
     }
 
     fn stream(&mut self) -> bool {
@@ -81,17 +84,39 @@ pub struct Task<S> {
 /// What the host's line pushes the bytes that it receives into.
 pub type Received = Producer<'static, u8>;
 
-/// The parts at start-up, with the stored record in use if it is whole and this unit's.
+/// The compensator at start-up: with both wipers at the middle tap, or, after a panic, where they were.
+pub fn compensator<A: Acquisition, P: TrimPart>(
+    acquisition: A,
+    part: P,
+    timing: Timing,
+    started: &Started,
+) -> Compensator<A, P> {
+    if started.reset.is_fault() {
+        Compensator::holding(acquisition, part, timing, started.taps)
+    } else {
+        Compensator::new(acquisition, part, timing)
+    }
+}
+
+/// The parts at start-up, with the stored record in use if it is whole and this unit's. After a panic the compensation
+/// goes on by itself.
 pub fn start<A: Acquisition, P: TrimPart, S: RecordStore>(
     queues: &'static mut Queues,
     mut compensator: Compensator<A, P>,
     identity: DeviceIdentity,
     store: S,
+    started: &Started,
 ) -> (Interrupt<A, P>, Task<S>, Received) {
     let mut console = Console::new(identity, compensator.timing(), store);
+    console.started(started.reset, started.restarts);
     if let Some((laws, modes)) = console.take_laws() {
         compensator.install(laws);
         compensator.set_modes(modes);
+        if started.reset.is_fault() {
+            compensator.resume();
+        }
+    } else if started.reset.is_fault() {
+        compensator.rest();
     }
     let (order, obey) = queues.commands.split();
     let (report, reported) = queues.reports.split();
@@ -114,9 +139,7 @@ impl<S: RecordStore> Task<S> {
             let status = interrupt.lock(|interrupt| interrupt.status());
             let has_work = self.console.receive(byte, &status, &mut self.commands, line);
             self.taken = self.taken.wrapping_add(1);
-            if let Some((laws, _)) = self.console.take_laws() {
-                interrupt.lock(|interrupt| interrupt.install(laws));
-            }
+            self.install(interrupt);
             if has_work {
                 pend();
                 self.upload(interrupt, line);
@@ -139,8 +162,16 @@ impl<S: RecordStore> Task<S> {
             let more = interrupt.lock(Interrupt::stream);
             self.console.upload(&mut self.reports, line);
             if !more {
-                return;
+                break;
             }
+        }
+        self.install(interrupt);
+    }
+
+    /// Takes a new record into use, when its group is about to begin.
+    fn install<A: Acquisition, P: TrimPart>(&mut self, interrupt: &mut impl Mutex<T = Interrupt<A, P>>) {
+        if let Some((laws, _)) = self.console.take_laws() {
+            interrupt.lock(|interrupt| interrupt.install(laws));
         }
     }
 }

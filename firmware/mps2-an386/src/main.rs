@@ -15,7 +15,6 @@ use core::cell::RefCell;
 use critical_section::Mutex;
 use heapless::String;
 use zerorate_device::acquisition::Timing;
-use zerorate_device::compensator::Compensator;
 use zerorate_device::console::DeviceIdentity;
 use zerorate_device::port::PortAcquisition;
 use zerorate_device::store::FlashStore;
@@ -68,10 +67,11 @@ mod app {
         let port = PortAcquisition::new(LockstepSpi::new(&CHANNEL, Bus::Port));
         let potentiometer =
             Max5494Trim::new(LockstepSpi::new(&CHANNEL, Bus::Potentiometer), LockstepDelay::new(&CHANNEL));
-        let compensator = Compensator::new(port, potentiometer, timing);
+        let started = fault::started();
+        let compensator = parts::compensator(port, potentiometer, timing, &started);
         let flash = LockstepFlash::new(&CHANNEL);
         let Ok(store) = Store::new(flash, 0..FLASH_BYTES as u32) else { panic!() };
-        let (interrupt, task, received) = parts::start(cx.local.queues, compensator, identity, store);
+        let (interrupt, task, received) = parts::start(cx.local.queues, compensator, identity, store, &started);
         let (receiving, sending) = chip::uart0();
         (Shared { interrupt, progress: Poll::default() }, Local { task, sending, receiving, received })
     }
