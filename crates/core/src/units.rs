@@ -84,34 +84,52 @@ impl Add<Kelvins> for Celsius {
 }
 
 /// The position of a 1024-tap potentiometer's wiper, 0 to 1023.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(try_from = "u16", into = "u16")]
-pub struct Taps(u16);
+// One more than the position: so a tap that may be none fits one register, and an update of the loop needs no stack.
+pub struct Taps(core::num::NonZeroU16);
 
 impl Taps {
     /// The first position.
-    pub const FIRST: Self = Self(0);
+    pub const FIRST: Self = Self::at(0);
     /// The paper's N0: the lower of the two middle positions of 1024 (READING.md, S2).
-    pub const MIDDLE: Self = Self(511);
+    pub const MIDDLE: Self = Self::at(511);
     /// The last position.
-    pub const LAST: Self = Self(1023);
+    pub const LAST: Self = Self::at(1023);
 
     /// A wiper position, or `None` above 1023.
     #[must_use]
     pub const fn new(position: u16) -> Option<Self> {
-        if position <= Self::LAST.0 { Some(Self(position)) } else { None }
+        if position <= Self::LAST.get() { Some(Self::at(position)) } else { None }
     }
 
     /// The position as a number, 0 to 1023.
     #[must_use]
     pub const fn get(self) -> u16 {
-        self.0
+        self.0.get() - 1
+    }
+
+    /// How many taps this one is after another; more than there are when it is before it.
+    #[inline]
+    pub(crate) fn after(self, first: Self) -> usize {
+        usize::from(self.0.get()).wrapping_sub(usize::from(first.0.get()))
+    }
+
+    /// A position below the highest number of 16 bits.
+    const fn at(position: u16) -> Self {
+        Self(core::num::NonZeroU16::MIN.saturating_add(position))
+    }
+}
+
+impl core::fmt::Debug for Taps {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_tuple("Taps").field(&self.get()).finish()
     }
 }
 
 impl From<Taps> for u16 {
     fn from(taps: Taps) -> Self {
-        taps.0
+        taps.get()
     }
 }
 

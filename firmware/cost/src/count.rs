@@ -24,9 +24,9 @@ impl Counter {
 
     /// Instructions from one reading of the clock to the next, with what the readings take.
     #[inline(always)]
-    pub fn between<T>(&self, act: impl FnOnce() -> T) -> u32 {
+    pub fn between(&self, act: impl FnOnce()) -> u32 {
         let before = SYST::get_current();
-        core::hint::black_box(act());
+        act();
         let after = SYST::get_current();
         let ticks = before.wrapping_sub(after) % WRAP;
         // 25.6 ticks an instruction, to the nearest.
@@ -42,24 +42,41 @@ core::arch::global_asm!(
     ".thumb_func",
     ".global cost_ten",
     "cost_ten:",
-    "nop", "nop", "nop", "nop", "nop", "nop", "nop", "nop", "nop",
+    "nop",
+    "nop",
+    "nop",
+    "nop",
+    "nop",
+    "nop",
+    "nop",
+    "nop",
+    "nop",
     "bx lr",
 );
 
-/// Counts a function of any signature: the instructions from its call to its return, both counted.
+/// Counts a function: the instructions from its call to its return, both counted.
 ///
-/// `$to` is the type of the function, so that one that only returns can be called in the same way.
+/// Its arguments stand with their types, so that a function that only returns can be called from the same place: what is
+/// done to call it is then in both counts.
 #[macro_export]
 macro_rules! count {
-    ($counter:expr, $function:expr, $to:ty, ($($argument:expr),*)) => {{
-            // SAFETY: it returns at once, whatever its arguments are; what it returns is looked at by nobody.
-        let nothing: $to = unsafe { core::mem::transmute(core::hint::black_box($crate::cost_return as *const ())) };
-        let function: $to = core::hint::black_box($function);
-        let mut raw = [0; 2];
-        for (raw, function) in raw.iter_mut().zip([nothing, function]) {
-            *raw = $counter.between(|| function($($argument),*));
+    ($counter:expr, $function:expr, fn($($argument:expr => $type:ty),*) -> $out:ty) => {{
+        type Function = fn($($type),*) -> core::mem::MaybeUninit<$out>;
+        // SAFETY: `MaybeUninit` has the form of what is in it. The function that returns at once leaves it as it is,
+        // and nobody looks at it.
+        let functions: [Function; 2] = unsafe {
+            [
+                core::mem::transmute::<*const (), Function>($crate::cost_return as *const ()),
+                core::mem::transmute::<*const (), Function>($function as *const ()),
+            ]
+        };
+        let mut counts = [0; 2];
+        for (count, function) in counts.iter_mut().zip(core::hint::black_box(&functions[..])) {
+            *count = $counter.between(|| {
+                let _ = function($($argument),*);
+            });
         }
         // The call, and the return that the other has as well.
-        raw[1] - raw[0] + 2
+        counts[1] - counts[0] + 2
     }};
 }

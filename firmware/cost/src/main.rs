@@ -14,7 +14,7 @@ mod print;
 use core::hint::black_box;
 
 use cortex_m_rt::entry;
-use zerorate_core::compensate::{AxisCompensation, AxisLaw, EdgeTable, LowPass, Mode, StaticLaw};
+use zerorate_core::compensate::{AxisCompensation, AxisLaw, EdgeTable, LowPass, Mode, Q16, StaticLaw};
 use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, Table, ValidRange};
 use zerorate_core::group::GroupSums;
 use zerorate_core::trim::{TapEffects, Trim, TrimLine};
@@ -27,39 +27,31 @@ unsafe extern "C" {
     /// Returns at once.
     safe fn cost_return();
     /// Ten instructions, its return counted.
-    safe fn cost_ten();
+    fn cost_ten();
 }
 
-/// No tap: what a function of C's form returns where Rust's says `None`.
-const NO_TAP: u32 = u32::MAX;
-
-extern "C" fn push(sums: &mut GroupSums, temperature: u16, zro: u16) {
+fn push(sums: &mut GroupSums, temperature: u16, zro: u16) {
     sums.push(temperature, zro);
 }
 
-extern "C" fn close(axis: &mut AxisCompensation, law: &AxisLaw, sums: &GroupSums) -> i32 {
+fn close(axis: &mut AxisCompensation, law: &AxisLaw, sums: &GroupSums) -> i32 {
     axis.skip_samples(sums.n);
     axis.close_group(Some(law), sums).corrected.0
 }
 
-extern "C" fn update(axis: &mut AxisCompensation, law: &AxisLaw, code: u16) -> u32 {
-    axis.update(law, TemperatureCode(code)).map_or(NO_TAP, |tap| u32::from(tap.get()))
+fn update(axis: &mut AxisCompensation, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
+    axis.update(law, code)
 }
 
-extern "C" fn written(axis: &mut AxisCompensation, law: &AxisLaw, tap: u16) {
-    if let Some(tap) = Taps::new(tap) {
-        axis.wiper_written(Some(law), tap);
-    }
+fn written(axis: &mut AxisCompensation, law: &AxisLaw, tap: Taps) {
+    axis.wiper_written(Some(law), tap);
 }
 
-extern "C" fn correction(law: &AxisLaw, code: u16, tap: u16) -> i32 {
-    match Taps::new(tap) {
-        Some(tap) => law.correction(TemperatureCode(code), tap).0,
-        None => 0,
-    }
+fn correction(law: &AxisLaw, code: TemperatureCode, tap: Taps) -> Q16 {
+    law.correction(code, tap)
 }
 
-extern "C" fn sample(axis: &mut AxisCompensation, zro: u16) -> i32 {
+fn sample(axis: &mut AxisCompensation, zro: u16) -> i32 {
     axis.sample(zro).0
 }
 
@@ -108,14 +100,14 @@ fn main() -> ! {
     let counter = Counter::new(peripherals.SYST);
     let line = |name: &str, count: u32| print::line(name, count);
     // The yardstick itself: ten instructions and their call.
-    line("yardstick", count!(counter, cost_ten, extern "C" fn(), ()));
+    line("yardstick", count!(counter, cost_ten, fn() -> ()));
 
     let (law, table) = running(2);
     let mut sums = GroupSums::default();
     for k in 0..499_u16 {
         sums.push(8600 + k % 7, 8400 + k % 11);
     }
-    line("sample", count!(counter, push, extern "C" fn(&mut GroupSums, u16, u16), (&mut sums, 8603, 8405)));
+    line("sample", count!(counter, push, fn(&mut sums => &mut GroupSums, 8603 => u16, 8405 => u16) -> ()));
 
     let mut axis = AxisCompensation::new(Some(&law), Taps::MIDDLE);
     axis.set_mode(Mode::Hybrid);
@@ -124,43 +116,43 @@ fn main() -> ! {
         axis.wiper_written(Some(&law), tap);
     }
     axis.skip_samples(2 * 500);
-    type Close = extern "C" fn(&mut AxisCompensation, &AxisLaw, &GroupSums) -> i32;
-    line("group", count!(counter, close, Close, (&mut axis, &law, &sums)));
+    line(
+        "group",
+        count!(counter, close, fn(&mut axis => &mut AxisCompensation, &law => &AxisLaw, &sums => &GroupSums) -> i32),
+    );
 
-    type Update = extern "C" fn(&mut AxisCompensation, &AxisLaw, u16) -> u32;
     let Some(now) = table.intervals().get(4) else { panic!() };
-    let code = now.first + 2;
-    if let Some(tap) = axis.update(&law, TemperatureCode(code)) {
+    let code = TemperatureCode(now.first + 2);
+    if let Some(tap) = axis.update(&law, code) {
         axis.wiper_written(Some(&law), tap);
     }
-    line("update", count!(counter, update, Update, (&mut axis, &law, code)));
+    line("update", count_update(&counter, &mut axis, &law, code));
 
-    // One edge further, either way; the counts are of two axes in the same state.
+    // One edge further, either way: the longer of the two.
     let (mut hotter, mut colder) = (axis.clone(), axis.clone());
-    let up = count_once(&counter, &mut hotter, &law, now.hold_up_to + 1);
-    let down = count_once(&counter, &mut colder, &law, now.hold_down_to - 1);
+    let up = count_update(&counter, &mut hotter, &law, TemperatureCode(now.hold_up_to + 1));
+    let down = count_update(&counter, &mut colder, &law, TemperatureCode(now.hold_down_to - 1));
     line("update-edge", up.max(down));
-    let tap = axis.tap().get() + 1;
-    type Written = extern "C" fn(&mut AxisCompensation, &AxisLaw, u16);
-    line("written", count!(counter, written, Written, (&mut hotter, &law, tap)));
-    line("sample-corrected", count!(counter, sample, extern "C" fn(&mut AxisCompensation, u16) -> i32, (&mut axis, 8405)));
+    let tap = table.intervals()[5].tap;
+    line(
+        "written",
+        count!(counter, written, fn(&mut hotter => &mut AxisCompensation, &law => &AxisLaw, tap => Taps) -> ()),
+    );
+    line("sample-corrected", count!(counter, sample, fn(&mut axis => &mut AxisCompensation, 8405 => u16) -> i32));
 
-    type Correction = extern "C" fn(&AxisLaw, u16, u16) -> i32;
-    let corrected = |law: &AxisLaw| count!(counter, correction, Correction, (law, code, tap));
+    let corrected =
+        |law: &AxisLaw| count!(counter, correction, fn(law => &AxisLaw, code => TemperatureCode, tap => Taps) -> Q16);
     line("correction-2", corrected(&law));
     line("correction-5", corrected(&running(5).0));
     line("correction-table", corrected(&running(0).0));
 
     let cubic = black_box(peers::CUBIC);
-    type Cubic = extern "C" fn(&peers::Cubic, f32, f32) -> f32;
-    line("cubic", count!(counter, peers::correct, Cubic, (&cubic, 31.5, 0.02)));
+    line("cubic", count!(counter, peers::correct, fn(&cubic => &peers::Cubic, 31.5 => f32, 0.02 => f32) -> f32));
     print::exit()
 }
 
-/// An update that crosses an edge: it changes the axis, so the call that only returns gets one of its own.
-fn count_once(counter: &Counter, axis: &mut AxisCompensation, law: &AxisLaw, code: u16) -> u32 {
-    type Update = extern "C" fn(&mut AxisCompensation, &AxisLaw, u16) -> u32;
-    count!(counter, update, Update, (axis, law, code))
+fn count_update(counter: &Counter, axis: &mut AxisCompensation, law: &AxisLaw, code: TemperatureCode) -> u32 {
+    count!(counter, update, fn(axis => &mut AxisCompensation, law => &AxisLaw, code => TemperatureCode) -> Option<Taps>)
 }
 
 #[panic_handler]

@@ -13,7 +13,7 @@ pub struct Cubic {
 pub const CUBIC: Cubic = Cubic { min: -10.0, max: 55.0, reference: 25.0, x: [0.011, -2.1e-4, 3.0e-6, -4.0e-8] };
 
 /// `corrected = raw - offset`.
-pub extern "C" fn correct(cubic: &Cubic, temperature: f32, raw: f32) -> f32 {
+pub fn correct(cubic: &Cubic, temperature: f32, raw: f32) -> f32 {
     let held = if temperature < cubic.min {
         cubic.min
     } else if temperature > cubic.max {

@@ -34,7 +34,7 @@ pub fn line(name: &str, number: u32) {
 /// Ends the emulation.
 pub fn exit() -> ! {
     loop {
-            // SAFETY: the operation takes a number.
+        // SAFETY: the operation takes a number.
         unsafe {
             semihosting_syscall(SYS_EXIT, APPLICATION_EXIT);
         }

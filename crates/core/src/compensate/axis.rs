@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use super::Mode;
 use super::dynamic::{FixedHistory, FixedHistoryState};
-use super::edges::{EdgeError, EdgeTable};
+use super::edges::{EdgeError, EdgeTable, Interval};
 use super::fixed::{FixedDrift, Q16, Unrepresentable};
 use super::law::StaticLaw;
 use super::settling::{LowPass, Settling};
@@ -92,12 +92,24 @@ impl AxisLaw {
 
     /// What is to be subtracted from a settled reading: `V(T) + effect(N) - V0`, in integers.
     #[must_use]
+    #[inline]
     pub fn correction(&self, code: TemperatureCode, tap: Taps) -> Q16 {
+        // What is there most often needs no call, and so no stack.
+        match (self.drift.polynomial(code), self.effects.measured(tap)) {
+            (Some(drift), Some(effect)) => Q16(drift.0.wrapping_sub(self.centre.0).wrapping_add(effect)),
+            _ => self.correction_of_the_rest(code, tap),
+        }
+    }
+
+    /// The correction by a drift table, or for a tap that was not measured.
+    #[inline(never)]
+    fn correction_of_the_rest(&self, code: TemperatureCode, tap: Taps) -> Q16 {
         Q16(self.drift_from_centre(code).wrapping_add(self.effects.get(tap).0))
     }
 
+    #[inline]
     fn drift_from_centre(&self, code: TemperatureCode) -> i32 {
-        self.drift.evaluate(code).0 - self.centre.0
+        self.drift.evaluate(code).0.wrapping_sub(self.centre.0)
     }
 
     fn coverage(&self, code: TemperatureCode) -> Coverage {
@@ -115,7 +127,7 @@ impl AxisLaw {
 /// What each tap adds to the reading, in Q16: as measured, and on from the nearer end of what was measured.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct FixedEffects {
-    first: u16,
+    first: Taps,
     /// Without a measurement the middle tap alone, which adds nothing to itself.
     measured: Vec<i32, MAX_TAP_OFFSETS>,
     per_tap: i32,
@@ -135,11 +147,24 @@ impl FixedEffects {
             }
         };
         let per_tap = Q16::from_counts(trim.line.counts_per_tap().0)?.0;
-        Some(Self { first: first.get(), measured, per_tap })
+        Some(Self { first, measured, per_tap })
     }
 
+    #[inline]
     pub(super) fn get(&self, tap: Taps) -> Q16 {
-        let offset = i32::from(tap.get()) - i32::from(self.first);
+        self.measured(tap).map_or_else(|| self.beyond(tap), Q16)
+    }
+
+    #[inline]
+    fn measured(&self, tap: Taps) -> Option<i32> {
+        self.measured.get(tap.after(self.first)).copied()
+    }
+
+    /// The effect of a tap that was not measured.
+    #[cold]
+    #[inline(never)]
+    fn beyond(&self, tap: Taps) -> Q16 {
+        let offset = i32::from(tap.get()) - i32::from(self.first.get());
         #[allow(clippy::cast_possible_wrap, clippy::cast_possible_truncation)] // at most 96
         let last = self.measured.len() as i32 - 1;
         let nearest = offset.min(last).max(0);
@@ -164,18 +189,33 @@ pub struct GroupOutcome {
     pub move_to: Option<Taps>,
 }
 
-/// Temperature codes, from one to another.
+/// No interval of any table.
+const NO_INTERVAL: usize = usize::MAX;
+
+/// A run of temperature codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Hold {
-    from: u16,
-    to: u16,
+    from: u32,
+    codes: u32,
 }
 
 impl Hold {
     /// No code: the law is asked.
-    const NONE: Self = Self { from: 1, to: 0 };
+    const NONE: Self = Self { from: 0, codes: 0 };
     /// Every code: the wiper is not moved.
-    const ALL: Self = Self { from: 0, to: u16::MAX };
+    const ALL: Self = Self { from: 0, codes: 1 << 16 };
+
+    /// As far as a dead band holds an interval.
+    fn of(interval: &Interval) -> Self {
+        let from = u32::from(interval.hold_down_to);
+        Self { from, codes: (u32::from(interval.hold_up_to) + 1).wrapping_sub(from) }
+    }
+
+    /// Whether a code lies in it: below its beginning the difference wraps to more than any run.
+    #[inline]
+    fn has(self, code: TemperatureCode) -> bool {
+        u32::from(code.0).wrapping_sub(self.from) < self.codes
+    }
 }
 
 /// The state of one axis: mode, interval of the table, the last commanded tap, and the correction in force.
@@ -185,7 +225,8 @@ pub struct AxisCompensation {
     hold: Hold,
     mode: Mode,
     tap: Taps,
-    interval: Option<usize>,
+    /// The interval of the table, [`NO_INTERVAL`] before one is known.
+    interval: usize,
     /// `V(T) - V0` of the last closed group, Q16; `None` until there was one.
     drift_from_centre: Option<i32>,
     settling: Settling,
@@ -204,7 +245,7 @@ impl AxisCompensation {
             hold: Hold::NONE,
             mode: Mode::Off,
             tap,
-            interval: None,
+            interval: NO_INTERVAL,
             drift_from_centre: None,
             settling: Settling::new(low_pass, effect),
             effect_sum: 0,
@@ -227,7 +268,7 @@ impl AxisCompensation {
     /// Changes the mode; the wiper stays until the next group.
     pub fn set_mode(&mut self, mode: Mode) {
         self.mode = mode;
-        self.interval = None;
+        self.interval = NO_INTERVAL;
         self.hold = Hold::NONE;
     }
 
@@ -312,40 +353,58 @@ impl AxisCompensation {
     /// The tap that the law asks for at a temperature code, when it is not the one last commanded. Once it has been
     /// written, [`wiper_written`](Self::wiper_written) is to be called; until then the law goes on asking.
     ///
-    /// Two compares, until an edge is crossed.
+    /// One compare, until an edge is crossed.
     #[inline]
     #[must_use]
     pub fn update(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
-        if self.hold.from <= code.0 && code.0 <= self.hold.to {
+        if self.hold.has(code) {
             return None;
         }
         self.cross(law, code)
     }
 
-    /// An edge was crossed, or it is not known yet where the edges are.
+    /// An edge was crossed, most often to a neighbour; or it is not known yet where the edges are.
     #[inline(never)]
     fn cross(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
+        match &law.edges {
+            // Only an interval that holds says on which side the code has left it. The wiper was at its tap, and a
+            // neighbour's is another.
+            Some(edges) if self.hold.codes != 0 => match edges.neighbour(self.interval, code) {
+                Some((index, interval)) => {
+                    self.interval = index;
+                    self.hold = Hold::NONE;
+                    Some(interval.tap)
+                }
+                None => self.search(law, code),
+            },
+            _ => self.search(law, code),
+        }
+    }
+
+    /// The interval is looked up.
+    #[inline(never)]
+    fn search(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
         let Some(edges) = law.edges.as_ref().filter(|_| self.mode.moves_wiper()) else {
             self.hold = Hold::ALL;
             return None;
         };
-        let interval = self.interval.map_or_else(|| edges.find(code), |now| edges.next(now, code));
-        self.interval = Some(interval);
-        let tap = edges.intervals().get(interval)?.tap;
-        if tap == self.tap {
-            self.hold_present_interval(law);
+        let index = edges.next(self.interval, code);
+        let interval = edges.intervals().get(index)?;
+        self.interval = index;
+        if interval.tap == self.tap {
+            self.hold = Hold::of(interval);
             return None;
         }
         self.hold = Hold::NONE;
-        Some(tap)
+        Some(interval.tap)
     }
 
     /// The wiper is where the present interval wants it: so it stays as far as the dead band holds it.
     fn hold_present_interval(&mut self, law: &AxisLaw) {
         let edges = law.edges.as_ref().filter(|_| self.mode.moves_wiper());
-        let interval = self.interval.and_then(|index| edges?.intervals().get(index));
+        let interval = edges.and_then(|edges| edges.intervals().get(self.interval));
         if let Some(interval) = interval.filter(|interval| interval.tap == self.tap) {
-            self.hold = Hold { from: interval.hold_down_to, to: interval.hold_up_to };
+            self.hold = Hold::of(interval);
         }
     }
 }

@@ -126,29 +126,34 @@ impl EdgeTable {
     }
 
     /// The index of the interval that a code lies in, whatever came before.
+    #[cold]
+    #[inline(never)]
     #[must_use]
     pub fn find(&self, code: TemperatureCode) -> usize {
         self.intervals.partition_point(|interval| interval.first <= code.0).saturating_sub(1)
     }
 
     /// The interval after a group at a temperature code, from the one before it: two compares unless an edge was
-    /// crossed, and then most often a neighbour.
+    /// crossed.
     #[must_use]
     pub fn next(&self, index: usize, code: TemperatureCode) -> usize {
         match self.intervals.get(index) {
             Some(now) if now.hold_down_to <= code.0 && code.0 <= now.hold_up_to => index,
-            Some(now) => {
-                let neighbour = if code.0 > now.hold_up_to { index + 1 } else { index.wrapping_sub(1) };
-                if self.holds(neighbour, code) { neighbour } else { self.find(code) }
-            }
-            None => self.find(code),
+            _ => self.find(code),
         }
     }
 
-    /// Whether a code lies in an interval.
-    fn holds(&self, index: usize, code: TemperatureCode) -> bool {
-        let starts = |index: usize| self.intervals.get(index).is_some_and(|interval| interval.first <= code.0);
-        starts(index) && !starts(index.wrapping_add(1))
+    /// The neighbour of an interval that a code lies in, if it lies in one: the code is known not to be held by the
+    /// interval itself.
+    #[inline]
+    pub(super) fn neighbour(&self, index: usize, code: TemperatureCode) -> Option<(usize, &Interval)> {
+        let all = self.intervals();
+        let is_hotter = all.get(index)?.first <= code.0;
+        let neighbour = if is_hotter { index.wrapping_add(1) } else { index.wrapping_sub(1) };
+        let interval = all.get(neighbour)?;
+        let after = all.get(neighbour.wrapping_add(1));
+        let is_in = interval.first <= code.0 && after.is_none_or(|after| code.0 < after.first);
+        is_in.then_some((neighbour, interval))
     }
 
     /// Checks a stored table before it is believed: in order, and in agreement with the law at both sides of every

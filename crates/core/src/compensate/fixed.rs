@@ -55,30 +55,38 @@ impl core::error::Error for Unrepresentable {}
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FixedDrift {
     first: u16,
-    last: u16,
+    /// Codes from the first to the last of the range.
+    span: u16,
     form: Form,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Form {
-    Polynomial {
-        /// The code at `u = 0`.
-        middle: u16,
-        /// Left shift from codes to Q32.
-        shift: u32,
-        /// Left shift from the coefficients' fractional bits to Q16.
-        to_q16: u32,
-        /// Highest order first, as Horner takes them; zeros before a lower order's, so that there is no loop to count.
-        coefficients: [i32; MAX_ORDER + 1],
-    },
-    Table {
-        /// The code of the first knot.
-        first: u16,
-        /// Pieces a code, in Q32.
-        pieces_per_code: u32,
-        /// Readings in Q16.
-        knots: Vec<i32, MAX_KNOTS>,
-    },
+    Polynomial(FixedPolynomial),
+    Table(FixedTable),
+}
+
+/// Horner's rule in integers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct FixedPolynomial {
+    /// `u` at the first code of the range, and from code to code, Q32.
+    first_u: i32,
+    u_per_code: i32,
+    /// From the coefficients' fractional bits to Q16: a power of two.
+    to_q16: i32,
+    /// Highest order first, as Horner takes them; zeros before a lower order's, so that there is no loop to count.
+    coefficients: [i32; MAX_ORDER + 1],
+}
+
+/// Straight pieces in integers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct FixedTable {
+    /// The code of the first knot.
+    first: u16,
+    /// Pieces a code, in Q32.
+    pieces_per_code: u32,
+    /// Readings in Q16.
+    knots: Vec<i32, MAX_KNOTS>,
 }
 
 impl FixedDrift {
@@ -92,39 +100,66 @@ impl FixedDrift {
             Shape::Polynomial(polynomial) => polynomial_form(polynomial, scale, first, last)?,
             Shape::Table(table) => table_form(table, scale)?,
         };
-        Ok(Self { first, last, form })
+        Ok(Self { first, span: last - first, form })
     }
 
     /// The first and last code of the calibrated range.
     #[must_use]
     pub const fn range(&self) -> (TemperatureCode, TemperatureCode) {
-        (TemperatureCode(self.first), TemperatureCode(self.last))
+        (TemperatureCode(self.first), TemperatureCode(self.first + self.span))
     }
 
     /// The zero-rate output at the middle tap, held at the nearer end outside the calibrated range.
     #[must_use]
     pub fn evaluate(&self, code: TemperatureCode) -> Q16 {
-        let code = code.0.clamp(self.first, self.last);
         match &self.form {
-            Form::Polynomial { middle, shift, to_q16, coefficients } => {
-                let u = (i32::from(code) - i32::from(*middle)).wrapping_shl(*shift);
-                // The shifts are below 32; the mask tells the compiler.
-                let [c5, c4, c3, c2, c1, c0] = *coefficients;
-                let sum = [c4, c3, c2, c1, c0].iter().fold(c5, |sum, &c| multiply_high(sum, u).wrapping_add(c));
-                Q16(sum.wrapping_shl(*to_q16))
-            }
-            Form::Table { first, pieces_per_code, knots } => {
-                let position = u64::from(code.saturating_sub(*first)) * u64::from(*pieces_per_code);
-                #[allow(clippy::cast_possible_truncation)] // below the number of knots
-                let piece = ((position >> 32) as usize).min(knots.len() - 2);
-                #[allow(clippy::cast_possible_wrap)] // the piece count is far below 2^31
-                let within = (position - ((piece as u64) << 32)).min(1 << 32) as i64;
-                let rise = i64::from(knots[piece + 1]) - i64::from(knots[piece]);
-                // `rise` is below 2^32 and `within` at most 2^32: keep 15 bits of headroom.
-                #[allow(clippy::cast_possible_truncation)]
-                Q16(knots[piece] + ((rise * (within >> 2)) >> 30) as i32)
-            }
+            Form::Polynomial(polynomial) => polynomial.evaluate(self.places(code)),
+            Form::Table(table) => table.evaluate(self.first + self.places(code)),
         }
+    }
+
+    /// The same, where the form is a polynomial.
+    #[inline]
+    pub(super) fn polynomial(&self, code: TemperatureCode) -> Option<Q16> {
+        match &self.form {
+            Form::Polynomial(polynomial) => Some(polynomial.evaluate(self.places(code))),
+            Form::Table(_) => None,
+        }
+    }
+
+    /// Codes from the first of the range, held within it.
+    #[inline]
+    fn places(&self, code: TemperatureCode) -> u16 {
+        code.0.saturating_sub(self.first).min(self.span)
+    }
+}
+
+impl FixedPolynomial {
+    /// The reading at so many codes after the range's first.
+    #[inline(always)]
+    fn evaluate(&self, from_first: u16) -> Q16 {
+        // -1/2 to 1/2 over the range: what wraps on the way comes back.
+        let u = i32::from(from_first).wrapping_mul(self.u_per_code).wrapping_add(self.first_u);
+        let [c5, c4, c3, c2, c1, c0] = self.coefficients;
+        let step = |sum: i32, c: i32| multiply_high(sum, u).wrapping_add(c);
+        Q16(step(step(step(step(step(c5, c4), c3), c2), c1), c0).wrapping_mul(self.to_q16))
+    }
+}
+
+impl FixedTable {
+    /// The reading at a code.
+    #[inline(never)]
+    fn evaluate(&self, code: u16) -> Q16 {
+        let knots = &self.knots;
+        let position = u64::from(code.saturating_sub(self.first)) * u64::from(self.pieces_per_code);
+        #[allow(clippy::cast_possible_truncation)] // below the number of knots
+        let piece = ((position >> 32) as usize).min(knots.len() - 2);
+        #[allow(clippy::cast_possible_wrap)] // the piece count is far below 2^31
+        let within = (position - ((piece as u64) << 32)).min(1 << 32) as i64;
+        let rise = i64::from(knots[piece + 1]) - i64::from(knots[piece]);
+        // `rise` is below 2^32 and `within` at most 2^32: keep 15 bits of headroom.
+        #[allow(clippy::cast_possible_truncation)]
+        Q16(knots[piece] + ((rise * (within >> 2)) >> 30) as i32)
     }
 }
 
@@ -165,7 +200,11 @@ fn polynomial_form(
     for (slot, &c) in coefficients.iter_mut().rev().zip(&in_u) {
         *slot = to_fixed(c, fraction_bits).ok_or(Unrepresentable::TooLarge)?;
     }
-    Ok(Form::Polynomial { middle, shift: 32 - bits, to_q16: 16 - fraction_bits, coefficients })
+    let shift = 32 - bits;
+    #[allow(clippy::cast_possible_wrap)] // one bit of 32, taken modulo 2^32
+    let u_per_code = (1_u32 << shift) as i32;
+    let first_u = (i32::from(first) - i32::from(middle)).wrapping_mul(u_per_code);
+    Ok(Form::Polynomial(FixedPolynomial { first_u, u_per_code, to_q16: 1 << (16 - fraction_bits), coefficients }))
 }
 
 fn table_form(table: &Table, scale: TemperatureScale) -> Result<Form, Unrepresentable> {
@@ -185,11 +224,11 @@ fn table_form(table: &Table, scale: TemperatureScale) -> Result<Form, Unrepresen
         to_fixed(table.evaluate(scale.zero + scale.step * code), 16)
     };
     let knots: Option<Vec<i32, MAX_KNOTS>> = (0..=pieces).map(knot_at).collect();
-    Ok(Form::Table {
+    Ok(Form::Table(FixedTable {
         first: first.0,
         pieces_per_code: pieces_per_code.map_err(|_| Unrepresentable::TooNarrow)?,
         knots: knots.ok_or(Unrepresentable::TooLarge)?,
-    })
+    }))
 }
 
 /// The high word of a product: `a * b / 2^32`, rounded down. One instruction on a Cortex-M4.
