@@ -47,6 +47,7 @@ pub fn calibrate(
         set_up: setup.to_toml(),
         firmware: format!("{major}.{minor}.{patch}"),
         seed: unit.plant.map(|(_, seed)| seed),
+        labels: setup.labels.clone(),
     };
     let mut session = Session::new(bench, setup, progress);
     first_time(&mut session)?;

@@ -34,6 +34,12 @@ pub enum BenchError {
         /// The reading there, counts.
         reading_counts: f64,
     },
+    /// The unit's recording was rejected.
+    #[error("the recording was rejected, and no calibration comes of it: {reasons}")]
+    Rejected {
+        /// The reasons.
+        reasons: String,
+    },
     /// The A/D saturates.
     #[error(
         "axis {}: the A/D saturates {}: the reading is at the converter's end, and nothing can be measured there. {}", axis.name(), whence, remedy

@@ -17,6 +17,7 @@ pub mod link;
 pub mod output;
 pub mod plants;
 pub mod procedure;
+pub mod recorded;
 pub mod results;
 pub mod run;
 pub mod setup;

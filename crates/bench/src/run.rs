@@ -303,7 +303,9 @@ pub mod flags {
     pub const TRIM_FAILED: u16 = 128;
 }
 
-fn row(taken: &Taken, axis: Axis, (group, t_s): (u32, f64), chamber_set: Celsius, air: Celsius) -> GroupRow {
+/// One axis of a group as a recording has it, with its number and time there.
+#[must_use]
+pub fn row(taken: &Taken, axis: Axis, (group, t_s): (u32, f64), chamber_set: Celsius, air: Celsius) -> GroupRow {
     let report = &taken.report.axes[axis.index()];
     let mut flags = match report.coverage {
         Coverage::Below => flags::BELOW,

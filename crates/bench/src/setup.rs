@@ -4,6 +4,7 @@
 
 mod contradictions;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -27,6 +28,8 @@ pub struct SetUp {
     pub drift: DriftChoice,
     /// What a unit must pass.
     pub limits: Limits,
+    /// What is to stand in every recording besides, by name, as `station` and `operator`.
+    pub labels: BTreeMap<String, String>,
 }
 
 /// The board: what a newcomer reads off its schematic.
@@ -139,6 +142,7 @@ impl SetUp {
             trim: TrimExperiment::default(),
             drift: DriftChoice::default(),
             limits: Limits::default(),
+            labels: BTreeMap::new(),
         }
     }
 

@@ -14,6 +14,7 @@ pub mod interop;
 pub mod log;
 pub mod log_fit;
 pub mod quality;
+pub mod recorded;
 pub mod recording;
 pub mod report;
 pub mod table;

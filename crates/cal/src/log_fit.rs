@@ -23,6 +23,8 @@ use crate::condition::{Rejected, Stretch};
 use crate::interop;
 use crate::log::{LogError, Sensor, SensorChoice, Stream};
 use crate::quality::{Judgement, Reason, ReasonKind, TemperatureUnit, Verdict};
+use crate::recorded::fit_recording;
+use crate::recording::{Recording, RecordingError};
 use crate::table::{Columns, RateUnit};
 pub(crate) use residual::Residuals;
 
@@ -52,6 +54,9 @@ pub enum LogFitError {
     /// The log cannot be read.
     #[error(transparent)]
     Log(#[from] LogError),
+    /// The bench's own recording cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
     /// Several logs have no sensor in common.
     #[error(
         "{}: this is another unit's log: it has {found}, and the logs before it {expected}: fit each unit by itself",
@@ -181,7 +186,8 @@ pub struct LogFit {
     pub steps: Vec<FoundStep>,
 }
 
-/// Fits a log.
+/// Fits a log, or a recording of the bench: that is known by what is in it, and its groups are fitted as they are
+/// ([`crate::recorded`]).
 ///
 /// # Errors
 /// As [`fit_logs`].
@@ -195,6 +201,11 @@ pub fn fit_log(path: &Path, options: &FitOptions) -> Result<LogFit, LogFitError>
 /// When one cannot be read, a column is missing or unclear, time runs backwards, or the logs are of different units. A log
 /// that can be read and is no good is rejected in [`LogFit::judgement`] instead.
 pub fn fit_logs(paths: &[&Path], options: &FitOptions) -> Result<LogFit, LogFitError> {
+    if let [path] = paths
+        && Recording::is_one(path)
+    {
+        return Ok(fit_recording(&Recording::read(path)?, path, options));
+    }
     let mut fit = LogFit {
         source: paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" + "),
         sources: paths.iter().map(|path| (*path).to_owned()).collect(),

@@ -70,6 +70,18 @@ pub enum ReasonKind {
     TooFewGroups,
     /// Rejected: no row with both a temperature and a rate.
     NoFiniteRows,
+    /// Rejected: the recording ends before its ramp does.
+    CutRun,
+    /// Rejected: the reading never changes over an eighth of the recording.
+    StuckReading,
+    /// Rejected: groups far from the curve, too many or too far for noise.
+    Outliers,
+    /// Rejected: groups at an end of the converter.
+    Saturated,
+    /// Rejected: the recording has no serial, or another than its file's name.
+    WrongSerial,
+    /// Rejected: another recording has the same serial.
+    DuplicateSerial,
     /// Warning: rows without a number.
     MissingValues,
     /// Warning: single rows far from their neighbours.
@@ -99,9 +111,17 @@ impl ReasonKind {
     #[must_use]
     pub fn verdict(self) -> Verdict {
         match self {
-            Self::NarrowSpan | Self::StuckTemperature | Self::TooFewGroups | Self::NoFiniteRows | Self::NoSensor => {
-                Verdict::Rejected
-            }
+            Self::NarrowSpan
+            | Self::StuckTemperature
+            | Self::TooFewGroups
+            | Self::NoFiniteRows
+            | Self::NoSensor
+            | Self::CutRun
+            | Self::StuckReading
+            | Self::Outliers
+            | Self::Saturated
+            | Self::WrongSerial
+            | Self::DuplicateSerial => Verdict::Rejected,
             Self::MissingValues
             | Self::Spikes
             | Self::Rotation

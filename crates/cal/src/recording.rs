@@ -10,6 +10,8 @@ mod reader;
 mod schema;
 mod writer;
 
+use std::collections::BTreeMap;
+
 use zerorate_core::compensate::Mode;
 use zerorate_core::group::GroupSums;
 use zerorate_core::units::Axis;
@@ -32,6 +34,17 @@ pub struct RecordingInfo {
     pub firmware: String,
     /// The seed of a simulated bench.
     pub seed: Option<u64>,
+    /// What the line knows of it, by name, as `station`, `operator`, `recorded_at`.
+    pub labels: BTreeMap<String, String>,
+}
+
+impl RecordingInfo {
+    /// The groups that a whole ramp has by the set-up (`chamber.ramp_groups`); `None` where it does not say.
+    #[must_use]
+    pub fn ramp_groups(&self) -> Option<u64> {
+        let set_up: toml::Table = self.set_up.parse().ok()?;
+        set_up.get("chamber")?.get("ramp_groups")?.as_integer()?.try_into().ok()
+    }
 }
 
 /// One axis of one group.

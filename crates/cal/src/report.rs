@@ -14,6 +14,8 @@ mod candidates;
 mod figure;
 mod log;
 mod log_page;
+mod lot;
+mod lot_page;
 mod number;
 mod page;
 mod paper;
@@ -23,3 +25,4 @@ pub use calibration::{
     Mode, RampPoint, SoakComparison, SoakPoint, TapDeviation, TestPoint, TrimFacts, TrimLine, TrimPoint, UnitFacts,
 };
 pub use log::{LeftOut, LogAxis, LogPoint, LogReport, Parameters, RejectedSamples};
+pub use lot::{LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};

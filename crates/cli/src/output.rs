@@ -32,7 +32,12 @@ pub fn check(option: &str, path: &Path, inputs: &[&Path]) -> Result<()> {
 
 /// Writes a text whole or not at all.
 pub fn write(path: &Path, text: &str) -> Result<()> {
-    write_whole(path, text.as_bytes())
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes bytes whole or not at all.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_whole(path, bytes)
         .with_context(|| format!("{}: cannot be written, and what was there before is as it was", path.display()))
 }
 

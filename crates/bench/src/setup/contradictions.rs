@@ -10,7 +10,7 @@ impl SetUp {
     /// What cannot be, in sentences; empty for a sound set-up.
     #[must_use]
     pub fn contradictions(&self) -> Vec<String> {
-        let Self { board, acquisition, chamber, trim, drift, limits } = self;
+        let Self { board, acquisition, chamber, trim, drift, limits, labels: _ } = self;
         let mut found = Vec::new();
         let mut must = |holds: bool, sentence: String| {
             if !holds {

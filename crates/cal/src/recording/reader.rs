@@ -35,6 +35,20 @@ pub struct Recording {
 }
 
 impl Recording {
+    /// Whether a file is a recording, finished or not, of any version: a log of another maker is none.
+    #[must_use]
+    pub fn is_one(path: &Path) -> bool {
+        let Ok(mut file) = File::open(path) else {
+            return false;
+        };
+        let mut start = [0; 4];
+        if file.read_exact(&mut start).is_err() {
+            return false;
+        }
+        let of_parquet = || ParquetRecordBatchReaderBuilder::try_new(file).is_ok_and(|it| schema::version(it.schema()).is_some());
+        if start == *PARQUET_MAGIC { of_parquet() } else { start == *CONTINUATION }
+    }
+
     /// Reads a recording, finished or not.
     ///
     /// # Errors
@@ -96,6 +110,16 @@ fn decode(bytes: Vec<u8>) -> Result<Vec<RecordBatch>, ArrowError> {
     let mut buffer = Buffer::from_vec(bytes);
     let mut decoder = StreamDecoder::new();
     std::iter::from_fn(|| decoder.decode(&mut buffer).transpose()).collect()
+}
+
+impl RecordingInfo {
+    /// The metadata of a recording's schema; `path` is for the error's words.
+    ///
+    /// # Errors
+    /// When the schema is no recording's, or one of another version.
+    pub fn of_schema(path: &Path, schema: &Schema) -> Result<Self, RecordingError> {
+        check(path, schema)
+    }
 }
 
 /// The metadata, if it is a recording's of a known version.

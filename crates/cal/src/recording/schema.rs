@@ -1,6 +1,6 @@
 //! The columns and the metadata of a recording, from rows and back.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
@@ -25,6 +25,8 @@ const PROCEDURE_KEY: &str = "zerorate.procedure";
 const SET_UP_KEY: &str = "zerorate.set_up";
 const FIRMWARE_KEY: &str = "zerorate.firmware";
 const SEED_KEY: &str = "zerorate.seed";
+/// What a label's name stands behind.
+const LABEL_KEY: &str = "zerorate.label.";
 
 /// Every mode, to find one by its name.
 const MODES: [Mode; 4] = [Mode::Off, Mode::Trim, Mode::Digital, Mode::Hybrid];
@@ -61,6 +63,7 @@ pub(super) fn schema(info: &RecordingInfo) -> Arc<Schema> {
         (FIRMWARE_KEY.to_owned(), info.firmware.clone()),
     ]);
     metadata.extend(info.seed.map(|seed| (SEED_KEY.to_owned(), seed.to_string())));
+    metadata.extend(info.labels.iter().map(|(name, value)| (format!("{LABEL_KEY}{name}"), value.clone())));
     Arc::new(Schema::new_with_metadata(fields, metadata))
 }
 
@@ -78,7 +81,13 @@ pub(super) fn info(schema: &Schema) -> RecordingInfo {
         set_up: text(SET_UP_KEY),
         firmware: text(FIRMWARE_KEY),
         seed: text(SEED_KEY).parse().ok(),
+        labels: labels(schema.metadata()),
     }
+}
+
+fn labels(metadata: &HashMap<String, String>) -> BTreeMap<String, String> {
+    let label = |(key, value): (&String, &String)| Some((key.strip_prefix(LABEL_KEY)?.to_owned(), value.clone()));
+    metadata.iter().filter_map(label).collect()
 }
 
 /// Rows as a batch of the schema's columns.

@@ -12,6 +12,7 @@ fn info() -> RecordingInfo {
         set_up: "[bench]\ngroup_length = 500\n".into(),
         firmware: "0.1.0".into(),
         seed: Some(1),
+        labels: [("station".to_owned(), "S-3".to_owned())].into(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! The report of a log as a page.
 
-mod axis;
+pub(super) mod axis;
 mod noise;
 mod parameters;
 

@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::Args;
+use zerorate_bench::recorded;
 use zerorate_cal::calibration::{Calibration, Source};
 use zerorate_cal::log_fit::{LogFit, fit_logs};
+use zerorate_cal::recording::Recording;
 use zerorate_cal::report::LogReport;
 
 use super::Outcome;
@@ -32,6 +34,10 @@ pub struct Fit {
     /// working folder, named after the log (not with --json or --plain)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+
+    /// Write the device record here; only for a recording of the bench (`zerorate calibrate` records one)
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
 
     /// Write a report here, as one HTML page; a rejected log writes none
     #[arg(long, value_name = "FILE")]
@@ -64,7 +70,7 @@ impl Fit {
     pub fn run(&self) -> Result<Outcome> {
         let logs = self.log.paths();
         let places = self.places();
-        for (option, path) in [("--out", &places.out), ("--report", &places.report)] {
+        for (option, path) in [("--out", &places.out), ("--record", &self.record), ("--report", &places.report)] {
             if let Some(path) = path {
                 output::check(option, path, &logs)?;
             }
@@ -99,11 +105,16 @@ impl Fit {
     /// Writes the results and says what was written. The calibration comes last: where it is, all is.
     fn write(&self, fit: &LogFit, places: &Places) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
-        let calibration = places.out.as_ref().map(|_| self.calibration(fit)).transpose()?;
+        let wanted = places.out.as_ref().or(self.record.as_ref());
+        let calibration = wanted.map(|_| self.calibration(fit)).transpose()?;
         if let Some(path) = &places.report {
             let mut report = LogReport::from(fit);
             report.next_command = places.out.as_ref().map(|out| self.use_command(fit, out).1);
             output::write(path, &report.to_html())?;
+            written.push(path.clone());
+        }
+        if let Some((path, calibration)) = self.record.as_ref().zip(calibration.as_ref()) {
+            output::write_bytes(path, &recorded::device_record(calibration)?)?;
             written.push(path.clone());
         }
         if let Some((path, calibration)) = places.out.as_ref().zip(calibration) {
@@ -114,6 +125,11 @@ impl Fit {
     }
 
     fn calibration(&self, fit: &LogFit) -> Result<Calibration> {
+        if let [file] = self.log.files.as_slice()
+            && Recording::is_one(file)
+        {
+            return Ok(recorded::calibration(file, fit)?);
+        }
         let sources = self.log.files.iter().map(|file| Source::of_file("log", file)).collect::<Result<_, _>>()?;
         Ok(Calibration::of_log(fit, self.log.over(), sources, self.serial.clone())?)
     }

@@ -47,6 +47,7 @@ pub fn recording(path: &Path) -> RecordingWriter {
         set_up: SetUp::paper().to_toml(),
         firmware: "0.1.0".into(),
         seed: Some(7),
+        ..RecordingInfo::default()
     };
     RecordingWriter::create(path, &info).unwrap()
 }

@@ -119,6 +119,11 @@ fn advice_for(kind: ReasonKind) -> &'static str {
         }
         ReasonKind::TooFewGroups => "Log for longer: half an hour of slow warming is a good log.",
         ReasonKind::NoFiniteRows => "Check that the columns named hold numbers in the same rows.",
+        ReasonKind::CutRun => "Look why the run ended before its ramp did, and record it again whole.",
+        ReasonKind::StuckReading => "Check the gyro's supply and its line to the converter.",
+        ReasonKind::Outliers => "Look for a loose connection or a disturbed bench, and record again.",
+        ReasonKind::WrongSerial | ReasonKind::DuplicateSerial => "Find out which unit was recorded, and record it again.",
+        ReasonKind::Saturated => "Adjust the circuit's centre or gain so that the reading stays inside the converter.",
         ReasonKind::MissingValues => {
             "Look for lost messages: a slower card or link drops rows when the log rate is too high."
         }

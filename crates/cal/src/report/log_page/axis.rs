@@ -59,7 +59,7 @@ fn band(axis: &LogAxis) -> Vec<Vec<(f64, f64)>> {
     vec![edge(-1.0), edge(1.0)]
 }
 
-pub(super) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure {
+pub(in crate::report) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure {
     let time = Time::of(&axis.points);
     let warming = warming(&axis.points.iter().map(|point| point.temperature).collect::<Vec<_>>());
     let temperature_name = format!("temperature, {}", report.temperature_unit);

@@ -1,0 +1,111 @@
+//! A board's calibration from one recording of its ramp, without a trim experiment.
+//!
+//! The drift is measured; the trim is the circuit's nominal one. So the device record starts in the digital mode, which
+//! leaves the potentiometer at its middle tap and subtracts the drift in numbers.
+
+use std::path::Path;
+
+use zerorate_cal::calibration::{
+    AxisCalibration, CREATED_BY, Calibration, Kind, ResidualOver, Source, TrimCalibration,
+};
+use zerorate_cal::log_fit::LogFit;
+use zerorate_cal::quality::TemperatureUnit;
+use zerorate_cal::recording::{Recording, RecordingInfo};
+use zerorate_core::compensate::Mode;
+use zerorate_core::record::MAX_RECORD_BYTES;
+use zerorate_core::trim::{Trim, TrimLine};
+use zerorate_core::units::TemperatureScale;
+
+use crate::error::BenchError;
+use crate::setup::SetUp;
+
+/// The supply of the potentiometer, volts (paper, 2.1): a tap is a 1023rd of it.
+const POTENTIOMETER_SUPPLY_V: f64 = 5.0;
+
+/// What every such calibration says.
+const NO_TRIM: &str =
+    "no trim experiment: the trim is the circuit's nominal one, and the device starts in mode digital";
+
+/// The calibration that the fit of a recording makes.
+///
+/// # Errors
+/// [`BenchError::Rejected`], when the recording was rejected; [`BenchError`], when it cannot be read or its set-up
+/// makes no trim.
+pub fn calibration(recording: &Path, fit: &LogFit) -> Result<Calibration, BenchError> {
+    let info = Recording::read(recording)?.info;
+    let source = Source::of_file(&info.procedure, recording).map_err(|error| composed(&error))?;
+    if fit.axes.is_empty() {
+        let reasons: Vec<&str> = fit.judgement.reasons.iter().map(|reason| reason.text.as_str()).collect();
+        return Err(BenchError::Rejected { reasons: reasons.join("; ") });
+    }
+    let axes = fit.axes.iter().map(|axis| (axis.name.clone(), AxisCalibration::of_log_axis(axis, ResidualOver::Groups)));
+    let warnings = fit.judgement.reasons.iter().map(|reason| reason.text.clone()).collect();
+    of_axes(&info, axes.collect(), source, warnings)
+}
+
+/// The calibration of a board whose axes were fitted elsewhere, from its recording's metadata.
+///
+/// # Errors
+/// [`BenchError::Compose`], when the recording's set-up cannot be read or makes no trim.
+pub fn of_axes(
+    info: &RecordingInfo,
+    axes: Vec<(String, AxisCalibration)>,
+    source: Source,
+    warnings: Vec<String>,
+) -> Result<Calibration, BenchError> {
+    let setup = SetUp::parse(&info.set_up, "in the recording").map_err(|error| composed(&error))?;
+    let trim = nominal_trim(&setup)?;
+    let with_trim = |(name, axis): (String, AxisCalibration)| (name, AxisCalibration { trim: Some(trim.clone()), ..axis });
+    Ok(Calibration {
+        kind: Kind::AnalogueBoard,
+        unit_serial: Some(info.unit_serial.clone()).filter(|serial| !serial.is_empty()),
+        created_by: CREATED_BY.to_owned(),
+        sources: vec![source],
+        temperature_unit: TemperatureUnit::Counts,
+        temperature_scale: Some(TemperatureScale::QUARTER_COUNTS),
+        axes: axes.into_iter().map(with_trim).collect(),
+        warnings: warnings.into_iter().chain([NO_TRIM.to_owned()]).collect(),
+        setup: serde_json::to_value(&setup).ok(),
+    })
+}
+
+/// The bytes of a calibration's device record.
+///
+/// # Errors
+/// [`BenchError::Compose`], when it makes none.
+pub fn device_record(calibration: &Calibration) -> Result<Vec<u8>, BenchError> {
+    let made = calibration.to_device_record().map_err(|error| composed(&error))?;
+    let mut buffer = [0; MAX_RECORD_BYTES];
+    Ok(made.record.encode(&mut buffer).map_err(|error| composed(&error))?.to_vec())
+}
+
+/// The trim as the circuit's drawing has it: a tap moves the reading by the supply's 1023rd through the circuit.
+fn nominal_trim(setup: &SetUp) -> Result<TrimCalibration, BenchError> {
+    let counts_per_tap = POTENTIOMETER_SUPPLY_V / 1023.0 / setup.board.input_volts_per_count;
+    let line = TrimLine::new(-1.0 / counts_per_tap, 0.0, setup.centre(), setup.middle());
+    let line = line.ok_or_else(|| composed(&"the set-up's board.input_volts_per_count makes no trim"))?;
+    Ok(TrimCalibration {
+        trim: Trim { line, measured: None },
+        better: None,
+        paper: None,
+        dead_band_taps: setup.trim.dead_band_taps,
+        low_pass: setup.low_pass(),
+        start_up_mode: Mode::Digital,
+    })
+}
+
+fn composed(error: &dyn std::fmt::Display) -> BenchError {
+    BenchError::Compose(error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_nominal_tap_is_the_papers() {
+        let trim = nominal_trim(&SetUp::paper()).unwrap();
+        assert!((trim.trim.line.counts_per_tap().0 - 31.26).abs() < 0.01);
+        assert_eq!(trim.start_up_mode, Mode::Digital);
+    }
+}

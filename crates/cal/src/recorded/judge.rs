@@ -1,0 +1,74 @@
+//! What speaks against a unit.
+
+use super::{AxisSurvey, ResidualSurvey, StretchSurvey};
+use crate::log_fit::FitOptions;
+use crate::quality::{Judgement, Reason, ReasonKind, TemperatureUnit};
+
+/// An eighth of a ramp with fewer groups is not searched for stuck values: chance could make them equal.
+const SEARCHED: u64 = 8;
+
+/// Residuals this many times the rms away, of which [`KURTOSIS`] says that they are few, are outliers: of a million
+/// groups of noise not one is further than 5.
+const FAR: f64 = 6.0;
+
+/// The kurtosis above which a few residuals dwarf the others; noise has 3, whatever a poor model leaves less.
+const KURTOSIS: f64 = 12.0;
+
+/// Judges what an axis's ramps have to offer, before a fit. `expected` is the number of groups that the set-up gives a
+/// ramp.
+pub fn judge_survey(
+    judgement: &mut Judgement,
+    axis: &str,
+    survey: &AxisSurvey,
+    expected: Option<u64>,
+    options: &FitOptions,
+) {
+    let groups = survey.groups();
+    judgement.rows(axis, groups, "groups", options.model.least_coefficients());
+    if groups == 0 {
+        return;
+    }
+    let (min, max) = survey.temperature();
+    judgement.span(min, max, TemperatureUnit::Counts, options.allow_narrow);
+    let searched = || survey.stretches.iter().filter(|stretch| stretch.groups >= SEARCHED);
+    let stands = |of: fn(&StretchSurvey) -> (f64, f64)| {
+        let still = |stretch: &&StretchSurvey| (of(stretch).1 - of(stretch).0).abs() <= 0.0;
+        (searched().filter(still).count(), searched().find(still).map_or(f64::NAN, |stretch| of(stretch).0))
+    };
+    let (still, at) = stands(|stretch| stretch.temperature);
+    let named = judgement.reasons.iter().any(|reason| reason.kind == ReasonKind::StuckTemperature);
+    if still > 0 && !named {
+        let text = format!(
+            "{axis}: the temperature stands at {at:.2} counts for {still} eighths of the ramp: its sensor is stuck"
+        );
+        judgement.add(Reason::new(ReasonKind::StuckTemperature, text));
+    }
+    let (still, at) = stands(|stretch| stretch.reading);
+    if still > 0 {
+        let text =
+            format!("{axis}: the reading stands at {at:.2} counts for {still} eighths of the ramp: its line is stuck");
+        judgement.add(Reason::new(ReasonKind::StuckReading, text));
+    }
+    if survey.saturated > 0 {
+        let text = format!("{axis}: {} of {groups} groups are at an end of the converter", survey.saturated);
+        judgement.add(Reason::new(ReasonKind::Saturated, text));
+    }
+    let taken = survey.span.1 - survey.span.0 + 1;
+    if let Some(expected) = expected.filter(|expected| taken < *expected) {
+        let text = format!("the recording ends after {taken} of its ramp's {expected} groups: the run was cut");
+        judgement.add(Reason::new(ReasonKind::CutRun, text));
+    }
+}
+
+/// Judges what a fit leaves of an axis.
+pub fn judge_residual(judgement: &mut Judgement, axis: &str, survey: &ResidualSurvey) {
+    let (rms, kurtosis) = (survey.rms(), survey.kurtosis());
+    if survey.largest > FAR * rms && kurtosis > KURTOSIS {
+        let text = format!(
+            "{axis}: groups lie up to {:.0} counts from the curve, {:.0} times the rms: a few wild groups among others that fit (kurtosis {kurtosis:.0}; noise has 3)",
+            survey.largest,
+            survey.largest / rms
+        );
+        judgement.add(Reason::new(ReasonKind::Outliers, text));
+    }
+}

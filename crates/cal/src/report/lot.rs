@@ -1,0 +1,142 @@
+//! What the report of a lot shows.
+
+use super::log::LogReport;
+
+/// A lot of units, in counts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LotReport {
+    /// The rows it was made from, as they were given.
+    pub source: String,
+    /// The model asked for.
+    pub model: String,
+    /// The units, in the order of their time.
+    pub units: Vec<LotUnit>,
+    /// The limits a unit must keep, each over both axes.
+    pub limits: Vec<LotLimit>,
+    /// The worst units with their fits, the worst first.
+    pub worst: Vec<WorstUnit>,
+    /// How many worst units could not be drawn, and why; empty where all could.
+    pub undrawn: Vec<String>,
+}
+
+/// One unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LotUnit {
+    /// Its serial.
+    pub serial: String,
+    /// Its recording.
+    pub file: String,
+    /// The station that recorded it.
+    pub station: String,
+    /// When it was recorded, days since the first unit; NaN if not known.
+    pub day: f64,
+    /// Why it was rejected, a sentence each; empty for a unit that was not.
+    pub rejected: Vec<String>,
+    /// Its fits, X first; none where it could not be fitted.
+    pub axes: Vec<LotAxis>,
+}
+
+/// The fit of one axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LotAxis {
+    /// The axis's name.
+    pub name: String,
+    /// The values of [`Quantity::ALL`], counts.
+    pub values: [f64; 5],
+}
+
+/// A number that every fit has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// The drift over the valid range, peak to peak.
+    Drift,
+    /// The reading in the middle of the valid range.
+    Reading,
+    /// What the fit leaves, rms.
+    InSample,
+    /// What it leaves of eighths predicted by the others, rms.
+    HeldOut,
+    /// The same, peak to peak.
+    HeldOutPp,
+}
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Drift, Self::Reading, Self::InSample, Self::HeldOut, Self::HeldOutPp];
+
+    /// The name in a limits file.
+    #[must_use]
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Drift => "drift_pp_counts",
+            Self::Reading => "reading_mid_counts",
+            Self::InSample => "in_sample_rms_counts",
+            Self::HeldOut => "held_out_rms_counts",
+            Self::HeldOutPp => "held_out_pp_counts",
+        }
+    }
+
+    /// The name in words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Drift => "drift, peak to peak",
+            Self::Reading => "reading in mid range",
+            Self::InSample => "in-sample residual, rms",
+            Self::HeldOut => "held-out residual, rms",
+            Self::HeldOutPp => "held-out residual, peak to peak",
+        }
+    }
+}
+
+/// A limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LotLimit {
+    /// Of what.
+    pub quantity: Quantity,
+    /// The least that passes, counts.
+    pub min: f64,
+    /// The greatest that passes, counts.
+    pub max: f64,
+}
+
+impl LotLimit {
+    /// Whether both axes of a unit keep it; a number that is missing does not.
+    #[must_use]
+    pub fn kept_by(&self, unit: &LotUnit) -> bool {
+        let inside = |axis: &LotAxis| {
+            let value = axis.values[self.quantity as usize];
+            self.min <= value && value <= self.max
+        };
+        !unit.axes.is_empty() && unit.axes.iter().all(inside)
+    }
+}
+
+/// A unit among the worst.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorstUnit {
+    /// Its serial.
+    pub serial: String,
+    /// The worse of its axes, by its name.
+    pub axis: String,
+    /// That axis's held-out residual, counts rms.
+    pub held_out_rms: f64,
+    /// Its fit.
+    pub fit: LogReport,
+}
+
+impl LotReport {
+    /// Units that were not rejected and keep every limit.
+    #[must_use]
+    pub fn passed(&self) -> usize {
+        let passes =
+            |unit: &&LotUnit| unit.rejected.is_empty() && self.limits.iter().all(|limit| limit.kept_by(unit));
+        self.units.iter().filter(passes).count()
+    }
+
+    /// Units that were rejected.
+    #[must_use]
+    pub fn rejected(&self) -> usize {
+        self.units.iter().filter(|unit| !unit.rejected.is_empty()).count()
+    }
+}

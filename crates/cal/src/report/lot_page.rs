@@ -1,0 +1,125 @@
+//! The report of a lot as a page.
+
+mod charts;
+
+use maud::{Markup, html};
+
+use super::lot::{LotReport, Quantity};
+use super::number::{fixed, significant, whole};
+use super::page::{self, Table};
+use super::{figure, log_page};
+
+/// Rejected units listed, at most: the rows have all.
+const LISTED: usize = 200;
+
+impl LotReport {
+    /// The report as one self-contained HTML file. Equal reports make equal bytes.
+    #[must_use]
+    pub fn to_html(&self) -> String {
+        let mut chapters: Vec<(&str, &str, Markup)> = vec![
+            ("yield", "Yield", self.yields()),
+            ("distribution", "Distribution over the lot", charts::distribution(self).markup()),
+            ("time", "The process over time", charts::over_time(self).markup()),
+        ];
+        if !self.worst.is_empty() {
+            chapters.push(("worst", "The worst units", self.worst_units()));
+        }
+        if self.rejected() > 0 {
+            chapters.push(("rejected", "Rejected", self.rejected_units()));
+        }
+        chapters.push(("reading", "How to read the numbers", definitions()));
+        let links: Vec<(&str, &str)> = chapters.iter().map(|(id, heading, _)| (*id, *heading)).collect();
+        let body = html! {
+            header { (self.headline()) (page::contents(&links)) }
+            main { @for (id, heading, chapter) in &chapters { (page::section(id, heading, chapter)) } }
+        };
+        page::page(&format!("Lot {}", self.source), &body)
+    }
+
+    fn headline(&self) -> Markup {
+        let units = self.units.len();
+        html! {
+            h1 { "Lot of " (whole(units as u64)) " units" }
+            p.lead {
+                (self.share(self.passed())) " pass, " (whole(self.rejected() as u64)) " were rejected. Model: " (self.model) "."
+            }
+            p { "From " code { (self.source) } "." }
+        }
+    }
+
+    fn share(&self, units: usize) -> String {
+        let part = 100.0 * units as f64 / self.units.len().max(1) as f64;
+        format!("{} ({} %)", whole(units as u64), fixed(part, 1))
+    }
+
+    fn yields(&self) -> Markup {
+        let fitted = self.units.iter().filter(|unit| unit.rejected.is_empty()).count();
+        let bound = |value: f64| if value.is_finite() { significant(value, 4) } else { html! { "none" } };
+        let mut rows = vec![vec![
+            html! { "not rejected" },
+            html! {},
+            html! {},
+            html! { (self.share(fitted)) },
+        ]];
+        for limit in &self.limits {
+            let kept = self.units.iter().filter(|unit| unit.rejected.is_empty() && limit.kept_by(unit)).count();
+            rows.push(vec![
+                html! { (limit.quantity.words()) },
+                bound(limit.min),
+                bound(limit.max),
+                html! { (self.share(kept)) },
+            ]);
+        }
+        rows.push(vec![html! { b { "all of these" } }, html! {}, html! {}, html! { b { (self.share(self.passed())) } }]);
+        let caption = if self.limits.is_empty() {
+            html! { "Units that pass. No limits were given: " code { "--limits FILE" } " sets them." }
+        } else {
+            html! { "Units that pass, both axes within the limit, in counts." }
+        };
+        Table { caption, heads: &["Limit", "Least", "Greatest", "Units"], rows, numbers_from: 1 }.markup()
+    }
+
+    fn worst_units(&self) -> Markup {
+        html! {
+            p {
+                "The units that were fitted and not rejected whose held-out residual is largest, each drawn by its worse axis."
+            }
+            @for (place, unit) in self.worst.iter().enumerate() {
+                @if let Some(axis) = unit.fit.axes.iter().find(|axis| axis.name == unit.axis) {
+                    h3 { (place + 1) ". " (unit.serial) ", axis " (unit.axis) ": " (significant(unit.held_out_rms, 3)) " counts rms held out" }
+                    (log_page::axis::figure(&unit.fit, axis, place + charts::FIGURES).markup())
+                }
+            }
+            @for sentence in &self.undrawn { p { (sentence) } }
+        }
+    }
+
+    fn rejected_units(&self) -> Markup {
+        let rejected = self.units.iter().filter(|unit| !unit.rejected.is_empty());
+        let rows = rejected.take(LISTED).map(|unit| {
+            vec![
+                html! { (unit.serial) },
+                html! { (unit.file) },
+                html! { (unit.station) },
+                html! { (unit.rejected.join("; ")) },
+            ]
+        });
+        let caption = html! {
+            "Units rejected, with the reasons" @if self.rejected() > LISTED { ", the first " (LISTED) " of " (self.rejected()) } "."
+        };
+        Table { caption, heads: &["Unit", "Recording", "Station", "Why"], rows: rows.collect(), numbers_from: 9 }.markup()
+    }
+}
+
+fn definitions() -> Markup {
+    page::facts(&[
+        (Quantity::Drift.words(), html! { "The distance between the fitted curve's extremes over the unit's valid range." }),
+        (Quantity::Reading.words(), html! { "The fitted curve in the middle of that range." }),
+        (Quantity::InSample.words(), html! { "What the curve leaves of the groups that it was fitted to." }),
+        (
+            Quantity::HeldOut.words(),
+            html! { "What is left of each eighth of the ramp when it is predicted by a fit of the other seven: how far to trust the curve." },
+        ),
+        ("rejected", html! { "A unit whose recording speaks against it: no calibration comes of it." }),
+    ])
+}

@@ -1,0 +1,138 @@
+//! Models that no sums settle (a choice by held-out error, tables, history): the engine streams each unit's group sums
+//! here, 2400 rows a run, and a pool of solvers fits them with `cal`'s own code.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use zerorate_cal::calibration::{AxisCalibration, ResidualOver};
+use zerorate_cal::choose::Model;
+use zerorate_cal::log_fit::FitOptions;
+use zerorate_cal::quality::Judgement;
+use zerorate_cal::recorded::{RampMeans, fit_axis};
+use zerorate_core::units::Axis;
+
+use crate::dataset::{Found, Place, columns};
+use crate::engine::{Engine, EngineError};
+use crate::fitted::{AxisRow, Fitted};
+use crate::poly::{column, count};
+use crate::table::Files;
+
+const SQL: &str = "
+SELECT file, CASE WHEN axis = 'y' THEN 1 ELSE 0 END AS y, CAST(\"group\" AS BIGINT) AS g, t_s,
+       temperature_counts AS t, zro_counts AS z, CAST(n AS BIGINT) AS n, CAST(flags AS BIGINT) AS flags,
+       CASE WHEN phase IN ('heating', 'cooling') AND n > 0 THEN 1 ELSE 0 END AS used,
+       CASE WHEN n > 0 AND (temperature_counts <> CAST(temperature_sum AS DOUBLE) / n
+                            OR zro_counts <> CAST(zro_sum AS DOUBLE) / n) THEN 1 ELSE 0 END AS inconsistent
+FROM files";
+
+/// One group of one axis.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    group: u32,
+    t_s: f64,
+    temperature: f64,
+    reading: f64,
+    samples: u32,
+    flags: u16,
+}
+
+/// What came of one file.
+#[derive(Debug, Clone, Default)]
+struct Unit {
+    rows: u64,
+    inconsistent: u64,
+    axes: [Vec<Row>; 2],
+}
+
+/// Fits some files.
+///
+/// # Errors
+/// [`EngineError`], when the query fails: then no file of these is fitted.
+pub async fn fit(
+    engine: &Engine,
+    place: &Place,
+    files: &[&Found],
+    model: Model,
+    allow_narrow: bool,
+) -> Result<Vec<Fitted>, EngineError> {
+    let units = gather(engine, place, files).await?;
+    let options = FitOptions { model, allow_narrow, ..FitOptions::default() };
+    Ok(tokio::task::block_in_place(|| solve(&units, files, &options)))
+}
+
+// Group numbers, counts and flags fit their types in the file.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+async fn gather(engine: &Engine, place: &Place, files: &[&Found]) -> Result<Vec<Unit>, EngineError> {
+    let table = files.iter().map(|file| (file.meta.clone(), Vec::new())).collect();
+    let batches = engine.collect(place, Files::new(place.root.clone(), columns(), table), SQL).await?;
+    let mut units = vec![Unit::default(); files.len()];
+    for batch in &batches {
+        let get = |name| column(batch, name);
+        let (file, y, group, t_s) = (get("file")?, get("y")?, get("g")?, get("t_s")?);
+        let (t, z, n, flags) = (get("t")?, get("z")?, get("n")?, get("flags")?);
+        let (used, inconsistent) = (get("used")?, get("inconsistent")?);
+        for row in 0..batch.num_rows() {
+            let unit = &mut units[file[row] as usize];
+            unit.rows += 1;
+            unit.inconsistent += count(inconsistent[row]);
+            if used[row] > 0.5 {
+                unit.axes[usize::from(y[row] > 0.5)].push(Row {
+                    group: group[row] as u32,
+                    t_s: t_s[row],
+                    temperature: t[row],
+                    reading: z[row],
+                    samples: n[row] as u32,
+                    flags: flags[row] as u16,
+                });
+            }
+        }
+    }
+    for (unit, found) in units.iter_mut().zip(files) {
+        if unit.rows != found.rows {
+            return Err(EngineError::Lost { file: found.file.clone(), expected: found.rows, found: unit.rows });
+        }
+        unit.axes.iter_mut().for_each(|rows| rows.sort_by_key(|row| row.group));
+    }
+    Ok(units)
+}
+
+/// Fits the units, on as many threads as there are cores.
+fn solve(units: &[Unit], files: &[&Found], options: &FitOptions) -> Vec<Fitted> {
+    let next = AtomicUsize::new(0);
+    let fitted: Mutex<Vec<(usize, Fitted)>> = Mutex::new(Vec::with_capacity(units.len()));
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, std::num::NonZero::get) {
+            scope.spawn(|| {
+                loop {
+                    let place = next.fetch_add(1, Ordering::Relaxed);
+                    let Some((unit, found)) = units.get(place).zip(files.get(place)) else {
+                        return;
+                    };
+                    let own = fit_unit(unit, found.info.ramp_groups(), options);
+                    if let Ok(mut fitted) = fitted.lock() {
+                        fitted.push((place, own));
+                    }
+                }
+            });
+        }
+    });
+    let mut fitted = fitted.into_inner().unwrap_or_default();
+    fitted.sort_by_key(|(place, _)| *place);
+    fitted.into_iter().map(|(_, fitted)| fitted).collect()
+}
+
+fn fit_unit(unit: &Unit, expected: Option<u64>, options: &FitOptions) -> Fitted {
+    let mut judgement = Judgement::default();
+    let mut axes = Vec::new();
+    for (axis, rows) in Axis::BOTH.into_iter().zip(&unit.axes) {
+        let mut means = RampMeans::default();
+        for row in rows {
+            means.push(row.group, row.t_s, (row.temperature, row.reading), row.samples, row.flags);
+        }
+        if let Some(fit) = fit_axis(axis.name(), &means, expected, options, &mut judgement) {
+            let calibration = AxisCalibration::of_log_axis(&fit, ResidualOver::Groups);
+            axes.push(AxisRow { axis: axis.name().to_owned(), calibration });
+        }
+    }
+    Fitted { judgement, axes, inconsistent: unit.inconsistent }
+}

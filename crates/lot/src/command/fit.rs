@@ -1,0 +1,117 @@
+//! `zerorate lot fit`.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::Result;
+use clap::Args;
+use zerorate_cal::choose::Model;
+use zerorate_lot::engine::{Address, Cluster, Engine};
+use zerorate_lot::run::{FitRun, Summary};
+
+use super::{Outcome, bar, wait};
+
+/// Rejected units and skipped files shown at most; --json has all.
+const SHOWN: usize = 40;
+
+/// Fit every recording of a lot: one row a unit and axis
+///
+/// Each unit's drift is fitted on its own scale, judged, and predicted an eighth of its ramp at a time by the other seven.
+/// A file that is damaged or no recording is named and left out. A run that was ended goes on where it was: units whose
+/// recording is as it was are not fitted again.
+#[derive(Debug, Args)]
+pub struct Fit {
+    /// The recordings: a folder (looked through whole), a glob in quotes, or s3://BUCKET/PREFIX
+    #[arg(value_name = "DATASET")]
+    dataset: String,
+
+    /// Write the rows here, as Parquet
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+
+    /// The drift model: poly:1 to poly:5 as sums on the engine; auto, or table:1 to table:32, by solvers here
+    #[arg(long, value_name = "MODEL", default_value = "poly:2")]
+    model: Model,
+
+    /// Accept a temperature span under 10 C; the rows then hold for that span alone
+    #[arg(long)]
+    allow_narrow: bool,
+
+    /// Fit everything again, whatever an earlier run has done
+    #[arg(long)]
+    fresh: bool,
+
+    /// Run the queries on a Ballista 55 cluster, as df://localhost:50050
+    #[arg(long, value_name = "df://HOST:PORT")]
+    cluster: Option<Address>,
+
+    /// With --cluster: the longest that one query may take, all attempts together, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 600)]
+    deadline: u64,
+
+    /// With --cluster: attempts after the first
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    retries: u32,
+
+    /// Print JSON on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+impl Fit {
+    pub fn run(&self) -> Result<Outcome> {
+        let engine = match &self.cluster {
+            None => Engine::embedded(),
+            Some(address) => Engine::Cluster(Cluster {
+                address: address.clone(),
+                deadline: Duration::from_secs(self.deadline),
+                retries: self.retries,
+            }),
+        };
+        let run = FitRun {
+            dataset: self.dataset.clone(),
+            out: self.out.clone(),
+            model: self.model,
+            allow_narrow: self.allow_narrow,
+            engine,
+            fresh: self.fresh,
+        };
+        let bar = bar(0);
+        let summary = wait(run.run(&|done, all| {
+            bar.set_length(all as u64);
+            bar.set_position(done as u64);
+        }))??;
+        bar.finish_and_clear();
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&summary)?);
+        } else {
+            print(&summary);
+        }
+        let clean = summary.rejected.is_empty() && summary.skipped.is_empty();
+        Ok(if clean { Outcome::Done } else { Outcome::Rejected })
+    }
+}
+
+fn print(summary: &Summary) {
+    let Summary { units, fits, reused, warnings, rejected, skipped, .. } = summary;
+    println!("{units} units, {fits} fits in {:.1} s ({reused} units were done before)", summary.seconds);
+    println!("{warnings} with warnings, {} rejected, {} files skipped", rejected.len(), skipped.len());
+    if !rejected.is_empty() {
+        println!("\nRejected");
+    }
+    for unit in rejected.iter().take(SHOWN) {
+        let reasons: Vec<&str> = unit.reasons.iter().map(|reason| reason.text.as_str()).collect();
+        println!("  {} ({}): {}", unit.serial, unit.file, reasons.join("; "));
+    }
+    if !skipped.is_empty() {
+        println!("\nSkipped");
+    }
+    for file in skipped.iter().take(SHOWN) {
+        println!("  {}: {}", file.file, file.reason);
+    }
+    let left = rejected.len().saturating_sub(SHOWN) + skipped.len().saturating_sub(SHOWN);
+    if left > 0 {
+        println!("\nand {left} more: --json has all");
+    }
+    println!("\nWritten: {}", summary.models.display());
+}

@@ -1,0 +1,84 @@
+//! The footer of a Parquet file, in one read where it is small.
+
+use arrow_schema::{DataType, Schema};
+use object_store::{ObjectMeta, ObjectStore, ObjectStoreExt};
+use parquet::arrow::parquet_to_arrow_schema;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::ParquetMetaDataReader;
+
+/// Bytes read from a file's end at first.
+const TAIL: u64 = 64 * 1024;
+
+/// What every Parquet file starts with.
+const MAGIC: &[u8] = b"PAR1";
+
+/// What the footer says.
+pub(super) struct Footer {
+    /// Columns and metadata.
+    pub schema: Schema,
+    /// Rows.
+    pub rows: u64,
+}
+
+/// Reads the footer; the error is the reason for people.
+pub(super) async fn read(store: &dyn ObjectStore, meta: &ObjectMeta) -> Result<Footer, String> {
+    let foreign = || "not a recording: not a Parquet file".to_owned();
+    let unreadable = |error: object_store::Error| format!("cannot be read: {error}");
+    if meta.size < 12 {
+        return Err(foreign());
+    }
+    let start = store.get_range(&meta.location, 0..4).await.map_err(unreadable)?;
+    if start != MAGIC {
+        return Err(foreign());
+    }
+    let mut length = TAIL.min(meta.size);
+    let metadata = loop {
+        let tail = store.get_range(&meta.location, meta.size - length..meta.size).await.map_err(unreadable)?;
+        let mut reader = ParquetMetaDataReader::new();
+        match reader.try_parse_sized(&tail, meta.size) {
+            Ok(()) => break reader.finish().map_err(|error| damaged(&error))?,
+            Err(ParquetError::NeedMoreData(more)) if length < meta.size => {
+                length = (more as u64).max(2 * length).min(meta.size);
+            }
+            Err(error) => return Err(damaged(&error)),
+        }
+    };
+    let file = metadata.file_metadata();
+    let schema = parquet_to_arrow_schema(file.schema_descr(), file.key_value_metadata()).map_err(|e| damaged(&e))?;
+    let rows = u64::try_from(file.num_rows()).map_err(|_| "damaged: a negative number of rows".to_owned())?;
+    Ok(Footer { schema, rows })
+}
+
+fn damaged(error: &ParquetError) -> String {
+    format!("damaged: {error}: take another copy or record again")
+}
+
+/// The columns that the engine reads, with their types.
+pub(crate) fn columns() -> Vec<(&'static str, DataType)> {
+    vec![
+        ("group", DataType::UInt32),
+        ("t_s", DataType::Float64),
+        ("phase", DataType::Utf8),
+        ("axis", DataType::Utf8),
+        ("n", DataType::UInt32),
+        ("temperature_sum", DataType::UInt64),
+        ("zro_sum", DataType::UInt64),
+        ("temperature_counts", DataType::Float64),
+        ("zro_counts", DataType::Float64),
+        ("flags", DataType::UInt16),
+    ]
+}
+
+/// Whether the columns are a recording's.
+pub(super) fn check_columns(schema: &Schema) -> Result<(), String> {
+    for (name, kind) in columns() {
+        match schema.field_with_name(name) {
+            Err(_) => return Err(format!("damaged: there is no column '{name}'")),
+            Ok(field) if *field.data_type() != kind => {
+                return Err(format!("damaged: column '{name}' is of type {}", field.data_type()));
+            }
+            Ok(_) => {}
+        }
+    }
+    Ok(())
+}

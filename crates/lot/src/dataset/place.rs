@@ -1,0 +1,149 @@
+//! Where a dataset is: a store, a prefix in it, and a pattern.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use datafusion::datasource::object_store::ObjectStoreUrl;
+use futures::TryStreamExt;
+use object_store::aws::AmazonS3Builder;
+use object_store::local::LocalFileSystem;
+use object_store::path::Path as Key;
+use object_store::{ObjectMeta, ObjectStore, ObjectStoreExt};
+use url::Url;
+
+/// Where a dataset is.
+#[derive(Debug, Clone)]
+pub struct Place {
+    /// The store's root, as the engine knows it.
+    pub root: ObjectStoreUrl,
+    /// The store.
+    pub store: Arc<dyn ObjectStore>,
+    prefix: Key,
+    pattern: Option<glob::Pattern>,
+}
+
+/// Why a dataset cannot be listed.
+#[derive(Debug, thiserror::Error)]
+pub enum PlaceError {
+    /// There is no such folder or file.
+    #[error("{dataset}: there is no such folder or file: give a folder of recordings, a glob in quotes, or s3://BUCKET/PREFIX")]
+    Missing {
+        /// As it was given.
+        dataset: String,
+    },
+    /// It holds nothing.
+    #[error("{dataset}: no file there: give a folder of recordings, a glob in quotes, or s3://BUCKET/PREFIX")]
+    Nothing {
+        /// As it was given.
+        dataset: String,
+    },
+    /// The glob is none.
+    #[error("{dataset}: {source}")]
+    Pattern {
+        /// As it was given.
+        dataset: String,
+        /// What is wrong with it.
+        source: glob::PatternError,
+    },
+    /// A kind of URL that is not read.
+    #[error("{dataset}: datasets are read from folders and from s3:// URLs, not from {scheme}://")]
+    Scheme {
+        /// As it was given.
+        dataset: String,
+        /// The URL's scheme.
+        scheme: String,
+    },
+    /// The store does not answer.
+    #[error("{dataset}: {source}")]
+    Store {
+        /// As it was given.
+        dataset: String,
+        /// What it says.
+        source: object_store::Error,
+    },
+}
+
+impl Place {
+    /// The place that a text names.
+    ///
+    /// # Errors
+    /// [`PlaceError`], all but [`PlaceError::Nothing`].
+    pub fn of(dataset: &str) -> Result<Self, PlaceError> {
+        match Url::parse(dataset) {
+            Ok(url) if dataset.contains("://") => Self::of_url(dataset, &url),
+            _ => Self::of_path(dataset),
+        }
+    }
+
+    fn of_path(dataset: &str) -> Result<Self, PlaceError> {
+        let missing = || PlaceError::Missing { dataset: dataset.to_owned() };
+        let special = |part: &str| part.contains(['*', '?', '[']);
+        // The folders before the first with a pattern in it.
+        let plain: std::path::PathBuf =
+            Path::new(dataset).components().take_while(|part| !special(&part.as_os_str().to_string_lossy())).collect();
+        let plain = if plain.as_os_str().is_empty() { Path::new(".").to_owned() } else { plain };
+        let plain = plain.canonicalize().map_err(|_| missing())?;
+        let pattern = Path::new(dataset).components().skip_while(|part| !special(&part.as_os_str().to_string_lossy()));
+        let rest: std::path::PathBuf = pattern.collect();
+        let prefix = Key::from_absolute_path(&plain).map_err(|_| missing())?;
+        let pattern = if rest.as_os_str().is_empty() {
+            None
+        } else {
+            let text = rest.to_string_lossy().into_owned();
+            Some(glob::Pattern::new(&text).map_err(|source| PlaceError::Pattern { dataset: dataset.to_owned(), source })?)
+        };
+        Ok(Self {
+            root: ObjectStoreUrl::local_filesystem(),
+            store: Arc::new(LocalFileSystem::new()),
+            prefix,
+            pattern,
+        })
+    }
+
+    fn of_url(dataset: &str, url: &Url) -> Result<Self, PlaceError> {
+        match url.scheme() {
+            "file" => {
+                let path = url.to_file_path().map_err(|()| PlaceError::Missing { dataset: dataset.to_owned() })?;
+                Self::of_path(&path.to_string_lossy())
+            }
+            "s3" => {
+                let failed = |source| PlaceError::Store { dataset: dataset.to_owned(), source };
+                let bucket = url.host_str().unwrap_or_default();
+                let store = AmazonS3Builder::from_env().with_bucket_name(bucket).build().map_err(failed)?;
+                let root = ObjectStoreUrl::parse(format!("s3://{bucket}"))
+                    .map_err(|_| PlaceError::Missing { dataset: dataset.to_owned() })?;
+                let prefix = Key::from_url_path(url.path()).map_err(|source| failed(source.into()))?;
+                Ok(Self { root, store: Arc::new(store), prefix, pattern: None })
+            }
+            scheme => Err(PlaceError::Scheme { dataset: dataset.to_owned(), scheme: scheme.to_owned() }),
+        }
+    }
+
+    /// Every file of the dataset.
+    ///
+    /// # Errors
+    /// [`PlaceError::Store`].
+    pub async fn list(&self) -> Result<Vec<ObjectMeta>, PlaceError> {
+        let failed = |source| PlaceError::Store { dataset: self.prefix.to_string(), source };
+        // A single file is no prefix of itself.
+        if let Ok(file) = self.store.head(&self.prefix).await {
+            return Ok(vec![file]);
+        }
+        let all: Vec<ObjectMeta> = self.store.list(Some(&self.prefix)).try_collect().await.map_err(failed)?;
+        let wanted = |meta: &ObjectMeta| {
+            let hidden = meta.location.filename().is_none_or(|name| name.starts_with('.') || name.ends_with(".partial"));
+            !hidden && self.pattern.as_ref().is_none_or(|pattern| pattern.matches(&self.name_of(&meta.location)))
+        };
+        Ok(all.into_iter().filter(wanted).collect())
+    }
+
+    /// A file's path or key from the dataset's root.
+    #[must_use]
+    pub fn name_of(&self, key: &Key) -> String {
+        let parts: Vec<_> = match key.prefix_match(&self.prefix) {
+            Some(parts) => parts.map(|part| part.as_ref().to_owned()).collect(),
+            None => Vec::new(),
+        };
+        if parts.is_empty() { key.filename().unwrap_or_default().to_owned() } else { parts.join("/") }
+    }
+}

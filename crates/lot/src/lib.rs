@@ -1,0 +1,12 @@
+#![doc = include_str!("../README.md")]
+
+pub mod auto;
+pub mod dataset;
+pub mod engine;
+pub mod fitted;
+pub mod models;
+pub mod poly;
+pub mod run;
+pub mod simulate;
+pub mod solve;
+pub mod table;

@@ -1,0 +1,114 @@
+//! What earlier runs have done: the batches of one that was ended, and the rows of one that was finished.
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
+
+use super::{RunError, parts};
+use crate::dataset::Found;
+use crate::models::{self, ModelRow, word};
+
+/// Rows of earlier runs by their recording, and the place for this one's.
+pub(super) struct Earlier {
+    folder: PathBuf,
+    next: usize,
+    rows: HashMap<String, Vec<ModelRow>>,
+}
+
+impl Earlier {
+    /// Reads what is there for the model asked for; nothing of it for a fresh run.
+    pub(super) fn open(out: &Path, asked: &str, fresh: bool) -> Result<Self, RunError> {
+        let folder = parts(out);
+        if fresh {
+            // It may not be there.
+            let _ = fs::remove_dir_all(&folder);
+        }
+        fs::create_dir_all(&folder)
+            .map_err(|source| RunError::Parts { path: folder.display().to_string(), source })?;
+        let mut earlier = Self { folder, next: 0, rows: HashMap::new() };
+        if fresh {
+            return Ok(earlier);
+        }
+        earlier.read(out, asked);
+        let mut parts: Vec<PathBuf> =
+            fs::read_dir(&earlier.folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+        parts.sort();
+        for part in parts.iter().filter(|part| part.extension().is_some_and(|it| it == "parquet")) {
+            earlier.read(part, asked);
+            let number = part.file_stem().and_then(|stem| stem.to_str()?.strip_prefix("part-")?.parse::<usize>().ok());
+            earlier.next = earlier.next.max(number.map_or(0, |number| number + 1));
+        }
+        Ok(earlier)
+    }
+
+    /// A part that was being written when its run was ended is no file that can be read: its units are done again.
+    fn read(&mut self, file: &Path, asked: &str) {
+        for row in models::read(file).unwrap_or_default().into_iter().filter(|row| row.model_asked == asked) {
+            let rows = self.rows.entry(row.file.clone()).or_default();
+            // The latest run's.
+            rows.retain(|own| own.axis != row.axis);
+            rows.push(row);
+        }
+    }
+
+    /// The rows of a recording that was fitted as it is now.
+    pub(super) fn take(&mut self, found: &Found) -> Option<Vec<ModelRow>> {
+        let modified = found.meta.last_modified.to_rfc3339();
+        #[allow(clippy::float_cmp)] // A whole number of bytes.
+        let same = |row: &ModelRow| row.file_modified == modified && row.file_bytes == found.meta.size as f64;
+        let mut rows = self.rows.remove(&found.file).filter(|rows| rows.len() == 2 && rows.iter().all(same))?;
+        rows.iter_mut().for_each(|row| rejudge(row, found.serial_reason.as_ref()));
+        rows.sort_by(|a, b| a.axis.cmp(&b.axis));
+        Some(rows)
+    }
+
+    /// Keeps a batch of this run.
+    pub(super) fn keep(&mut self, rows: &[ModelRow]) -> Result<(), RunError> {
+        models::write(&self.folder.join(format!("part-{:06}.parquet", self.next)), rows)?;
+        self.next += 1;
+        Ok(())
+    }
+
+    /// The run is whole: its batches are no longer needed.
+    pub(super) fn finish(self) {
+        // What stays is read by the next run and changes nothing.
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// What a serial is judged by are the other files, which may have changed since.
+fn rejudge(row: &mut ModelRow, serial: Option<&Reason>) {
+    let of_serial = |reason: &Reason| matches!(reason.kind, ReasonKind::WrongSerial | ReasonKind::DuplicateSerial);
+    let earlier = row.reason_list();
+    if earlier.iter().find(|reason| of_serial(reason)) == serial {
+        return;
+    }
+    let narrow = row.model_asked.ends_with(" narrow");
+    let mut reasons: Vec<Reason> = earlier.into_iter().filter(|reason| !of_serial(reason)).collect();
+    reasons.extend(serial.cloned());
+    let verdict = reasons.iter().map(|reason| match reason.kind {
+        ReasonKind::NarrowSpan if narrow => Verdict::Warning,
+        kind => kind.verdict(),
+    });
+    row.verdict = word(verdict.max().unwrap_or(Verdict::Good)).to_owned();
+    row.reasons = serde_json::to_string(&reasons).unwrap_or_default();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_serial_is_judged_anew_and_nothing_else() {
+        let cut = Reason::new(ReasonKind::CutRun, "cut");
+        let twice = Reason::new(ReasonKind::DuplicateSerial, "twice");
+        let mut row = ModelRow { reasons: serde_json::to_string(&[&twice]).unwrap(), ..ModelRow::default() };
+        rejudge(&mut row, None);
+        assert_eq!((row.verdict.as_str(), row.reason_list().len()), ("good", 0));
+        row.reasons = serde_json::to_string(&[&cut]).unwrap();
+        rejudge(&mut row, Some(&twice));
+        assert_eq!((row.verdict.as_str(), row.reason_list()), ("rejected", vec![cut, twice]));
+    }
+}
