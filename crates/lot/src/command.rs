@@ -1,6 +1,8 @@
 //! The subcommands, one file each, and how they end.
 
+mod export;
 mod fit;
+mod report;
 mod simulate;
 
 use std::process::ExitCode;
@@ -21,6 +23,8 @@ const EXAMPLES: &str = "\
 Examples:
   zerorate lot simulate --units 1000 --seed 1 --out lot1      a lot to try
   zerorate lot fit lot1 --out models.parquet --model poly:2   one row a fit
+  zerorate lot report models.parquet --limits limits.toml --out lot.html
+  zerorate lot export ZR-000007 --out ZR-000007
   zerorate lot fit s3://factory/lot7 --out models.parquet --cluster df://scheduler:50050
 
 Exit codes: 0 done; 1 done, and some units were rejected or files skipped; 2 error.";
@@ -28,6 +32,8 @@ Exit codes: 0 done; 1 done, and some units were rejected or files skipped; 2 err
 #[derive(Debug, Subcommand)]
 enum Command {
     Fit(fit::Fit),
+    Report(report::Report),
+    Export(export::Export),
     Simulate(simulate::Simulate),
 }
 
@@ -45,6 +51,8 @@ impl Cli {
     pub fn run(&self) -> ExitCode {
         let result = match &self.command {
             Command::Fit(fit) => fit.run(),
+            Command::Report(report) => report.run(),
+            Command::Export(export) => export.run(),
             Command::Simulate(simulate) => simulate.run(),
         };
         match result {

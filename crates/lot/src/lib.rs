@@ -3,9 +3,11 @@
 pub mod auto;
 pub mod dataset;
 pub mod engine;
+pub mod export;
 pub mod fitted;
 pub mod models;
 pub mod poly;
+pub mod report;
 pub mod run;
 pub mod simulate;
 pub mod solve;

@@ -137,6 +137,16 @@ impl Place {
         Ok(all.into_iter().filter(wanted).collect())
     }
 
+    /// The key of a file by its path from the dataset's root.
+    #[must_use]
+    pub fn key_of(&self, name: &str) -> Key {
+        // A dataset of one file is its own root.
+        if self.prefix.filename() == Some(name) {
+            return self.prefix.clone();
+        }
+        name.split('/').fold(self.prefix.clone(), |key, part| key.join(part))
+    }
+
     /// A file's path or key from the dataset's root.
     #[must_use]
     pub fn name_of(&self, key: &Key) -> String {

@@ -1,0 +1,46 @@
+//! `zerorate lot report`.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use zerorate_cal::whole_file::write_whole;
+use zerorate_lot::report;
+
+use super::{Outcome, wait};
+
+/// Write a lot's report as one HTML page: distribution, worst units, yield, the process over time
+///
+/// A limits file is TOML: under [limits], drift_pp_counts, in_sample_rms_counts, held_out_rms_counts, held_out_pp_counts
+/// and reading_mid_counts, each a greatest value or { min = A, max = B }.
+#[derive(Debug, Args)]
+pub struct Report {
+    /// The rows that `zerorate lot fit` wrote
+    #[arg(value_name = "MODELS")]
+    models: PathBuf,
+
+    /// The limits, as TOML
+    #[arg(long, value_name = "FILE")]
+    limits: Option<PathBuf>,
+
+    /// Where the recordings are now, if not where they were fitted
+    #[arg(long, value_name = "DATASET")]
+    dataset: Option<String>,
+
+    /// Write the page here
+    #[arg(long, value_name = "FILE", default_value = "lot.html")]
+    out: PathBuf,
+}
+
+impl Report {
+    pub fn run(&self) -> Result<Outcome> {
+        let limits = self.limits.as_deref().map(report::limits).transpose()?.unwrap_or_default();
+        let report = wait(report::report(&self.models, self.dataset.as_deref(), limits))??;
+        write_whole(&self.out, report.to_html().as_bytes())
+            .with_context(|| format!("{}: cannot be written", self.out.display()))?;
+        report.undrawn.iter().for_each(|sentence| eprintln!("note: {sentence}"));
+        println!("{} units, {} pass, {} rejected", report.units.len(), report.passed(), report.rejected());
+        println!("Written: {}", self.out.display());
+        Ok(Outcome::Done)
+    }
+}

@@ -1,0 +1,168 @@
+//! `lot export`: the calibration and the device record of one unit.
+//!
+//! The row says which recording and which model; the recording is fitted again by the code of `zerorate fit`, so that the
+//! files are the same to the bit, and the fit must agree with the row.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use object_store::ObjectStoreExt;
+use zerorate_bench::error::BenchError;
+use zerorate_bench::recorded;
+use zerorate_cal::calibration::{Calibration, CalibrationError};
+use zerorate_cal::choose::Model;
+use zerorate_cal::log_fit::{FitOptions, LogFit, LogFitError, fit_log};
+use zerorate_cal::whole_file::write_whole;
+
+use crate::dataset::{Place, PlaceError, bytes};
+use crate::models::{self, ModelRow, ModelsError};
+
+/// How far a curve may be from its row's, in parts of its range.
+const AGREES: f64 = 1e-9;
+
+/// What was exported.
+#[derive(Debug, Clone)]
+pub struct Exported {
+    /// The calibration's file.
+    pub calibration: PathBuf,
+    /// The device record's file.
+    pub record: PathBuf,
+    /// How far the curves were from their rows' at most, in parts of their range.
+    pub disagreement: f64,
+}
+
+/// Why a unit cannot be exported.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The rows.
+    #[error(transparent)]
+    Models(#[from] ModelsError),
+    /// No row is the unit's.
+    #[error("{models}: no unit {unit}: `zerorate lot fit` writes one row for each axis of each")]
+    NoSuchUnit {
+        /// The rows' file.
+        models: PathBuf,
+        /// The serial asked for.
+        unit: String,
+    },
+    /// The unit was rejected.
+    #[error("unit {unit} was rejected, and no calibration comes of it: {reasons}")]
+    Rejected {
+        /// The serial.
+        unit: String,
+        /// The reasons.
+        reasons: String,
+    },
+    /// The dataset.
+    #[error(transparent)]
+    Place(#[from] PlaceError),
+    /// The recording is not where it was.
+    #[error("{file}: the recording cannot be read: {reason}: bring it back, or say where the dataset is now (--dataset)")]
+    Recording {
+        /// The recording.
+        file: String,
+        /// What the store says.
+        reason: String,
+    },
+    /// The recording cannot be fitted.
+    #[error(transparent)]
+    Fit(#[from] LogFitError),
+    /// It gives another curve than its row.
+    #[error("{file}: its curve is off its row's by {off:.1e} of its range: the recording is not the one that was fitted; fit the lot again")]
+    Disagrees {
+        /// The recording.
+        file: String,
+        /// By how much.
+        off: f64,
+    },
+    /// The calibration or the record cannot be made.
+    #[error(transparent)]
+    Bench(#[from] BenchError),
+    /// The calibration cannot be written.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// A file cannot be written.
+    #[error("{path}: cannot be written: {source}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+}
+
+/// Writes a unit's calibration and device record into a folder.
+///
+/// `dataset` says where the recordings are now, if not where they were fitted.
+///
+/// # Errors
+/// [`ExportError`].
+pub async fn export(
+    models: &Path,
+    dataset: Option<&str>,
+    unit: &str,
+    out: &Path,
+) -> Result<Exported, ExportError> {
+    let rows: Vec<ModelRow> = models::read(models)?.into_iter().filter(|row| row.unit_serial == unit).collect();
+    let sound: Vec<&ModelRow> = rows.iter().filter(|row| !row.rejected()).collect();
+    let Some(first) = sound.first() else {
+        let Some(row) = rows.first() else {
+            return Err(ExportError::NoSuchUnit { models: models.to_owned(), unit: unit.to_owned() });
+        };
+        let reasons: Vec<String> = row.reason_list().into_iter().map(|reason| reason.text).collect();
+        return Err(ExportError::Rejected { unit: unit.to_owned(), reasons: reasons.join("; ") });
+    };
+    let folder = tempfile::tempdir().map_err(cannot(out))?;
+    let (path, fit) = refit(first, dataset, folder.path()).await?;
+    let disagreement = sound.iter().map(|row| distance(row, &fit)).fold(0.0, f64::max);
+    if disagreement.is_nan() || disagreement > AGREES {
+        return Err(ExportError::Disagrees { file: first.file.clone(), off: disagreement });
+    }
+    let calibration = recorded::calibration(&path, &fit)?;
+    write(&calibration, out).map(|(calibration, record)| Exported { calibration, record, disagreement })
+}
+
+/// The recording of a row, read into `folder`, and its fit by the row's model.
+///
+/// # Errors
+/// [`ExportError`].
+pub async fn refit(row: &ModelRow, dataset: Option<&str>, folder: &Path) -> Result<(PathBuf, LogFit), ExportError> {
+    let place = Place::of(dataset.unwrap_or(&row.dataset))?;
+    let gone = |error: object_store::Error| ExportError::Recording { file: row.file.clone(), reason: error.to_string() };
+    let meta = place.store.head(&place.key_of(&row.file)).await.map_err(gone)?;
+    let content = bytes(&place, &meta).await.map_err(gone)?;
+    // Under its own name: the calibration names its source.
+    let path = folder.join(Path::new(&row.file).file_name().unwrap_or_default());
+    fs::write(&path, content).map_err(cannot(&path))?;
+    let (model, narrow) =
+        row.model_asked.split_once(' ').map_or((row.model_asked.as_str(), false), |(model, _)| (model, true));
+    let model: Model = model.parse().unwrap_or_default();
+    let options = FitOptions { model, allow_narrow: narrow, ..FitOptions::default() };
+    let fit = fit_log(&path, &options)?;
+    Ok((path, fit))
+}
+
+/// The greatest distance of a row's curve from the fit's, in parts of its range.
+fn distance(row: &ModelRow, fit: &LogFit) -> f64 {
+    let (Some(own), Some(again)) = (row.axis_calibration(), fit.axes.iter().find(|axis| axis.name == row.axis)) else {
+        return f64::NAN;
+    };
+    let (min, max) = (own.drift.valid.min(), own.drift.valid.max());
+    let at = |step: i32| min + (max - min) * f64::from(step) / 100.0;
+    let off = |step| (own.drift.evaluate(at(step)).0 - again.drift.evaluate(at(step)).0).abs();
+    (0..=100).map(off).fold(0.0, f64::max) / own.drift.peak_to_peak()
+}
+
+fn write(calibration: &Calibration, out: &Path) -> Result<(PathBuf, PathBuf), ExportError> {
+    fs::create_dir_all(out).map_err(cannot(out))?;
+    let (path, record) = (out.join("calibration.json"), out.join("device-record.bin"));
+    let bytes = recorded::device_record(calibration)?;
+    write_whole(&record, &bytes).map_err(cannot(&record))?;
+    calibration.write(&path)?;
+    Ok((path, record))
+}
+
+fn cannot(path: &Path) -> impl FnOnce(std::io::Error) -> ExportError {
+    let path = path.to_owned();
+    move |source| ExportError::Write { path, source }
+}

@@ -1,0 +1,178 @@
+//! `lot report`: a lot as one HTML page.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+use zerorate_cal::report::{LogReport, LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
+
+use crate::export::{ExportError, refit};
+use crate::models::{self, ModelRow, ModelsError};
+
+/// Units drawn.
+const WORST: usize = 10;
+
+/// A limits file: a table for each quantity, each with `min`, `max` or both.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimitsFile {
+    #[serde(default)]
+    limits: BTreeMap<String, Bounds>,
+}
+
+/// A limit as it is written: `{ max = 5.0 }`, or a number, which is a greatest.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Bounds {
+    Max(f64),
+    Both { min: Option<f64>, max: Option<f64> },
+}
+
+/// Why there is no report.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The rows.
+    #[error(transparent)]
+    Models(#[from] ModelsError),
+    /// The limits file cannot be read.
+    #[error("{path}: {reason}")]
+    Limits {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+/// Reads a limits file.
+///
+/// # Errors
+/// [`ReportError::Limits`].
+pub fn limits(path: &Path) -> Result<Vec<LotLimit>, ReportError> {
+    let wrong = |reason: String| ReportError::Limits { path: path.display().to_string(), reason };
+    let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
+    parse(&text).map_err(wrong)
+}
+
+fn parse(text: &str) -> Result<Vec<LotLimit>, String> {
+    let file: LimitsFile = toml::from_str(text).map_err(|error| error.to_string())?;
+    let known = || Quantity::ALL.map(Quantity::key).join(", ");
+    file.limits
+        .into_iter()
+        .map(|(key, bounds)| {
+            let quantity = Quantity::ALL.into_iter().find(|quantity| quantity.key() == key);
+            let quantity = quantity.ok_or_else(|| format!("'{key}' is no limit: there are {}", known()))?;
+            let (min, max) = match bounds {
+                Bounds::Max(max) => (None, Some(max)),
+                Bounds::Both { min, max } => (min, max),
+            };
+            Ok(LotLimit {
+                quantity,
+                min: min.unwrap_or(f64::NEG_INFINITY),
+                max: max.unwrap_or(f64::INFINITY),
+            })
+        })
+        .collect()
+}
+
+/// The report of the rows in a file. Recordings are read again for the worst units; `dataset` says where they are now,
+/// if not where they were fitted.
+///
+/// # Errors
+/// [`ReportError`]; a recording that is gone is said in the report.
+pub async fn report(models: &Path, dataset: Option<&str>, limits: Vec<LotLimit>) -> Result<LotReport, ReportError> {
+    let rows = models::read(models)?;
+    let mut units = units(&rows);
+    units.sort_by(|a, b| a.day.total_cmp(&b.day).then_with(|| a.serial.cmp(&b.serial)));
+    let (worst, undrawn) = worst(&rows, dataset).await;
+    Ok(LotReport {
+        source: models.display().to_string(),
+        model: rows.first().map_or_else(String::new, |row| row.model_asked.clone()),
+        units,
+        limits,
+        worst,
+        undrawn,
+    })
+}
+
+fn units(rows: &[ModelRow]) -> Vec<LotUnit> {
+    let seconds: Vec<f64> = rows.iter().map(|row| unix_s(&row.recorded_at)).collect();
+    let first = seconds.iter().copied().fold(f64::INFINITY, f64::min);
+    let mut units: Vec<LotUnit> = Vec::new();
+    let mut last: Option<&str> = None;
+    for (row, seconds) in rows.iter().zip(seconds) {
+        if last != Some(&row.file) {
+            last = Some(&row.file);
+            let reasons = row.reason_list().into_iter().map(|reason| reason.text);
+            units.push(LotUnit {
+                serial: row.unit_serial.clone(),
+                file: row.file.clone(),
+                station: row.station.clone(),
+                day: (seconds - first) / 86_400.0,
+                rejected: if row.rejected() { reasons.collect() } else { Vec::new() },
+                axes: Vec::new(),
+            });
+        }
+        if let Some(unit) = units.last_mut().filter(|_| !row.model.is_empty()) {
+            let values = [row.drift_pp, row.reading_mid, row.in_sample_rms, row.held_out_rms, row.held_out_pp];
+            unit.axes.push(LotAxis { name: row.axis.clone(), values });
+        }
+    }
+    units
+}
+
+/// Seconds since 1970 of an RFC 3339 time; NaN for another text.
+fn unix_s(text: &str) -> f64 {
+    chrono::DateTime::parse_from_rfc3339(text).map_or(f64::NAN, |time| time.timestamp() as f64)
+}
+
+async fn worst(rows: &[ModelRow], dataset: Option<&str>) -> (Vec<WorstUnit>, Vec<String>) {
+    let mut sound: Vec<&ModelRow> =
+        rows.iter().filter(|row| !row.rejected() && row.held_out_rms.is_finite()).collect();
+    sound.sort_by(|a, b| b.held_out_rms.total_cmp(&a.held_out_rms));
+    let (mut units, mut worst, mut undrawn) = (Vec::new(), Vec::new(), Vec::new());
+    for row in sound {
+        if worst.len() + undrawn.len() == WORST {
+            break;
+        }
+        // The worse axis comes first.
+        if units.contains(&&row.file) {
+            continue;
+        }
+        units.push(&row.file);
+        match fit(row, dataset).await {
+            Ok(fit) => worst.push(WorstUnit {
+                serial: row.unit_serial.clone(),
+                axis: row.axis.clone(),
+                held_out_rms: row.held_out_rms,
+                fit,
+            }),
+            Err(error) => undrawn.push(format!("{}: not drawn: {error}", row.unit_serial)),
+        }
+    }
+    (worst, undrawn)
+}
+
+async fn fit(row: &ModelRow, dataset: Option<&str>) -> Result<LogReport, ExportError> {
+    let folder = tempfile::tempdir()
+        .map_err(|source| ExportError::Write { path: std::env::temp_dir(), source })?;
+    let (_, fit) = refit(row, dataset, folder.path()).await?;
+    Ok(LogReport::from(&fit))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_a_number_or_two_and_another_name_is_refused() {
+        let limits = parse("[limits]\nheld_out_rms_counts = 5\nreading_mid_counts = { min = 8000.0, max = 8400.0 }\n");
+        let limits = limits.unwrap();
+        let reading = limits.iter().find(|limit| limit.quantity == Quantity::Reading).unwrap();
+        assert!((reading.min - 8000.0).abs() < 1e-9 && (reading.max - 8400.0).abs() < 1e-9);
+        let held_out = limits.iter().find(|limit| limit.quantity == Quantity::HeldOut).unwrap();
+        assert!(held_out.min == f64::NEG_INFINITY && (held_out.max - 5.0).abs() < 1e-9);
+        let refused = parse("[limits]\nheld_out = 5.0\n").unwrap_err();
+        assert!(refused.contains("'held_out' is no limit") && refused.contains("held_out_rms_counts"), "{refused}");
+    }
+}
