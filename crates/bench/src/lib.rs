@@ -27,4 +27,5 @@ pub mod story;
 pub mod study;
 pub mod summary;
 pub mod verify;
+#[cfg(feature = "boards")]
 pub mod virtual_board;

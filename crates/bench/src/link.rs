@@ -1,5 +1,6 @@
 //! The line to a device: bytes, nothing more.
 
+#[cfg(feature = "boards")]
 pub mod serial;
 pub mod tcp;
 mod threaded;

@@ -38,7 +38,8 @@ pub fn calibration(recording: &Path, fit: &LogFit) -> Result<Calibration, BenchE
         let reasons: Vec<&str> = fit.judgement.reasons.iter().map(|reason| reason.text.as_str()).collect();
         return Err(BenchError::Rejected { reasons: reasons.join("; ") });
     }
-    let axes = fit.axes.iter().map(|axis| (axis.name.clone(), AxisCalibration::of_log_axis(axis, ResidualOver::Groups)));
+    let axes =
+        fit.axes.iter().map(|axis| (axis.name.clone(), AxisCalibration::of_log_axis(axis, ResidualOver::Groups)));
     let warnings = fit.judgement.reasons.iter().map(|reason| reason.text.clone()).collect();
     of_axes(&info, axes.collect(), source, warnings)
 }
@@ -55,7 +56,8 @@ pub fn of_axes(
 ) -> Result<Calibration, BenchError> {
     let setup = SetUp::parse(&info.set_up, "in the recording").map_err(|error| composed(&error))?;
     let trim = nominal_trim(&setup)?;
-    let with_trim = |(name, axis): (String, AxisCalibration)| (name, AxisCalibration { trim: Some(trim.clone()), ..axis });
+    let with_trim =
+        |(name, axis): (String, AxisCalibration)| (name, AxisCalibration { trim: Some(trim.clone()), ..axis });
     Ok(Calibration {
         kind: Kind::AnalogueBoard,
         unit_serial: Some(info.unit_serial.clone()).filter(|serial| !serial.is_empty()),

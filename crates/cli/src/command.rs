@@ -7,6 +7,7 @@ mod device;
 mod export;
 mod fit;
 mod info;
+mod lot;
 mod report;
 mod setup;
 mod study;
@@ -52,6 +53,7 @@ enum Command {
     Report(report::Report),
     Info(info::Info),
     Study(study::Study),
+    Lot(lot::Lot),
     Device(device::Device),
     Setup(setup::Setup),
     VirtualBoard(virtual_board::Serve),
@@ -84,6 +86,7 @@ impl Cli {
             Command::Report(report) => report.run(),
             Command::Info(info) => info.run(),
             Command::Study(study) => study.run(),
+            Command::Lot(lot) => lot.run(),
             Command::Setup(setup) => setup.run(),
             Command::Device(device) => device.run(),
             Command::VirtualBoard(board) => board.run(),

@@ -2,6 +2,7 @@
 
 mod export;
 mod fit;
+mod group;
 mod report;
 mod simulate;
 
@@ -34,6 +35,7 @@ enum Command {
     Fit(fit::Fit),
     Report(report::Report),
     Export(export::Export),
+    Group(group::Group),
     Simulate(simulate::Simulate),
 }
 
@@ -53,6 +55,7 @@ impl Cli {
             Command::Fit(fit) => fit.run(),
             Command::Report(report) => report.run(),
             Command::Export(export) => export.run(),
+            Command::Group(group) => group.run(),
             Command::Simulate(simulate) => simulate.run(),
         };
         match result {

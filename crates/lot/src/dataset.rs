@@ -26,8 +26,14 @@ const AT_ONCE: usize = 16;
 const PROCEDURE: &str = "full-temperature";
 
 /// Files that our own commands write beside recordings.
-const OURS: [&str; 6] =
-    [crate::simulate::TRUTH, "calibration.json", "summary.json", "report.html", "device-record.bin", "device-record.json"];
+const OURS: [&str; 6] = [
+    crate::simulate::TRUTH,
+    "calibration.json",
+    "summary.json",
+    "report.html",
+    "device-record.bin",
+    "device-record.json",
+];
 
 /// A recording that can be fitted, as far as its footer tells.
 #[derive(Debug, Clone)]
@@ -97,8 +103,7 @@ impl Dataset {
         if files.is_empty() {
             return Err(PlaceError::Nothing { dataset: dataset.to_owned() });
         }
-        let mut dataset =
-            Self { place, found: Vec::new(), skipped: Vec::new(), other_procedures: BTreeMap::new() };
+        let mut dataset = Self { place, found: Vec::new(), skipped: Vec::new(), other_procedures: BTreeMap::new() };
         let looked: Vec<(ObjectMeta, Result<Found, Unfit>)> = futures::stream::iter(files)
             .map(|meta| {
                 let (store, file) = (Arc::clone(&dataset.place.store), dataset.place.name_of(&meta.location));

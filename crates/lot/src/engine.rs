@@ -37,7 +37,9 @@ pub enum EngineError {
     #[error("{0}")]
     Query(#[from] DataFusionError),
     /// A result holds other than the rows of its files.
-    #[error("{file}: its footer says {expected} rows, and {found} were read: the file is damaged, or the result incomplete")]
+    #[error(
+        "{file}: its footer says {expected} rows, and {found} were read: the file is damaged, or the result incomplete"
+    )]
     Lost {
         /// The file.
         file: String,
@@ -81,7 +83,12 @@ impl Engine {
         .set_bool("datafusion.execution.parquet.pushdown_filters", false)
     }
 
-    async fn plan(&self, place: &Place, files: Files, sql: &str) -> Result<(SessionContext, Arc<dyn ExecutionPlan>), DataFusionError> {
+    async fn plan(
+        &self,
+        place: &Place,
+        files: Files,
+        sql: &str,
+    ) -> Result<(SessionContext, Arc<dyn ExecutionPlan>), DataFusionError> {
         let runtime = Arc::new(RuntimeEnv::default());
         runtime.register_object_store(place.root.as_ref(), Arc::clone(&place.store));
         let state = SessionStateBuilder::new()

@@ -57,7 +57,9 @@ pub enum ExportError {
     #[error(transparent)]
     Place(#[from] PlaceError),
     /// The recording is not where it was.
-    #[error("{file}: the recording cannot be read: {reason}: bring it back, or say where the dataset is now (--dataset)")]
+    #[error(
+        "{file}: the recording cannot be read: {reason}: bring it back, or say where the dataset is now (--dataset)"
+    )]
     Recording {
         /// The recording.
         file: String,
@@ -68,7 +70,9 @@ pub enum ExportError {
     #[error(transparent)]
     Fit(#[from] LogFitError),
     /// It gives another curve than its row.
-    #[error("{file}: its curve is off its row's by {off:.1e} of its range: the recording is not the one that was fitted; fit the lot again")]
+    #[error(
+        "{file}: its curve is off its row's by {off:.1e} of its range: the recording is not the one that was fitted; fit the lot again"
+    )]
     Disagrees {
         /// The recording.
         file: String,
@@ -97,12 +101,7 @@ pub enum ExportError {
 ///
 /// # Errors
 /// [`ExportError`].
-pub async fn export(
-    models: &Path,
-    dataset: Option<&str>,
-    unit: &str,
-    out: &Path,
-) -> Result<Exported, ExportError> {
+pub async fn export(models: &Path, dataset: Option<&str>, unit: &str, out: &Path) -> Result<Exported, ExportError> {
     let rows: Vec<ModelRow> = models::read(models)?.into_iter().filter(|row| row.unit_serial == unit).collect();
     let sound: Vec<&ModelRow> = rows.iter().filter(|row| !row.rejected()).collect();
     let Some(first) = sound.first() else {
@@ -128,7 +127,8 @@ pub async fn export(
 /// [`ExportError`].
 pub async fn refit(row: &ModelRow, dataset: Option<&str>, folder: &Path) -> Result<(PathBuf, LogFit), ExportError> {
     let place = Place::of(dataset.unwrap_or(&row.dataset))?;
-    let gone = |error: object_store::Error| ExportError::Recording { file: row.file.clone(), reason: error.to_string() };
+    let gone =
+        |error: object_store::Error| ExportError::Recording { file: row.file.clone(), reason: error.to_string() };
     let meta = place.store.head(&place.key_of(&row.file)).await.map_err(gone)?;
     let content = bytes(&place, &meta).await.map_err(gone)?;
     // Under its own name: the calibration names its source.

@@ -7,6 +7,7 @@ pub mod export;
 pub mod fitted;
 pub mod models;
 pub mod poly;
+pub mod raw;
 pub mod report;
 pub mod run;
 pub mod simulate;

@@ -215,8 +215,7 @@ pub fn write(path: &Path, rows: &[ModelRow]) -> Result<(), ModelsError> {
     let partial = path.with_extension("parquet.partial");
     let properties = WriterProperties::builder().set_compression(Compression::ZSTD(ZstdLevel::default())).build();
     let file = File::create(&partial).map_err(|error| failed(&error))?;
-    let mut writer =
-        ArrowWriter::try_new(file, batch.schema(), Some(properties)).map_err(|error| failed(&error))?;
+    let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(properties)).map_err(|error| failed(&error))?;
     writer.write(&batch).map_err(|error| failed(&error))?;
     writer.into_inner().map_err(|error| failed(&error))?.sync_all().map_err(|error| failed(&error))?;
     std::fs::rename(&partial, path).map_err(|error| failed(&error))

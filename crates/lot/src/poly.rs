@@ -11,9 +11,9 @@ mod residual;
 use std::collections::HashMap;
 
 use arrow_array::RecordBatch;
+use arrow_array::cast::AsArray;
 use datafusion::arrow::compute::cast;
 use datafusion::arrow::datatypes::{DataType, Float64Type};
-use arrow_array::cast::AsArray;
 use zerorate_cal::calibration::{AxisCalibration, CandidateStatistics, FitStatistics, ResidualOver};
 use zerorate_cal::choose::{Model, STRETCHES};
 use zerorate_cal::log_fit::{FitOptions, Spread};
@@ -91,7 +91,8 @@ pub async fn fit(
                 axes.extend(row(axis, curve, extent, left, order));
             }
         }
-        let inconsistent = [false, true].iter().filter_map(|y| extents.get(&(file, *y))).map(|it| it.inconsistent).sum();
+        let inconsistent =
+            [false, true].iter().filter_map(|y| extents.get(&(file, *y))).map(|it| it.inconsistent).sum();
         fitted.push(Fitted { judgement, axes, inconsistent });
     }
     Ok(fitted)
@@ -175,6 +176,9 @@ fn row(axis: Axis, curve: &Curve, extent: &Extent, left: &Left, order: usize) ->
         held_out_excess_standard_error: held_out.map(|_| 0.0),
         deployed_rms: None,
         ends_rms: None,
+        by_direction_rms: None,
+        ridge: None,
+        chosen: true,
     };
     let calibration = AxisCalibration {
         drift: Drift { shape: Shape::Polynomial(polynomial), valid },

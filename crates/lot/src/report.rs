@@ -66,11 +66,7 @@ fn parse(text: &str) -> Result<Vec<LotLimit>, String> {
                 Bounds::Max(max) => (None, Some(max)),
                 Bounds::Both { min, max } => (min, max),
             };
-            Ok(LotLimit {
-                quantity,
-                min: min.unwrap_or(f64::NEG_INFINITY),
-                max: max.unwrap_or(f64::INFINITY),
-            })
+            Ok(LotLimit { quantity, min: min.unwrap_or(f64::NEG_INFINITY), max: max.unwrap_or(f64::INFINITY) })
         })
         .collect()
 }
@@ -127,8 +123,7 @@ fn unix_s(text: &str) -> f64 {
 }
 
 async fn worst(rows: &[ModelRow], dataset: Option<&str>) -> (Vec<WorstUnit>, Vec<String>) {
-    let mut sound: Vec<&ModelRow> =
-        rows.iter().filter(|row| !row.rejected() && row.held_out_rms.is_finite()).collect();
+    let mut sound: Vec<&ModelRow> = rows.iter().filter(|row| !row.rejected() && row.held_out_rms.is_finite()).collect();
     sound.sort_by(|a, b| b.held_out_rms.total_cmp(&a.held_out_rms));
     let (mut units, mut worst, mut undrawn) = (Vec::new(), Vec::new(), Vec::new());
     for row in sound {
@@ -154,8 +149,7 @@ async fn worst(rows: &[ModelRow], dataset: Option<&str>) -> (Vec<WorstUnit>, Vec
 }
 
 async fn fit(row: &ModelRow, dataset: Option<&str>) -> Result<LogReport, ExportError> {
-    let folder = tempfile::tempdir()
-        .map_err(|source| ExportError::Write { path: std::env::temp_dir(), source })?;
+    let folder = tempfile::tempdir().map_err(|source| ExportError::Write { path: std::env::temp_dir(), source })?;
     let (_, fit) = refit(row, dataset, folder.path()).await?;
     Ok(LogReport::from(&fit))
 }

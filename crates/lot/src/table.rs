@@ -39,6 +39,7 @@ pub struct Files {
     partition_columns: Vec<FieldRef>,
     all: SchemaRef,
     files: Vec<PartitionedFile>,
+    split: bool,
 }
 
 impl Files {
@@ -68,7 +69,25 @@ impl Files {
             .collect();
         let columns = Arc::new(Schema::new(fields));
         let all: Vec<FieldRef> = columns.fields().iter().chain(&partition_columns).cloned().collect();
-        Self { root, columns, partition_columns, all: Arc::new(Schema::new(all)), files }
+        Self { root, columns, partition_columns, all: Arc::new(Schema::new(all)), files, split: false }
+    }
+
+    /// The same, each file cut into a piece for each partition: for few large ones whose rows' order does not matter.
+    #[must_use]
+    pub fn split(mut self) -> Self {
+        self.split = true;
+        self
+    }
+
+    /// Each file's row groups dealt out in contiguous pieces.
+    fn pieces(&self, partitions: usize) -> Vec<FileGroup> {
+        let count = i64::try_from(partitions.max(1)).unwrap_or(1);
+        let piece = |file: &PartitionedFile, part: i64| {
+            let size = i64::try_from(file.object_meta.size).unwrap_or(i64::MAX);
+            file.clone()
+                .with_range(size / count * part, if part + 1 == count { size } else { size / count * (part + 1) })
+        };
+        (0..count).map(|part| FileGroup::new(self.files.iter().map(|file| piece(file, part)).collect())).collect()
     }
 
     /// The files dealt out to so many partitions, each file whole in one of them.
@@ -101,8 +120,10 @@ impl TableProvider for Files {
     ) -> Result<Arc<dyn ExecutionPlan>> {
         let schema = TableSchema::new(Arc::clone(&self.columns), self.partition_columns.clone());
         let source = Arc::new(ParquetSource::new(schema));
+        let partitions = state.config().target_partitions();
+        let groups = if self.split { self.pieces(partitions) } else { self.groups(partitions) };
         let config = FileScanConfigBuilder::new(self.root.clone(), source)
-            .with_file_groups(self.groups(state.config().target_partitions()))
+            .with_file_groups(groups)
             .with_projection_indices(projection.cloned())?
             .build();
         Ok(DataSourceExec::from_data_source(config))

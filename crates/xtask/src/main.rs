@@ -9,6 +9,7 @@ mod circuit;
 mod devtools;
 mod gateware;
 mod house;
+mod lot;
 mod no_std;
 mod provide;
 mod python;
@@ -45,8 +46,11 @@ enum Chore {
         /// Leave out what needs Python, ngspice, the FPGA tools or a browser
         #[arg(long)]
         fast: bool,
+        /// Whole lots too: builds zerorate-lot with its query engine and runs its tests, some twenty minutes on two cores
+        #[arg(long, conflicts_with = "fast")]
+        all: bool,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, arrows, house, build, numpy, damage, circuit,
-        /// gateware, report
+        /// gateware, report, lot
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -55,6 +59,14 @@ enum Chore {
     /// Counts a tap, centre, corner and rails as drawn, then with every part off its value: the tables of
     /// hardware/README.md. ngspice is installed if this runs as root on Debian, and named if it does not.
     Circuit,
+    /// Hold the raw stage of zerorate-lot against DuckDB and a plain loop, at a hundred million rows
+    ///
+    /// Writes the rows once (half a gigabyte in target/compare-lot), then measures. DuckDB comes from PyPI.
+    CompareLot {
+        /// Raw samples, if not a hundred million
+        #[arg(long)]
+        rows: Option<u64>,
+    },
     /// Check the acquisition gateware and build it for the iCEBreaker
     ///
     /// Verilator's lint, a proof by yosys, the tests of the verilated block, a shortened test of a unit through it, synthesis
@@ -66,7 +78,16 @@ fn main() -> Result<ExitCode> {
     let chore = Arguments::parse().chore;
     let workspace = Workspace::of_this_run()?;
     Ok(match chore {
-        Chore::Test { fast, only } => steps::run(&steps::chosen(checks(&workspace, fast), &only)?),
+        Chore::Test { fast, all, only } => {
+            // A step that is named is meant.
+            let lots = all || only.iter().any(|step| step == "lot");
+            steps::run(&steps::chosen(checks(&workspace, fast, lots), &only)?)
+        }
+        Chore::CompareLot { rows } => {
+            steps::run(&[Step::new("compare-lot", "see crates/xtask/python/compare_lot.py", || {
+                lot::compare(&workspace, rows)
+            })])
+        }
         Chore::Circuit => steps::run(&[circuit(&workspace)]),
         Chore::Gateware => steps::run(&gateware::steps(&workspace)),
     })
@@ -77,7 +98,7 @@ fn circuit(workspace: &Workspace) -> Step<'_> {
 }
 
 /// Every check: cargo's, which say the most, then those that read, then those that need the built command.
-fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
+fn checks(workspace: &Workspace, fast: bool, lots: bool) -> Vec<Step<'_>> {
     let within = |check: fn(&Workspace) -> Result<Outcome>| move || check(workspace);
     vec![
         Step::new("format", "run `cargo fmt`", within(cargo::format)),
@@ -97,5 +118,7 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("gateware", "`cargo xtask gateware` runs it alone", within(gateware::check))
             .skipped_if(fast, "--fast"),
         Step::new("report", "look at target/report-screenshots", within(report::check)).skipped_if(fast, "--fast"),
+        Step::new("lot", "`cargo test --release -p zerorate-lot NAME` runs one", within(lot::check))
+            .skipped_if(!lots, "--all runs it"),
     ]
 }

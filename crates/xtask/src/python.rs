@@ -11,7 +11,7 @@ use crate::steps::Outcome;
 use crate::workspace::Workspace;
 
 /// Where the scripts and the versions they need are kept.
-const SCRIPTS: &str = "crates/xtask/python";
+pub const SCRIPTS: &str = "crates/xtask/python";
 
 /// Holds `zerorate fit --plain` against numpy.polyfit, on made data and on a real recording where there is one.
 pub fn compare_fit(workspace: &Workspace) -> Result<Outcome> {
@@ -50,9 +50,18 @@ fn script(workspace: &Workspace, name: &str) -> Result<Command> {
 
 /// The Python of the venv with the pinned packages, made on the first call.
 fn venv(workspace: &Workspace) -> Result<PathBuf> {
-    let folder = workspace.target.join("venv");
+    venv_with(workspace, "venv", "requirements.txt")
+}
+
+/// The Python of the venv for lots.
+pub fn lot_venv(workspace: &Workspace) -> Result<PathBuf> {
+    venv_with(workspace, "venv-lot", "requirements-lot.txt")
+}
+
+fn venv_with(workspace: &Workspace, name: &str, requirements: &str) -> Result<PathBuf> {
+    let folder = workspace.target.join(name);
     let python = folder.join("bin/python");
-    let wanted = workspace.read(Path::new(SCRIPTS).join("requirements.txt"))?;
+    let wanted = workspace.read(Path::new(SCRIPTS).join(requirements))?;
     // Written last, so that a venv that was interrupted is made again.
     let stamp = folder.join("requirements.txt");
     if fs::read_to_string(&stamp).is_ok_and(|made| made == wanted) {
@@ -64,12 +73,12 @@ fn venv(workspace: &Workspace) -> Result<PathBuf> {
         provide::install("Python 3 with venv", &["python3", "python3-venv"])?;
         ensure!(has_venv(), "python3 on the PATH has no venv, though python3-venv is installed");
     }
-    println!("    making target/venv");
+    println!("    making target/{name}");
     provide::succeed(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder))?;
     provide::succeed(
         Command::new(&python)
             .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"])
-            .arg(workspace.root.join(SCRIPTS).join("requirements.txt")),
+            .arg(workspace.root.join(SCRIPTS).join(requirements)),
     )?;
     fs::write(stamp, wanted)?;
     Ok(python)

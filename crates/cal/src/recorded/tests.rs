@@ -7,7 +7,13 @@ fn ramp() -> RampMeans {
     for group in 0..2400_u32 {
         let t = 8500.0 + 3400.0 * f64::from(group) / 2399.0;
         let noise = f64::from((group * 7919) % 1000) / 500.0 - 1.0;
-        means.push(20 + group, f64::from(group) * 1.5, (t, 13_435.7 - 0.894_782 * t + 0.375_298e-4 * t * t + noise), 500, 0);
+        means.push(
+            20 + group,
+            f64::from(group) * 1.5,
+            (t, 13_435.7 - 0.894_782 * t + 0.375_298e-4 * t * t + noise),
+            500,
+            0,
+        );
     }
     means
 }

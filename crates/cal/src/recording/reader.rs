@@ -45,7 +45,8 @@ impl Recording {
         if file.read_exact(&mut start).is_err() {
             return false;
         }
-        let of_parquet = || ParquetRecordBatchReaderBuilder::try_new(file).is_ok_and(|it| schema::version(it.schema()).is_some());
+        let of_parquet =
+            || ParquetRecordBatchReaderBuilder::try_new(file).is_ok_and(|it| schema::version(it.schema()).is_some());
         if start == *PARQUET_MAGIC { of_parquet() } else { start == *CONTINUATION }
     }
 

@@ -129,8 +129,7 @@ impl LotReport {
     /// Units that were not rejected and keep every limit.
     #[must_use]
     pub fn passed(&self) -> usize {
-        let passes =
-            |unit: &&LotUnit| unit.rejected.is_empty() && self.limits.iter().all(|limit| limit.kept_by(unit));
+        let passes = |unit: &&LotUnit| unit.rejected.is_empty() && self.limits.iter().all(|limit| limit.kept_by(unit));
         self.units.iter().filter(passes).count()
     }
 

@@ -54,13 +54,14 @@ impl LotReport {
 
     fn yields(&self) -> Markup {
         let fitted = self.units.iter().filter(|unit| unit.rejected.is_empty()).count();
-        let bound = |value: f64| if value.is_finite() { significant(value, 4) } else { html! { "none" } };
-        let mut rows = vec![vec![
-            html! { "not rejected" },
-            html! {},
-            html! {},
-            html! { (self.share(fitted)) },
-        ]];
+        let bound = |value: f64| {
+            if value.is_finite() {
+                significant(value, 4)
+            } else {
+                html! { "none" }
+            }
+        };
+        let mut rows = vec![vec![html! { "not rejected" }, html! {}, html! {}, html! { (self.share(fitted)) }]];
         for limit in &self.limits {
             let kept = self.units.iter().filter(|unit| unit.rejected.is_empty() && limit.kept_by(unit)).count();
             rows.push(vec![
@@ -70,7 +71,12 @@ impl LotReport {
                 html! { (self.share(kept)) },
             ]);
         }
-        rows.push(vec![html! { b { "all of these" } }, html! {}, html! {}, html! { b { (self.share(self.passed())) } }]);
+        rows.push(vec![
+            html! { b { "all of these" } },
+            html! {},
+            html! {},
+            html! { b { (self.share(self.passed())) } },
+        ]);
         let caption = if self.limits.is_empty() {
             html! { "Units that pass. No limits were given: " code { "--limits FILE" } " sets them." }
         } else {
@@ -107,13 +113,17 @@ impl LotReport {
         let caption = html! {
             "Units rejected, with the reasons" @if self.rejected() > LISTED { ", the first " (LISTED) " of " (self.rejected()) } "."
         };
-        Table { caption, heads: &["Unit", "Recording", "Station", "Why"], rows: rows.collect(), numbers_from: 9 }.markup()
+        Table { caption, heads: &["Unit", "Recording", "Station", "Why"], rows: rows.collect(), numbers_from: 9 }
+            .markup()
     }
 }
 
 fn definitions() -> Markup {
     page::facts(&[
-        (Quantity::Drift.words(), html! { "The distance between the fitted curve's extremes over the unit's valid range." }),
+        (
+            Quantity::Drift.words(),
+            html! { "The distance between the fitted curve's extremes over the unit's valid range." },
+        ),
         (Quantity::Reading.words(), html! { "The fitted curve in the middle of that range." }),
         (Quantity::InSample.words(), html! { "What the curve leaves of the groups that it was fitted to." }),
         (

@@ -35,8 +35,7 @@ impl Simulate {
     pub fn run(&self) -> Result<Outcome> {
         anyhow::ensure!((0.0..=1.0).contains(&self.bad), "--bad {}: give a part from 0 to 1", self.bad);
         let bar = bar(u64::from(self.units));
-        let simulation =
-            Simulation { units: self.units, seed: self.seed, out: self.out.clone(), bad: self.bad };
+        let simulation = Simulation { units: self.units, seed: self.seed, out: self.out.clone(), bad: self.bad };
         let truth = simulation.run(&|| bar.inc(1))?;
         bar.finish_and_clear();
         let bad = truth.units.iter().filter(|unit| unit.defect.is_some()).count();

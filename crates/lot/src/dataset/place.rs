@@ -26,7 +26,9 @@ pub struct Place {
 #[derive(Debug, thiserror::Error)]
 pub enum PlaceError {
     /// There is no such folder or file.
-    #[error("{dataset}: there is no such folder or file: give a folder of recordings, a glob in quotes, or s3://BUCKET/PREFIX")]
+    #[error(
+        "{dataset}: there is no such folder or file: give a folder of recordings, a glob in quotes, or s3://BUCKET/PREFIX"
+    )]
     Missing {
         /// As it was given.
         dataset: String,
@@ -90,14 +92,12 @@ impl Place {
             None
         } else {
             let text = rest.to_string_lossy().into_owned();
-            Some(glob::Pattern::new(&text).map_err(|source| PlaceError::Pattern { dataset: dataset.to_owned(), source })?)
+            Some(
+                glob::Pattern::new(&text)
+                    .map_err(|source| PlaceError::Pattern { dataset: dataset.to_owned(), source })?,
+            )
         };
-        Ok(Self {
-            root: ObjectStoreUrl::local_filesystem(),
-            store: Arc::new(LocalFileSystem::new()),
-            prefix,
-            pattern,
-        })
+        Ok(Self { root: ObjectStoreUrl::local_filesystem(), store: Arc::new(LocalFileSystem::new()), prefix, pattern })
     }
 
     fn of_url(dataset: &str, url: &Url) -> Result<Self, PlaceError> {
@@ -131,7 +131,8 @@ impl Place {
         }
         let all: Vec<ObjectMeta> = self.store.list(Some(&self.prefix)).try_collect().await.map_err(failed)?;
         let wanted = |meta: &ObjectMeta| {
-            let hidden = meta.location.filename().is_none_or(|name| name.starts_with('.') || name.ends_with(".partial"));
+            let hidden =
+                meta.location.filename().is_none_or(|name| name.starts_with('.') || name.ends_with(".partial"));
             !hidden && self.pattern.as_ref().is_none_or(|pattern| pattern.matches(&self.name_of(&meta.location)))
         };
         Ok(all.into_iter().filter(wanted).collect())

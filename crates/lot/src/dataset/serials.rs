@@ -57,9 +57,9 @@ fn reason(
 fn named_after(file: &str, serial: &str) -> bool {
     let inside = |letter: Option<char>| letter.is_some_and(char::is_alphanumeric);
     !serial.is_empty()
-        && file.match_indices(serial).any(|(at, _)| {
-            !inside(file[..at].chars().next_back()) && !inside(file[at + serial.len()..].chars().next())
-        })
+        && file
+            .match_indices(serial)
+            .any(|(at, _)| !inside(file[..at].chars().next_back()) && !inside(file[at + serial.len()..].chars().next()))
 }
 
 #[cfg(test)]

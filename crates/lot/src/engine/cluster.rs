@@ -71,7 +71,9 @@ impl fmt::Display for Address {
 #[derive(Debug, thiserror::Error)]
 pub enum ClusterError {
     /// Nothing listens there.
-    #[error("the scheduler {address} does not answer ({reason}): start it (see crates/lot/README.md), or leave out --cluster")]
+    #[error(
+        "the scheduler {address} does not answer ({reason}): start it (see crates/lot/README.md), or leave out --cluster"
+    )]
     NoScheduler {
         /// Where.
         address: Address,

@@ -109,11 +109,8 @@ pub(super) async fn query(
                 products: products.iter().map(|product| product[row]).collect(),
                 squares: squares[row],
             };
-            own.stretches[place] = StretchSurvey {
-                groups,
-                temperature: (t_min[row], t_max[row]),
-                reading: (z_min[row], z_max[row]),
-            };
+            own.stretches[place] =
+                StretchSurvey { groups, temperature: (t_min[row], t_max[row]), reading: (z_min[row], z_max[row]) };
         }
     }
     Ok(moments)

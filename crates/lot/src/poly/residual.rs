@@ -43,7 +43,8 @@ fn sql(order: usize) -> String {
         }
         let _ = write!(sql, " END AS h{k}");
     }
-    let horner = |letter: &str| (0..order).rev().fold(format!("{letter}{order}"), |sum, k| format!("({sum}) * x + {letter}{k}"));
+    let horner =
+        |letter: &str| (0..order).rev().fold(format!("{letter}{order}"), |sum, k| format!("({sum}) * x + {letter}{k}"));
     let _ = write!(
         sql,
         " FROM scaled),\nleft_over AS (SELECT file, y, v - ({}) AS r, v - ({}) AS h FROM fitted)",

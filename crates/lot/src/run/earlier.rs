@@ -25,8 +25,7 @@ impl Earlier {
             // It may not be there.
             let _ = fs::remove_dir_all(&folder);
         }
-        fs::create_dir_all(&folder)
-            .map_err(|source| RunError::Parts { path: folder.display().to_string(), source })?;
+        fs::create_dir_all(&folder).map_err(|source| RunError::Parts { path: folder.display().to_string(), source })?;
         let mut earlier = Self { folder, next: 0, rows: HashMap::new() };
         if fresh {
             return Ok(earlier);

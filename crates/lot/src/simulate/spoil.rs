@@ -29,13 +29,7 @@ impl Defect {
 }
 
 /// Spoils a recording.
-pub(super) fn spoil(
-    defect: Defect,
-    seed: u64,
-    rows: &mut Vec<GroupRow>,
-    info: &mut RecordingInfo,
-    other_serial: &str,
-) {
+pub(super) fn spoil(defect: Defect, seed: u64, rows: &mut Vec<GroupRow>, info: &mut RecordingInfo, other_serial: &str) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed ^ 0xbad);
     let axis = Axis::BOTH[random.random_range(0..2)];
     match defect {

@@ -122,7 +122,9 @@ fn advice_for(kind: ReasonKind) -> &'static str {
         ReasonKind::CutRun => "Look why the run ended before its ramp did, and record it again whole.",
         ReasonKind::StuckReading => "Check the gyro's supply and its line to the converter.",
         ReasonKind::Outliers => "Look for a loose connection or a disturbed bench, and record again.",
-        ReasonKind::WrongSerial | ReasonKind::DuplicateSerial => "Find out which unit was recorded, and record it again.",
+        ReasonKind::WrongSerial | ReasonKind::DuplicateSerial => {
+            "Find out which unit was recorded, and record it again."
+        }
         ReasonKind::Saturated => "Adjust the circuit's centre or gain so that the reading stays inside the converter.",
         ReasonKind::MissingValues => {
             "Look for lost messages: a slower card or link drops rows when the log rate is too high."

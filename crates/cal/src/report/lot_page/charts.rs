@@ -39,7 +39,8 @@ pub(super) fn distribution(report: &LotReport) -> Figure {
         let axes = [numbers(0), numbers(1)];
         let range = bounds(&axes.concat());
         let name = format!("{}, counts", quantity.words());
-        let mut panel = Panel::new(format!("Distribution: {}", quantity.words()), name, "units").with_x_range(Some(range));
+        let mut panel =
+            Panel::new(format!("Distribution: {}", quantity.words()), name, "units").with_x_range(Some(range));
         for (ink, values) in [Ink::X, Ink::Y].into_iter().zip(&axes) {
             panel = panel.with(Mark::Line(ink, outline(values, range)));
         }
