@@ -1,12 +1,14 @@
 #![doc = include_str!("../README.md")]
 
+#[cfg(feature = "boards")]
 pub mod board;
 pub mod calibrate;
 pub mod calibrated;
 pub mod characterise;
+#[cfg(feature = "boards")]
 pub mod choice;
 pub mod client;
-#[cfg(unix)]
+#[cfg(all(unix, feature = "boards"))]
 pub mod emulated;
 pub mod error;
 pub mod evaluate;
