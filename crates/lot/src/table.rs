@@ -118,7 +118,9 @@ impl TableProvider for Files {
         _filters: &[Expr],
         _limit: Option<usize>,
     ) -> Result<Arc<dyn ExecutionPlan>> {
-        let schema = TableSchema::new(Arc::clone(&self.columns), self.partition_columns.clone());
+        let schema = TableSchema::builder(Arc::clone(&self.columns))
+            .with_table_partition_cols(self.partition_columns.clone())
+            .build();
         let source = Arc::new(ParquetSource::new(schema));
         let partitions = state.config().target_partitions();
         let groups = if self.split { self.pieces(partitions) } else { self.groups(partitions) };
