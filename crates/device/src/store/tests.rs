@@ -117,6 +117,7 @@ fn cut_everywhere<const PAGE: usize, const WORD: usize>(pages: usize, lengths: &
         old = new;
     }
     assert_eq!(lost, 0, "of {cuts} cuts");
+    std::println!("{cuts} cuts in {commits} commits on pages of {PAGE} and words of {WORD}: both records lost 0 times");
     cuts
 }
 
