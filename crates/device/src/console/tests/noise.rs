@@ -145,7 +145,7 @@ impl Line {
     fn ask(&mut self, sequence: u16, request: Request) -> Option<Answer> {
         let frame = frame::encode(&Command { sequence, at: None, request }).unwrap();
         for _ in 0..8 {
-            let mut bytes = std::vec![0];
+            let mut bytes = Vec::from([0]);
             bytes.extend_from_slice(&frame);
             self.damage(&mut bytes);
             let mut commands: Queue<Scheduled, 8> = Queue::new();
