@@ -201,6 +201,22 @@ mod tests {
             }
         }
 
+        /// Behind a CRC-32 that fits: what a later version, or a program gone wrong, might send.
+        #[test]
+        fn any_content_behind_the_right_crc_is_a_message_or_an_error(content in prop::collection::vec(any::<u8>(), 0..300)) {
+            let mut payload = content.clone();
+            payload.extend(CRC_32.checksum(&content).to_le_bytes());
+            let mut stuffed = [0; MAX_FRAME];
+            let length = cobs::encode(&payload, &mut stuffed);
+            let mut again = stuffed;
+            if let Ok(command) = decode::<Command>(&mut stuffed[..length]) {
+                prop_assert!(encode(&command).is_ok());
+            }
+            if let Ok(upload) = decode::<Upload>(&mut again[..length]) {
+                prop_assert!(encode(&upload).is_ok());
+            }
+        }
+
         #[test]
         fn noise_is_neither_a_panic_nor_a_command(noise in prop::collection::vec(any::<u8>(), 0..2000)) {
             for got in receive::<Command>(&mut Receiver::new(), &noise) {
