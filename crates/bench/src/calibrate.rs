@@ -7,20 +7,22 @@ use zerorate_cal::calibration::Source;
 use zerorate_cal::recording::RecordingInfo;
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
+use zerorate_core::wire::Request;
 
 use crate::calibrated::{Calibrated, Unit};
-use crate::characterise::{characterise, first_time};
+use crate::characterise::{self, characterise_once, first_time};
 use crate::client::LineCounts;
 use crate::error::BenchError;
 use crate::instruments::Bench;
+use crate::kept::{Keep, Kept};
 use crate::output::OutputFolder;
-use crate::procedure::compensation_test::Extent;
+use crate::procedure::compensation_test::{self, Extent};
 use crate::procedure::soaks;
 use crate::results;
 use crate::run::{Progress, Session};
 use crate::setup::SetUp;
 use crate::summary::Summary;
-use crate::verify::{check, deploy, test};
+use crate::verify::{check, deploy, evaluated};
 
 const FULL_TEMPERATURE: &str = "full-temperature.parquet";
 const TRIM_SWEEP: &str = "trim-sweep.parquet";
@@ -37,9 +39,46 @@ pub fn calibrate(
     out: &Path,
     progress: &mut dyn Progress,
 ) -> Result<(Calibrated, Summary), BenchError> {
+    calibrate_keeping(bench, setup, unit, out, progress, Keep::Nothing)
+}
+
+/// The same on a bench that takes days: each procedure that was carried through is kept, and a run that was stopped goes
+/// on after it.
+///
+/// # Errors
+/// [`BenchError`]; earlier results in `out` are then untouched, and what was finished is kept.
+pub fn calibrate_keeping(
+    bench: &mut Bench,
+    setup: &SetUp,
+    unit: Unit,
+    out: &Path,
+    progress: &mut dyn Progress,
+    keep: Keep,
+) -> Result<(Calibrated, Summary), BenchError> {
+    let result = run(bench, setup, unit, out, progress, keep);
+    if result.as_ref().is_err_and(BenchError::is_interrupted) {
+        // The board is left as it was found, if it still answers.
+        let _ = bench.device.order(Request::SetAcquisition { run: false });
+    }
+    result
+}
+
+fn run(
+    bench: &mut Bench,
+    setup: &SetUp,
+    unit: Unit,
+    out: &Path,
+    progress: &mut dyn Progress,
+    keep: Keep,
+) -> Result<(Calibrated, Summary), BenchError> {
     let began = Instant::now();
     let mut output = OutputFolder::open(out)?;
     let identity = bench.device.identify()?;
+    let kept = Kept::open(output.in_progress(), keep, &format!("{}\n{}", unit.serial, setup.to_toml()))?;
+    let timing = (identity.samples_per_group, identity.sample_period_us);
+    if timing != (setup.acquisition.group_length, setup.acquisition.sample_period_us) {
+        return Err(BenchError::OtherTiming { samples: timing.0, period_us: timing.1 });
+    }
     let [major, minor, patch] = identity.firmware;
     let info = |procedure: &str| RecordingInfo {
         unit_serial: unit.serial.to_string(),
@@ -52,16 +91,18 @@ pub fn calibrate(
     let mut session = Session::new(bench, setup, progress);
     first_time(&mut session)?;
 
-    let full = output.record(FULL_TEMPERATURE, &info("full-temperature"))?;
-    let sweep = output.record(TRIM_SWEEP, &info("trim-sweep"))?;
-    let mut character = characterise(&mut session, &unit.serial, full, sweep)?;
+    let full =
+        output.go_on(FULL_TEMPERATURE, &info("full-temperature"), kept.extent(characterise::FULL_TEMPERATURE))?;
+    let sweep = output.go_on(TRIM_SWEEP, &info("trim-sweep"), kept.extent(characterise::TRIM_SWEEP))?;
+    let mut character = characterise_once(&mut session, &unit.serial, full, sweep, &kept)?;
 
-    deploy(&mut session, &character)?;
+    let mut deployed = false;
     let mut verifications = Vec::new();
     for (mode, file) in
         [(Mode::Trim, "compensation-test-trim.parquet"), (Mode::Hybrid, "compensation-test-hybrid.parquet")]
     {
-        let mut recorder = output.record(file, &info("compensation-test"))?;
+        let [of_x, of_y] = Axis::BOTH.map(|axis| kept.extent(&test_name(mode, axis)));
+        let mut recorder = output.go_on(file, &info("compensation-test"), of_y.or(of_x))?;
         for (axis, cooling) in [(Axis::X, true), (Axis::Y, false)] {
             let follows = character.axes[axis.index()].composed.digital_only.is_none();
             // What the wiper cannot follow is corrected in numbers alone; there is nothing to trim.
@@ -71,20 +112,27 @@ pub fn calibrate(
                 _ => continue,
             };
             let extent = Extent { cooling, samples: true };
-            verifications.push(test(&mut session, &character, runnable, axis, extent, &mut recorder)?);
+            let run = kept.once(&test_name(mode, axis), &mut recorder, |recorder| {
+                if !std::mem::replace(&mut deployed, true) {
+                    deploy(&mut session, &character)?;
+                }
+                compensation_test::run(&mut session, runnable, axis, extent, recorder)
+            })?;
+            verifications.push(evaluated(run, &character));
         }
         recorder.finish()?;
     }
 
-    let mut recorder = output.record(SOAKS, &info("soaks"))?;
-    let soaks = soaks::run(&mut session, &mut recorder)?;
+    let mut recorder = output.go_on(SOAKS, &info("soaks"), kept.extent("soaks"))?;
+    let soaks = kept.once("soaks", &mut recorder, |recorder| soaks::run(&mut session, recorder))?;
     recorder.finish()?;
 
+    character.warnings.append(&mut session.warnings);
     let line = session.bench.device.counts();
     if line != LineCounts::default() {
-        let LineCounts { lost_uploads, damaged_frames, .. } = line;
+        let LineCounts { lost_uploads, damaged_frames, sent_again } = line;
         character.warnings.push(format!(
-            "the line to the device lost {lost_uploads} uploads and damaged {damaged_frames} frames: groups may be missing"
+            "the line to the device lost {lost_uploads} uploads and damaged {damaged_frames} frames; {sent_again} commands were sent again"
         ));
     }
     let checks = check(&verifications, &setup.limits, setup.board.centre_counts);
@@ -95,6 +143,12 @@ pub fn calibrate(
     let run = Calibrated { unit, setup: setup.clone(), character, verifications, soaks, checks, sources };
     let summary = Summary::of(&run, began.elapsed().as_secs_f64());
     results::write(&run, &summary, &mut output)?;
+    kept.forget();
     output.publish()?;
     Ok((run, summary))
+}
+
+/// A compensation test, as it is kept.
+fn test_name(mode: Mode, axis: Axis) -> String {
+    format!("test-{}-{}", mode.name(), axis.name())
 }

@@ -13,6 +13,7 @@ use zerorate_core::wire::Request;
 use crate::error::BenchError;
 use crate::evaluate::drift_pp;
 use crate::instruments::Witness;
+use crate::kept::Kept;
 use crate::procedure::{full_temperature, trim_experiment};
 use crate::run::{Recorder, Session, Taken};
 
@@ -50,11 +51,21 @@ pub struct Character {
     pub warnings: Vec<String>,
 }
 
-/// Stores the middle tap for power-up: once, when a board is first set up (the register wears).
+/// The full-temperature test, as it is kept.
+pub const FULL_TEMPERATURE: &str = "full-temperature";
+/// The trim experiment, as it is kept.
+pub const TRIM_SWEEP: &str = "trim-sweep";
+
+/// Stores the middle tap for power-up, on a simulated board, which is always new. On a real one that is done once, when
+/// it is first set up (the register wears): it is advised.
 ///
 /// # Errors
 /// [`BenchError`].
 pub fn first_time(session: &mut Session<'_>) -> Result<(), BenchError> {
+    if !session.bench.surroundings.obeys() {
+        session.progress.note("a new board? `zerorate device first-time` makes the middle tap that of power-up, once");
+        return Ok(());
+    }
     session.begin()?;
     session.bench.device.order(Request::StorePowerUpTap)?;
     Ok(())
@@ -67,17 +78,35 @@ pub fn first_time(session: &mut Session<'_>) -> Result<(), BenchError> {
 pub fn characterise(
     session: &mut Session<'_>,
     serial: &str,
+    full: Recorder,
+    sweep: Recorder,
+) -> Result<Character, BenchError> {
+    characterise_once(session, serial, full, sweep, &Kept::nothing())
+}
+
+/// The same, of what was not carried through before.
+///
+/// # Errors
+/// [`BenchError`].
+pub fn characterise_once(
+    session: &mut Session<'_>,
+    serial: &str,
     mut full: Recorder,
     mut sweep: Recorder,
+    kept: &Kept,
 ) -> Result<Character, BenchError> {
-    let began = session.elapsed;
-    let ramp = full_temperature::run(session, &mut full)?;
-    let ramp_time = session.elapsed - began;
+    let (ramp, ramp_time) = kept.once(FULL_TEMPERATURE, &mut full, |full| {
+        let began = session.elapsed;
+        let ramp = full_temperature::run(session, full)?;
+        Ok((ramp, session.elapsed - began))
+    })?;
     full.finish()?;
     let [x, y] = Axis::BOTH.map(|axis| fit_ramp(session, &ramp, axis));
     let drifts = [x?, y?];
 
-    let measured = trim_experiment::run(session, [extremes(&drifts[0]), extremes(&drifts[1])], &mut sweep)?;
+    let measured = kept.once(TRIM_SWEEP, &mut sweep, |sweep| {
+        trim_experiment::run(session, [extremes(&drifts[0]), extremes(&drifts[1])], sweep)
+    })?;
     sweep.finish()?;
 
     let mut warnings = Vec::new();

@@ -297,6 +297,11 @@ impl DeviceClient {
         self.conversation.group_before(Instant::now() + patience)
     }
 
+    /// A group that has arrived already.
+    pub(crate) fn arrived_group(&mut self) -> Option<Group> {
+        self.conversation.arrived_group()
+    }
+
     /// Puts a group back to be taken next.
     pub(crate) fn put_back(&mut self, group: Group) {
         self.conversation.put_back(group);

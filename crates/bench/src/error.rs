@@ -78,6 +78,32 @@ pub enum BenchError {
     /// The record cannot be composed.
     #[error("{0}")]
     Compose(String),
+    /// A run was stopped before, and this one would begin anew.
+    #[error(
+        "a run that was stopped before its end is in {folder}: go on with it with --resume, or remove that folder to begin anew"
+    )]
+    Unfinished {
+        /// The run's folder.
+        folder: String,
+    },
+    /// The run that was stopped is another one.
+    #[error(
+        "the run in {folder} that was stopped was another unit's or had another set-up: give those, or another --out"
+    )]
+    OtherRun {
+        /// The run's folder.
+        folder: String,
+    },
+    /// The board takes other groups than the set-up says.
+    #[error(
+        "the board takes groups of {samples} samples every {period_us} us, the set-up says otherwise: put acquisition.group_length = {samples} and acquisition.sample_period_us = {period_us} into it"
+    )]
+    OtherTiming {
+        /// Samples a group.
+        samples: u16,
+        /// Microseconds from sample to sample.
+        period_us: u32,
+    },
     /// A file cannot be written.
     #[error("cannot write {path}: {source}. Earlier results are untouched")]
     Write {
@@ -86,4 +112,12 @@ pub enum BenchError {
         /// What the system says.
         source: std::io::Error,
     },
+}
+
+impl BenchError {
+    /// Whether somebody wanted everything to stop.
+    #[must_use]
+    pub const fn is_interrupted(&self) -> bool {
+        matches!(self, Self::Instrument(InstrumentError::Interrupted))
+    }
 }

@@ -21,6 +21,12 @@ pub trait Chamber {
     /// # Errors
     /// [`InstrumentError`].
     fn air(&mut self) -> Result<Celsius, InstrumentError>;
+
+    /// Whether it says where its air is. If not, the device's own temperature reading is watched, and
+    /// [`air`](Self::air) is NaN.
+    fn is_seen(&self) -> bool {
+        true
+    }
 }
 
 /// A finely adjustable supply that can take the gyros' place, and a voltmeter on their outputs (paper, S8).
@@ -57,6 +63,12 @@ pub trait Surroundings {
     /// # Errors
     /// [`InstrumentError`].
     fn wait(&mut self, time: Seconds) -> Result<(), InstrumentError>;
+
+    /// Whether the power was off and on when [`power_cycle`](Self::power_cycle) returns. If not, somebody was asked to,
+    /// and the device is seen to start anew.
+    fn obeys(&self) -> bool {
+        true
+    }
 }
 
 /// Someone who knows the plant's truth: the simulated bench. It speaks to reports only.
@@ -82,6 +94,12 @@ pub enum InstrumentError {
     /// The board does not come up.
     #[error("the board does not come up after its power was switched off and on: {0}")]
     Power(String),
+    /// A person was asked, and stopped everything.
+    #[error("stopped by Ctrl-C")]
+    Interrupted,
+    /// A person was asked, and there is none.
+    #[error("standard input has ended, and nobody answers: a manual chamber and supply need somebody there")]
+    NobodyThere,
     /// The chamber has not got where it was sent.
     #[error(
         "the chamber was sent to {set_point_c} C and is still at {air_c:.1} C after {waited_min:.0} min: check its door, its power and its limits"

@@ -17,7 +17,9 @@ pub mod evaluate;
 #[cfg(feature = "gateware")]
 pub mod gateware;
 pub mod instruments;
+pub mod kept;
 pub mod link;
+pub mod manual;
 pub mod output;
 pub mod plants;
 pub mod procedure;

@@ -6,10 +6,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use zerorate_cal::recording::{RecordingInfo, RecordingWriter};
+use zerorate_cal::recording::{Recording, RecordingInfo, RecordingWriter};
 
 use crate::error::BenchError;
-use crate::run::Recorder;
+use crate::run::{Extent, Recorder};
 
 /// The folder inside the output folder in which a run is written.
 pub const IN_PROGRESS: &str = "in-progress";
@@ -43,6 +43,53 @@ impl OutputFolder {
         let writer = RecordingWriter::create(&self.in_progress.join(file), info)?;
         self.files.push(file);
         Ok(Recorder::new(writer))
+    }
+
+    /// Goes on with a recording after what its finished procedures have put into it; starts it where there were none.
+    /// What a procedure that was stopped had recorded is kept beside it.
+    ///
+    /// # Errors
+    /// [`BenchError::Recording`].
+    pub fn go_on(
+        &mut self,
+        file: &'static str,
+        info: &RecordingInfo,
+        extent: Option<Extent>,
+    ) -> Result<Recorder, BenchError> {
+        let path = self.in_progress.join(file);
+        let stream = path.with_extension("arrows");
+        let Some(extent) = extent else {
+            self.set_aside(&path);
+            return self.record(file, info);
+        };
+        if !stream.exists() {
+            self.files.push(file);
+            return Ok(Recorder::discarding());
+        }
+        let rows = Recording::read(&stream)?.rows;
+        self.set_aside(&path);
+        let mut writer = RecordingWriter::create(&path, info)?;
+        for group in rows.chunk_by(|a, b| a.group == b.group).filter(|group| group[0].group < extent.0) {
+            writer.write_group(group)?;
+        }
+        self.files.push(file);
+        Ok(Recorder::after(writer, extent))
+    }
+
+    /// What was set aside before stays: the next recording that is cut takes another name.
+    fn set_aside(&self, path: &Path) {
+        let cut = path.with_extension("cut.arrows");
+        let free = (1..).map(|number| path.with_extension(format!("cut-{number}.arrows"))).find(|free| !free.exists());
+        if let Some(free) = free.filter(|_| cut.exists()) {
+            // If it cannot be renamed, it cannot be replaced either, and that is told.
+            let _ = fs::rename(cut, free);
+        }
+    }
+
+    /// The folder that the run is written in.
+    #[must_use]
+    pub fn in_progress(&self) -> &Path {
+        &self.in_progress
     }
 
     /// Writes a file.

@@ -1,13 +1,18 @@
 //! Taking groups: the one loop that every procedure records with.
 
+mod unseen;
+
+use serde::{Deserialize, Serialize};
 use zerorate_cal::recording::{GroupRow, RecordingWriter};
 use zerorate_core::drift::Coverage;
 use zerorate_core::units::{Axis, Celsius, Counts, Kelvins, Seconds};
 use zerorate_core::wire::{GroupReport, Request, SampleWindow, TemperatureCheck};
 use zerorate_sim::Truth;
 
+use crate::client::Group;
 use crate::error::BenchError;
 use crate::instruments::{Bench, InstrumentError};
+use crate::manual::watch::ReadingScale;
 use crate::setup::SetUp;
 use crate::steps::StepWatch;
 
@@ -19,7 +24,7 @@ const LOOK_EVERY: Seconds = Seconds(10.0);
 const SLOWEST_KELVINS_PER_SECOND: f64 = 100.0 / 72_000.0;
 
 /// What the chamber is doing while a group is taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// Held at a temperature.
     Soak,
@@ -45,7 +50,7 @@ impl Phase {
 }
 
 /// A group with what was about it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Taken {
     /// The group as the device reported it.
     pub report: GroupReport,
@@ -56,6 +61,7 @@ pub struct Taken {
     /// The largest jump of X's and Y's corrected samples in the group's first second, counts; NaN without samples.
     pub jumps: [f64; 2],
     /// The truth, on a simulated bench.
+    #[serde(skip)]
     pub truth: Option<Truth>,
 }
 
@@ -86,6 +92,16 @@ pub trait Progress {
 
     /// A group was taken, or time passed; the chamber's air is at `air_c` degrees C.
     fn step(&mut self, air_c: f64);
+
+    /// Something that people should know at once.
+    fn note(&mut self, text: &str) {
+        let _ = text;
+    }
+
+    /// Whether somebody wants everything to stop.
+    fn is_interrupted(&self) -> bool {
+        false
+    }
 }
 
 /// Nobody is told.
@@ -107,14 +123,38 @@ pub struct Session<'b> {
     pub progress: &'b mut dyn Progress,
     /// Time since the session began, as the bench counts it.
     pub elapsed: Seconds,
+    /// What came to nothing on the way, a sentence each.
+    pub warnings: Vec<String>,
     watches: [StepWatch; 2],
     taken: u32,
+    /// Where the chamber was when the session began.
+    at: Celsius,
+    scale: Option<ReadingScale>,
+    doing: String,
 }
 
 impl<'b> Session<'b> {
     /// A session on a bench.
     pub fn new(bench: &'b mut Bench, setup: &'b SetUp, progress: &'b mut dyn Progress) -> Self {
-        Self { bench, setup, progress, elapsed: Seconds(0.0), watches: Default::default(), taken: 0 }
+        let at = bench.chamber.set_point();
+        Self {
+            bench,
+            setup,
+            progress,
+            at,
+            elapsed: Seconds(0.0),
+            warnings: Vec::new(),
+            watches: Default::default(),
+            taken: 0,
+            scale: None,
+            doing: String::new(),
+        }
+    }
+
+    /// A phase begins that will take so many groups.
+    pub fn phase(&mut self, name: &str, groups: u32) {
+        name.clone_into(&mut self.doing);
+        self.progress.phase(name, groups);
     }
 
     /// Power off and on, acquisition stopped, both wipers at the middle tap: how every run begins.
@@ -123,8 +163,12 @@ impl<'b> Session<'b> {
     /// [`BenchError`].
     pub fn begin(&mut self) -> Result<(), BenchError> {
         self.bench.surroundings.power_cycle()?;
-        self.bench.device.restarted();
-        self.bench.device.identify()?;
+        if self.bench.surroundings.obeys() {
+            self.bench.device.restarted();
+            self.bench.device.identify()?;
+        } else {
+            self.await_power()?;
+        }
         let middle = self.setup.middle();
         self.bench.device.set_taps([middle, middle])?;
         Ok(())
@@ -135,7 +179,10 @@ impl<'b> Session<'b> {
     /// # Errors
     /// [`InstrumentError::NotReached`] when it does not get there.
     pub fn soak(&mut self, what: &str, set_point: Celsius, hold: Seconds) -> Result<(), BenchError> {
-        self.progress.phase(what, 0);
+        if !self.bench.chamber.is_seen() {
+            return self.soak_by_reading(what, set_point, hold);
+        }
+        self.phase(what, 0);
         self.bench.chamber.set(set_point)?;
         let mut air = self.bench.chamber.air()?;
         let patience = 3600.0 + (set_point - air).0.abs() / SLOWEST_KELVINS_PER_SECOND;
@@ -193,6 +240,7 @@ impl<'b> Session<'b> {
     pub fn stop(&mut self) -> Result<(), BenchError> {
         self.bench.device.order(Request::SetAcquisition { run: false })?;
         self.bench.device.discard_groups();
+        self.name_the_lost();
         Ok(())
     }
 
@@ -213,7 +261,14 @@ impl<'b> Session<'b> {
     /// # Errors
     /// [`BenchError`]; what was taken is in the recording.
     pub fn take(&mut self, phase: Phase, recorder: &mut Recorder) -> Result<Taken, BenchError> {
+        if self.progress.is_interrupted() {
+            return Err(InstrumentError::Interrupted.into());
+        }
         let group = self.bench.device.next_group()?;
+        self.record(group, phase, recorder)
+    }
+
+    fn record(&mut self, group: Group, phase: Phase, recorder: &mut Recorder) -> Result<Taken, BenchError> {
         self.taken = group.report.group.0 + 1;
         let first_second = self.first_second();
         let jumps =
@@ -224,7 +279,8 @@ impl<'b> Session<'b> {
             .as_mut()
             .and_then(|witness| witness.take().into_iter().find(|truth| truth.set == group.report.group.0));
         let air = self.bench.chamber.air()?;
-        self.progress.step(air.0);
+        let about = if air.0.is_nan() { self.warmth(&group) } else { air };
+        self.progress.step(about.0);
         let period = self.setup.group_period();
         self.elapsed = self.elapsed + period;
         let time = period * f64::from(self.taken);
@@ -239,15 +295,30 @@ pub struct Recorder {
     /// `None`: nobody wants the recording.
     writer: Option<RecordingWriter>,
     /// Where this run's groups begin in the recording: each acquisition counts from 0, a recording goes on.
-    offset: (u32, f64),
-    last: (u32, f64),
+    offset: Extent,
+    last: Extent,
 }
+
+/// How far a recording has got: groups, and seconds.
+pub type Extent = (u32, f64);
 
 impl Recorder {
     /// A recorder on a recording.
     #[must_use]
     pub const fn new(writer: RecordingWriter) -> Self {
         Self { writer: Some(writer), offset: (0, 0.0), last: (0, 0.0) }
+    }
+
+    /// A recorder on a recording that goes on after what it has.
+    #[must_use]
+    pub const fn after(writer: RecordingWriter, extent: Extent) -> Self {
+        Self { writer: Some(writer), offset: extent, last: extent }
+    }
+
+    /// How far the recording has got.
+    #[must_use]
+    pub const fn extent(&self) -> Extent {
+        self.last
     }
 
     /// A recorder that keeps nothing, for a study of many units.

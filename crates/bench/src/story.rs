@@ -33,7 +33,7 @@ fn unit(run: &Calibrated) -> UnitFacts {
     let sources = run.sources.iter().map(|source| (format!("SHA-256 of {}", source.file), source.sha256.clone()));
     UnitFacts {
         serial: run.unit.serial.to_string(),
-        device: "native device, MAX5494".into(),
+        device: if run.unit.plant.is_some() { "native device, MAX5494" } else { "board, MAX5494" }.into(),
         plant: run.unit.plant.map(|(kind, _)| kind.name().into()),
         seed: run.unit.plant.map(|(_, seed)| seed),
         centre_counts: run.setup.board.centre_counts,

@@ -277,6 +277,11 @@ impl Conversation {
         }
     }
 
+    /// A group that has arrived already.
+    pub(super) fn arrived_group(&mut self) -> Option<Group> {
+        self.groups.pop_front()
+    }
+
     /// Puts a group back to be taken next.
     pub(super) fn put_back(&mut self, group: Group) {
         self.groups.push_front(group);

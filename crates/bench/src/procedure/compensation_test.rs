@@ -1,6 +1,7 @@
 //! The compensation test (paper, S11): the profile of the full-temperature test once more, one axis compensated, the
 //! other left alone as the control; and the cooling ramp after it, where hysteresis does not cancel.
 
+use serde::{Deserialize, Serialize};
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::{Axis, Seconds};
 use zerorate_core::wire::{Request, SampleWindow};
@@ -10,7 +11,7 @@ use crate::run::{Phase, Recorder, Session, Taken};
 use crate::steps;
 
 /// The groups of one test.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct TestRun {
     /// The mode of the compensated axis.
     pub mode: Mode,
@@ -54,16 +55,13 @@ pub fn run(
     session.start(if extent.samples { steps::window(axis, session.first_second()) } else { SampleWindow::NONE })?;
     let name =
         |direction: &str| format!("compensation test, {} {}, {direction}", axis.name().to_uppercase(), mode.name());
-    session.progress.phase(&name("heating"), ramp_groups);
+    session.phase(&name("heating"), ramp_groups);
     session.until(soak_groups, Phase::Soak, recorder)?;
-    session.bench.chamber.set(hot)?;
-    let heated = soak_groups + ramp_groups;
-    let heating = session.until(heated, Phase::Heating, recorder)?;
+    let heating = session.ramp(hot, ramp_groups, Phase::Heating, recorder)?;
     let mut cooling = Vec::new();
     if extent.cooling {
-        session.progress.phase(&name("cooling"), ramp_groups);
-        session.bench.chamber.set(cold)?;
-        cooling = session.until(heated + ramp_groups, Phase::Cooling, recorder)?;
+        session.phase(&name("cooling"), ramp_groups);
+        cooling = session.ramp(cold, ramp_groups, Phase::Cooling, recorder)?;
     }
     session.stop()?;
     recorder.next_run();

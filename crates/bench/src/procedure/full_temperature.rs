@@ -19,10 +19,9 @@ pub fn run(session: &mut Session<'_>, recorder: &mut Recorder) -> Result<Vec<Tak
     session.begin()?;
     session.soak("cold soak", cold, soak)?;
     session.start(SampleWindow::NONE)?;
-    session.progress.phase("full-temperature ramp", ramp_groups);
+    session.phase("full-temperature ramp", ramp_groups);
     session.until(soak_groups, Phase::Soak, recorder)?;
-    session.bench.chamber.set(hot)?;
-    let ramp = session.until(soak_groups + ramp_groups, Phase::Heating, recorder)?;
+    let ramp = session.ramp(hot, ramp_groups, Phase::Heating, recorder)?;
     session.stop()?;
     for axis in Axis::BOTH {
         if let Some(taken) = ramp.iter().find(|taken| taken.report.axes[axis.index()].saturated) {

@@ -1,5 +1,6 @@
 //! The traditional test, to compare with: one soak after another, each until everything inside is at one temperature.
 
+use serde::{Deserialize, Serialize};
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds};
 use zerorate_core::wire::SampleWindow;
 
@@ -10,7 +11,7 @@ use crate::run::{Phase, Recorder, Session, Taken};
 const GROUPS: u32 = 40;
 
 /// What the soaks came to.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Soaks {
     /// Mean temperature and zero-rate reading of X and Y at each soak.
     pub points: Vec<[(Counts, Counts); 2]>,

@@ -6,6 +6,7 @@
 
 use std::ops::RangeInclusive;
 
+use serde::{Deserialize, Serialize};
 use zerorate_cal::trim_fit::{SupplyPoint, TapReading};
 use zerorate_core::trim::MAX_TAP_OFFSETS;
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps, Volts};
@@ -24,7 +25,7 @@ const MOST_TRIES: usize = 12;
 const ROOM_SOAK: Seconds = Seconds(1200.0);
 
 /// What the experiment came to.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct TrimMeasurements {
     /// The 21 voltages, X and Y.
     pub points: [Vec<SupplyPoint>; 2],
@@ -48,8 +49,12 @@ pub fn run(
     let [x, y] = outputs;
     let room = Volts(f64::midpoint(x?.0, y?.0));
     session.start(SampleWindow::NONE)?;
-    session.progress.phase("trim experiment", 0);
+    session.phase("trim experiment", 0);
     let measured = measure(session, room, extremes, recorder);
+    if measured.is_err() {
+        session.record_the_rest(Phase::Supply, recorder)?;
+        return measured;
+    }
     session.bench.supply.connect_gyros()?;
     session.stop()?;
     measured

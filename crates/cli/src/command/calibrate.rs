@@ -1,39 +1,68 @@
 //! `zerorate calibrate`.
 
 mod acquisition;
+mod instrument;
+mod operator;
 mod page;
 
+use std::cell::RefCell;
 use std::path::PathBuf;
+use std::rc::Rc;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use zerorate_bench::board::emulated_bench;
-use zerorate_bench::calibrate::calibrate;
+use zerorate_bench::calibrate::calibrate_keeping;
 use zerorate_bench::calibrated::Unit;
 use zerorate_bench::choice::DeviceChoice;
 use zerorate_bench::instruments::Bench;
+use zerorate_bench::kept::Keep;
+use zerorate_bench::manual;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::run::Progress;
 use zerorate_bench::setup::SetUp;
 
 use self::acquisition::Acquisition;
+use self::instrument::Instrument;
+use self::operator::AtTerminal;
 use super::Outcome;
+use crate::interrupt;
 use crate::plant::Plant;
 use crate::screen;
 
-/// Run the whole experiment on the simulated bench: ramp, fit, trim, compensate, verify, report
+/// Run the whole experiment, simulated or on a real board: ramp, fit, trim, compensate, verify, report
 ///
 /// Takes a unit through the paper: soak at the cold end, record one heating ramp, fit the drift, find in 21 steps of a
 /// fine supply how the potentiometer moves the reading, compose the two, put the law on the device, and prove it on a
 /// second ramp - once with the potentiometer alone, once with the rest subtracted in numbers - heating and cooling, and
 /// with the axes swapped. Eleven soaks, the traditional test, are run beside it to compare with.
+///
+/// On a real board a person is at the chamber, the supply and the switch: told what to do, and watched by the board's own
+/// temperature reading. Ctrl-C stops such a run, --resume goes on after what was finished.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Calibrate {
     /// Write the results into this folder; earlier ones stay until the run is whole
     #[arg(long, value_name = "DIR", default_value = "calibration")]
     out: PathBuf,
+
+    /// The board: native (the application in this program), emulated (the firmware in QEMU; the results are the same to
+    /// the last bit), serial:PATH or tcp:HOST:PORT
+    #[arg(long, value_name = "DEVICE", default_value_t = DeviceChoice::Native)]
+    device: DeviceChoice,
+
+    /// The chamber; without it simulated with a simulated board, manual with a real one
+    #[arg(long, value_enum)]
+    chamber: Option<Instrument>,
+
+    /// The fine supply and the voltmeter; without it as the chamber
+    #[arg(long, value_enum)]
+    supply: Option<Instrument>,
+
+    /// Go on with a run on a real board that was stopped: what was finished is not repeated
+    #[arg(long)]
+    resume: bool,
 
     /// The simulated board
     #[arg(long, value_enum, default_value_t = Plant::Paper)]
@@ -47,11 +76,6 @@ pub struct Calibrate {
     #[arg(long, value_enum, default_value_t = Acquisition::Port)]
     acquisition: Acquisition,
 
-    /// The device: `native`, the application in this program, or `emulated`, the firmware in QEMU; the results are the
-    /// same to the last bit
-    #[arg(long, value_name = "DEVICE", default_value = "native")]
-    device: DeviceChoice,
-
     /// The firmware for `--device emulated`; without it what `cargo xtask firmware` has built
     #[arg(long, value_name = "FILE")]
     firmware: Option<PathBuf>,
@@ -60,9 +84,9 @@ pub struct Calibrate {
     #[arg(long, value_name = "FILE")]
     setup: Option<PathBuf>,
 
-    /// The unit's serial number, up to 32 bytes
-    #[arg(long, value_name = "S", default_value = "ZR-0001")]
-    serial: String,
+    /// The unit's serial number, up to 32 bytes; without it the board's own, and ZR-0001 for a simulated one
+    #[arg(long, value_name = "S")]
+    serial: Option<String>,
 
     /// Print JSON on standard output (the same as summary.json), and nothing else there
     #[arg(long)]
@@ -78,6 +102,8 @@ Examples:
       the same by the firmware in QEMU (build it by `cargo xtask firmware`)
   zerorate setup > bench.toml; zerorate calibrate --setup bench.toml
       the limits that a unit must pass are in the set-up
+  zerorate calibrate --device serial:/dev/ttyUSB0 --chamber manual --supply manual --setup bench.toml
+      a real board; soaks_c = [] in the set-up leaves the eleven hours of soaks out
 
 Exit codes: 0 the unit passed; 1 it was rejected, with reasons; 2 error.";
 
@@ -88,10 +114,43 @@ impl Calibrate {
             Some(file) => SetUp::read(file)?,
             None => kind.setup(),
         };
-        let unit = Unit::new(&self.serial, Some((kind, self.seed)))?;
+        if self.device.is_real() {
+            return self.run_real(&setup);
+        }
+        ensure!(!self.resume, "--resume is for a real board: a simulated run is over in seconds, run it again");
+        let manual = [self.chamber, self.supply].contains(&Some(Instrument::Manual));
+        ensure!(!manual, "a simulated board has a simulated chamber and supply: leave --chamber and --supply out");
+        let unit = Unit::new(self.serial.as_deref().unwrap_or("ZR-0001"), Some((kind, self.seed)))?;
         let mut bench = self.bench(kind, &setup, &unit)?;
-        let mut bar = Bar::new(&setup);
-        let result = calibrate(&mut bench, &setup, unit, &self.out, &mut bar);
+        self.carry_out(&mut bench, &setup, unit, Bar::new(&setup), Keep::Nothing)
+    }
+
+    /// A real board, a person for everything else.
+    fn run_real(&self, setup: &SetUp) -> Result<Outcome> {
+        let simulated = [self.chamber, self.supply].contains(&Some(Instrument::Simulated));
+        ensure!(!simulated, "a real board is in no simulated chamber: --chamber manual --supply manual");
+        let mut device = self.device.open()?.context("a real board has a line")?;
+        let identity = device.identify()?;
+        let own = identity.unit.as_str();
+        let serial = match (&self.serial, own) {
+            (None, "") => bail!("the board has no serial number of its own: give its one with --serial"),
+            (None, own) => own,
+            (Some(given), own) if own.is_empty() || given == own => given,
+            (Some(given), own) => {
+                bail!("--serial {given}: the board says that it is {own}, and would refuse the calibration")
+            }
+        };
+        let unit = Unit::new(serial, None)?;
+        interrupt::watch()?;
+        let bar = Bar::without_end();
+        let operator = AtTerminal::new(bar.bar.clone());
+        let mut bench = manual::bench(device, Rc::new(RefCell::new(operator)))?;
+        let keep = if self.resume { Keep::Resume } else { Keep::Anew };
+        self.carry_out(&mut bench, setup, unit, bar, keep)
+    }
+
+    fn carry_out(&self, bench: &mut Bench, setup: &SetUp, unit: Unit, mut bar: Bar, keep: Keep) -> Result<Outcome> {
+        let result = calibrate_keeping(bench, setup, unit, &self.out, &mut bar, keep);
         bar.finish();
         let (run, summary) = result.with_context(|| self.what_is_left())?;
         if self.json {
@@ -118,7 +177,9 @@ impl Calibrate {
     fn what_is_left(&self) -> String {
         let kept = self.out.join(zerorate_bench::output::IN_PROGRESS);
         if kept.is_dir() {
-            format!("the run stopped; what it had recorded is in {}", kept.display())
+            let go_on =
+                if self.device.is_real() { "; the same with --resume goes on after what was finished" } else { "" };
+            format!("the run stopped; what it had recorded is in {}{go_on}", kept.display())
         } else {
             "the run could not begin".into()
         }
@@ -143,6 +204,15 @@ impl Bar {
         Self { bar, phase: String::new() }
     }
 
+    /// Nobody knows how long a person takes.
+    fn without_end() -> Self {
+        let bar = ProgressBar::new_spinner();
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
+            bar.set_style(style);
+        }
+        Self { bar, phase: String::new() }
+    }
+
     fn finish(&self) {
         self.bar.finish_and_clear();
     }
@@ -160,5 +230,13 @@ impl Progress for Bar {
             self.bar.set_message(format!("{}, {:+.0} C", self.phase, air_c));
         }
         self.bar.inc(1);
+    }
+
+    fn note(&mut self, text: &str) {
+        self.bar.suspend(|| screen::note(text));
+    }
+
+    fn is_interrupted(&self) -> bool {
+        interrupt::was_asked_for()
     }
 }
