@@ -246,6 +246,13 @@ pub fn emulated_bench(
 /// [`NotDeployable`], with the reason.
 pub fn read_record(path: &Path) -> Result<DeviceRecord, NotDeployable> {
     let not = |reason: &dyn std::fmt::Display| NotDeployable(reason.to_string());
+    // A port's name in the file's place would be waited for without end.
+    if path.exists() && !path.is_file() {
+        return Err(NotDeployable(format!(
+            "{}: this is no file: name a calibration.json or device-record.bin",
+            path.display()
+        )));
+    }
     if std::fs::read(path).is_ok_and(|bytes| bytes.trim_ascii_start().starts_with(b"{")) {
         let calibration = Calibration::read(path).map_err(|error| not(&error))?;
         let made = calibration.to_device_record();

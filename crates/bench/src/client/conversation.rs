@@ -21,6 +21,10 @@ const TRIES: u32 = 8;
 const QUIET: Duration = Duration::from_secs(1);
 /// Silence, that question included, after which it is not.
 const DEAD: Duration = Duration::from_millis(4500);
+/// How often the clock is looked at while bytes come and no message is among them.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
+/// Whoever has not listened for so long begins to wait anew.
+const AWAY: Duration = Duration::from_secs(1);
 /// Groups that may be late before their absence is an error, though the device answers.
 const LATE_GROUPS: u32 = 3;
 
@@ -45,6 +49,9 @@ pub(super) struct Conversation {
     restarted: bool,
     heard: Instant,
     asked: Instant,
+    /// Since when somebody listens without a break, and when last.
+    listening_since: Instant,
+    listened: Instant,
 }
 
 impl Conversation {
@@ -70,6 +77,8 @@ impl Conversation {
             restarted: false,
             heard: now,
             asked: now,
+            listening_since: now,
+            listened: now,
         }
     }
 
@@ -151,7 +160,7 @@ impl Conversation {
                 _ if !self.in_real_time() => continue,
                 _ => {}
             }
-            self.stay_patient(began, last_sent)?;
+            self.stay_patient(Some(last_sent))?;
             if last_sent.elapsed() < sent.retry {
                 continue;
             }
@@ -214,6 +223,7 @@ impl Conversation {
     }
 
     fn next_upload(&mut self) -> Result<Option<Upload>, ClientError> {
+        let began = Instant::now();
         loop {
             let mut taken = 0;
             let mut found = None;
@@ -232,6 +242,8 @@ impl Conversation {
                     self.counts.damaged_frames += u32::from(self.open);
                 }
                 Some(Err(_)) => self.counts.damaged_frames += u32::from(self.open),
+                // Somebody talks all the time and says nothing: the clock must be looked at even so.
+                None if self.in_real_time() && began.elapsed() > LOOK_EVERY => return Ok(None),
                 None => {
                     self.link.receive(&mut self.bytes)?;
                     if self.bytes.is_empty() && self.in_real_time() {
@@ -247,12 +259,16 @@ impl Conversation {
     ///
     /// # Errors
     /// [`LinkError::Silent`], when it has not said anything for [`DEAD`].
-    fn stay_patient(&mut self, began: Instant, last_sent: Instant) -> Result<(), ClientError> {
-        let quiet = self.heard.max(began).elapsed();
+    fn stay_patient(&mut self, last_sent: Option<Instant>) -> Result<(), ClientError> {
+        if self.listened.elapsed() > AWAY {
+            self.listening_since = Instant::now();
+        }
+        self.listened = Instant::now();
+        let quiet = self.heard.max(self.listening_since).elapsed();
         if quiet > DEAD {
             return Err(LinkError::Silent.into());
         }
-        if self.open && quiet > QUIET && self.asked.max(last_sent).elapsed() > QUIET {
+        if self.open && quiet > QUIET && last_sent.map_or(self.asked, |sent| sent.max(self.asked)).elapsed() > QUIET {
             self.asked = Instant::now();
             self.send(Request::Faults, None)?;
         }
@@ -261,7 +277,6 @@ impl Conversation {
 
     /// Waits for a group until `deadline`.
     pub(super) fn group_before(&mut self, deadline: Instant) -> Result<Option<Group>, ClientError> {
-        let began = Instant::now();
         loop {
             if let Some(group) = self.groups.pop_front() {
                 return Ok(Some(group));
@@ -269,7 +284,7 @@ impl Conversation {
             // An answer that comes meanwhile is one that nobody waits for any more.
             self.next_answer()?;
             if self.in_real_time() && self.groups.is_empty() {
-                self.stay_patient(began, began)?;
+                self.stay_patient(None)?;
                 if Instant::now() >= deadline {
                     return Ok(None);
                 }

@@ -12,6 +12,8 @@ const BEGUN_K: f64 = 0.3;
 const NEAR_K: f64 = 2.0;
 /// How long a person may take before they are reminded.
 const FOLLOW_S: f64 = 300.0;
+/// How long a reading may go on the wrong way after a chamber was turned round.
+const TURN_S: f64 = 150.0;
 /// A chamber that has arrived moves less than this, kelvins a minute: its regulation's ripple is half of it.
 const ARRIVED_K_PER_MIN: f64 = 0.3;
 /// A gyro that is as warm as the chamber moves less than this.
@@ -214,7 +216,9 @@ impl RampWatch {
                 self.begun = true;
                 return Seen::Begun;
             }
-            if ahead(first) < -NEAR_K && self.once(0) {
+            // The gyros' insides go on for a while where the ramp before was going.
+            let goes_away = rate.is_some_and(|rate| rate * way.signum() < -ARRIVED_K_PER_MIN);
+            if t_s > TURN_S && goes_away && ahead(first) < -NEAR_K && self.once(0) {
                 return Seen::Warning(format!(
                     "the reading goes the wrong way: {} C, and the chamber is to go to {}; check its set point",
                     about(c),

@@ -8,6 +8,7 @@ use clap::Args;
 use console::Term;
 use serde_json::{Value, json};
 use zerorate_bench::board::{Board, LiveAxis, LiveGroup};
+use zerorate_bench::client::ClientError;
 use zerorate_bench::setup::SetUp;
 
 use super::Device;
@@ -45,10 +46,11 @@ impl Monitor {
         }
         let mut view = View::new(device.json);
         let shown = self.show(&mut board, &setup, &mut view);
-        // A board that has just failed does not take leave; what went wrong is told, not that.
-        let left = board.leave();
+        // A board that does not answer any more cannot be taken leave of.
+        if !shown.as_ref().is_err_and(|error| error.is::<ClientError>()) {
+            board.leave()?;
+        }
         let shown = shown?;
-        left?;
         let line = board.line();
         if line.damaged_frames > 0 {
             screen::note(&format!("{} damaged frames, {} commands sent again", line.damaged_frames, line.sent_again));

@@ -1,0 +1,204 @@
+//! A person at the bench: told by the program, they turn chamber, supply and switch of a virtual board.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::Duration;
+
+use serde_json::Value;
+use zerorate_cal::recording::Recording;
+
+use crate::board::{Board, await_end, send};
+
+/// The same procedures over 30 K, with three voltages and no soaks: three hours of chamber time.
+const SHORT: &str = "\
+[chamber]
+cold_c = 10.0
+hot_c = 40.0
+soak_s = 60.0
+soak_groups = 4
+ramp_groups = 400
+soaks_c = []
+[trim]
+points = 3
+groups_per_point = 2
+span_counts = 300.0
+margin_taps = 1
+";
+
+struct Run {
+    child: Child,
+    answers: ChildStdin,
+    told: BufReader<std::process::ChildStderr>,
+    out: ChildStdout,
+    /// Everything told so far.
+    lines: Vec<String>,
+}
+
+impl Run {
+    fn start(board: &Board, more: &[&str], folder: &Path) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_zerorate"))
+            .args(["calibrate", "--device", &board.port, "--chamber", "manual", "--supply", "manual", "--json"])
+            .args(["--setup", "short.toml"])
+            .args(more)
+            .current_dir(folder)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let (answers, out) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());
+        let told = BufReader::new(child.stderr.take().unwrap());
+        Self { child, answers, told, out, lines: Vec::new() }
+    }
+
+    /// Does what the program says, until it says something with `part` in it for the `nth` time, or ends.
+    fn obey_until(&mut self, board: &mut Board, part: &str, nth: usize) -> bool {
+        let mut line = String::new();
+        let mut seen = 0;
+        loop {
+            line.clear();
+            if self.told.read_line(&mut line).unwrap() == 0 {
+                return false;
+            }
+            self.lines.push(line.trim().to_owned());
+            seen += usize::from(line.contains(part));
+            if seen == nth {
+                return true;
+            }
+            if let Some(what) = line.trim().strip_prefix(">> ") {
+                self.obey(board, what);
+            }
+        }
+    }
+
+    fn obey(&mut self, board: &mut Board, what: &str) {
+        let word = |text: &str, place: usize| text.split_whitespace().nth(place).unwrap().to_owned();
+        let answer = match what {
+            _ if what.starts_with("set the chamber to") => {
+                board.order(&format!("chamber {}", word(what, 4)));
+                return;
+            }
+            _ if what.starts_with("switch gyros and board off") => {
+                board.order("power");
+                return;
+            }
+            _ if what.starts_with("feed") => {
+                board.order(&format!("feed {}", word(what, 1)));
+                String::new()
+            }
+            _ if what.contains("connect the gyros") => {
+                board.order("gyros");
+                String::new()
+            }
+            _ if what.contains("volts at the X") => word(&board.order("voltmeter"), 2),
+            _ if what.contains("volts at the Y") => word(&board.order("voltmeter"), 4),
+            _ if what.contains("chamber shows now") => word(&board.order("status"), 2),
+            _ => panic!("nobody knows how to: {what}"),
+        };
+        writeln!(self.answers, "{answer}").unwrap();
+    }
+
+    fn count(&self, part: &str) -> usize {
+        self.lines.iter().filter(|line| line.contains(part)).count()
+    }
+}
+
+fn bench(on: &str) -> (Board, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("short.toml"), SHORT).unwrap();
+    let board = Board::start(on, &["--speed", "400", "--setup", "short.toml"], folder.path());
+    (board, folder)
+}
+
+fn groups(file: &Path) -> Vec<u32> {
+    let mut groups: Vec<u32> = Recording::read(file).unwrap().rows.iter().map(|row| row.group).collect();
+    groups.dedup();
+    groups
+}
+
+#[test]
+fn a_run_by_hand_that_was_stopped_goes_on_and_passes() {
+    let (mut board, folder) = bench("pty");
+    let in_progress = folder.path().join("calibration/in-progress");
+
+    let mut run = Run::start(&board, &[], folder.path());
+    // In the second test on axis X the ramp has begun: full temperature, trim heating and cooling, hybrid.
+    assert!(run.obey_until(&mut board, "the ramp has begun", 2), "{:#?}", run.lines);
+    send("INT", run.child.id());
+    run.obey_until(&mut board, "nothing of that kind", 1);
+    assert_eq!(await_end(&mut run.child, Duration::from_secs(20)).0, Some(2));
+    assert!(run.count("stopped by Ctrl-C") == 1 && run.count("--resume") == 1, "{:#?}", run.lines);
+    let ramp = fs::read(in_progress.join("full-temperature.parquet")).unwrap();
+    assert!(in_progress.join("trim-sweep.parquet").exists());
+    let cut = groups(&in_progress.join("compensation-test-trim.arrows"));
+    assert!(!cut.is_empty() && cut.windows(2).all(|pair| pair[0] < pair[1]), "{cut:?}");
+
+    // Without --resume nothing is thrown away.
+    let mut anew = Run::start(&board, &[], folder.path());
+    anew.obey_until(&mut board, "nothing of that kind", 1);
+    assert_eq!(await_end(&mut anew.child, Duration::from_secs(20)).0, Some(2));
+    assert_eq!(anew.count("go on with it with --resume"), 1, "{:#?}", anew.lines);
+
+    let mut run = Run::start(&board, &["--resume"], folder.path());
+    run.obey_until(&mut board, "nothing of that kind", 1);
+    let mut summary = String::new();
+    std::io::Read::read_to_string(&mut run.out, &mut summary).unwrap();
+    let code = await_end(&mut run.child, Duration::from_secs(20)).0;
+    assert_eq!(code, Some(0), "{:#?}", run.lines);
+    assert_eq!(run.count("feed"), 0, "the trim experiment is not repeated: {:#?}", run.lines);
+    assert_eq!(run.count("the ramp has begun"), 6, "{:#?}", run.lines);
+
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!((&summary["verdict"], &summary["serial"]), (&"good".into(), &"ZR-0042".into()));
+    assert_eq!(summary["tests"].as_array().unwrap().len(), 6);
+    assert!(summary["tests"][0].get("floor_pp_counts").is_none(), "nobody knows the truth on a real bench");
+    let out = folder.path().join("calibration");
+    assert_eq!(
+        fs::read(out.join("full-temperature.parquet")).unwrap(),
+        ramp,
+        "the first ramp is that of the first run"
+    );
+    for file in ["compensation-test-trim.parquet", "compensation-test-hybrid.parquet", "soaks.parquet", "report.html"] {
+        assert!(out.join(file).exists(), "{file}");
+    }
+    assert_eq!(groups(&out.join("in-progress/compensation-test-trim.cut.arrows")), cut, "what was cut is kept");
+    let info = board.device(&["info", "--json"], folder.path()).json();
+    assert_eq!(info["calibrated"], true);
+}
+
+#[test]
+fn a_board_that_goes_in_the_middle_of_a_ramp_leaves_its_groups() {
+    let (mut board, folder) = bench("tcp:127.0.0.1:0");
+    let mut run = Run::start(&board, &[], folder.path());
+    assert!(run.obey_until(&mut board, "the ramp has begun", 1), "{:#?}", run.lines);
+    board.kill();
+    let began = std::time::Instant::now();
+    run.obey_until(&mut board, "nothing of that kind", 1);
+    assert_eq!(await_end(&mut run.child, Duration::from_secs(20)).0, Some(2));
+    assert!(began.elapsed() < Duration::from_secs(6), "{:?}", began.elapsed());
+    assert_eq!(run.count("the line to the device is gone"), 1, "{:#?}", run.lines);
+    let kept = groups(&folder.path().join("calibration/in-progress/full-temperature.arrows"));
+    assert!(kept.len() > 4, "the soak's and the ramp's beginning: {kept:?}");
+    assert_eq!(kept, (0..u32::try_from(kept.len()).unwrap()).collect::<Vec<_>>(), "every one that arrived");
+}
+
+#[test]
+fn a_board_that_hangs_in_the_middle_of_a_ramp_is_told_within_five_seconds_and_the_run_can_go_on() {
+    let (mut board, folder) = bench("pty");
+    let mut run = Run::start(&board, &[], folder.path());
+    assert!(run.obey_until(&mut board, "the ramp has begun", 1), "{:#?}", run.lines);
+    board.signal("STOP");
+    let began = std::time::Instant::now();
+    run.obey_until(&mut board, "nothing of that kind", 1);
+    assert_eq!(await_end(&mut run.child, Duration::from_secs(20)).0, Some(2));
+    assert!(began.elapsed() < Duration::from_secs(6), "{:?}", began.elapsed());
+    assert_eq!(run.count("the device says nothing"), 1, "{:#?}", run.lines);
+    std::thread::sleep(Duration::from_secs(10).saturating_sub(began.elapsed()));
+    board.signal("CONT");
+    let mut run = Run::start(&board, &["--resume"], folder.path());
+    assert!(run.obey_until(&mut board, "the ramp has begun", 1), "{:#?}", run.lines);
+    run.child.kill().unwrap();
+    run.child.wait().unwrap();
+}

@@ -1,0 +1,140 @@
+//! Every verb on a serial line, for which a pseudo-terminal stands in.
+
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::bench;
+use crate::board::Board;
+
+fn on_a_serial_line() -> (Board, TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let name = folder.path().join("board");
+    let board = Board::start(&format!("pty:{}", name.display()), &["--speed", "30"], folder.path());
+    assert_eq!(board.port, format!("serial:{}", name.display()));
+    fs::write(folder.path().join("calibration.json"), bench::calibration()).unwrap();
+    fs::write(folder.path().join("record.bin"), bench::device_record()).unwrap();
+    (board, folder)
+}
+
+#[test]
+fn a_new_board_says_who_it_is_and_refuses_what_needs_a_calibration() {
+    let (board, folder) = on_a_serial_line();
+    let run = |arguments: &[&str]| board.device(arguments, folder.path());
+    let info = run(&["info", "--json"]).json();
+    assert_eq!((&info["unit_serial"], &info["samples_per_group"]), (&"ZR-0042".into(), &500.into()));
+    assert_eq!((&info["calibrated"], &info["record"]), (&false.into(), &Value::Null));
+    run(&["info"]).ends(0, &["ZR-0042", "1.5 s each"]);
+    run(&["mode", "both", "hybrid"]).ends(1, &["the device refused", "deploy one first"]);
+    let refused = run(&["mode", "x", "trim", "--json"]);
+    assert_eq!((refused.code, &refused.json()["verdict"]), (Some(1), &"refused".into()));
+    run(&["read", "nothing.bin"]).ends(1, &["no calibration stored"]);
+    assert!(!folder.path().join("nothing.bin").exists());
+}
+
+#[test]
+fn a_calibration_goes_on_the_board_and_comes_back_the_same() {
+    let (board, folder) = on_a_serial_line();
+    let run = |arguments: &[&str]| board.device(arguments, folder.path());
+    run(&["deploy", "calibration.json"]).ends(0, &["ZR-0042", "read back and the same"]);
+    run(&["read", "back.bin"]).ends(0, &["back.bin"]);
+    assert_eq!(fs::read(folder.path().join("back.bin")).unwrap(), bench::device_record());
+    assert_eq!(run(&["info", "--json"]).json()["calibrated"], true);
+    assert_eq!(run(&["deploy", "record.bin", "--json"]).json()["verdict"], "deployed");
+
+    let other = bench::calibration().replace("ZR-0042", "ZR-0043");
+    fs::write(folder.path().join("other.json"), other).unwrap();
+    run(&["deploy", "other.json"]).ends(1, &["another serial", "ZR-0043", "the board is ZR-0042"]);
+    run(&["read", "still.bin"]).ends(0, &[]);
+    assert_eq!(fs::read(folder.path().join("still.bin")).unwrap(), bench::device_record(), "what it had stays");
+    run(&["deploy", "board"]).ends(2, &["this is no file"]);
+    run(&["deploy", "missing.json"]).ends(2, &["missing.json", "cannot be read"]);
+}
+
+#[test]
+fn modes_and_taps_show_in_the_groups() {
+    let (board, folder) = on_a_serial_line();
+    let run = |arguments: &[&str]| board.device(arguments, folder.path());
+    run(&["tap", "y", "500"]).ends(0, &["axis Y at tap 500"]);
+    let plain = run(&["monitor", "--groups", "3"]);
+    plain.ends(0, &["group=0 axis=x", "group=2 axis=y", "tap=500", "rate_dps=", "mode=off"]);
+    assert_eq!(plain.out.lines().count(), 6);
+    run(&["deploy", "calibration.json"]).ends(0, &[]);
+    run(&["mode", "both", "hybrid"]).ends(0, &["both axes in mode hybrid"]);
+    let groups = run(&["monitor", "--groups", "4", "--json"]);
+    let groups: Vec<Value> = groups.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(groups.len(), 4);
+    for (number, group) in groups.iter().enumerate() {
+        assert_eq!(group["group"], number);
+        assert_eq!(group["axes"][0]["mode"], "hybrid");
+    }
+    // The law moves the wiper when the first group closes.
+    assert_eq!(groups[0]["axes"][1]["moved_to"], groups[1]["axes"][1]["tap"]);
+    run(&["tap", "x", "2000"]).ends(2, &["2000 is no tap"]);
+}
+
+#[test]
+fn a_command_takes_effect_at_the_group_that_it_names() {
+    let (board, folder) = on_a_serial_line();
+    let mut watching = Command::new(env!("CARGO_BIN_EXE_zerorate"))
+        .args(["device", "--port", &board.port, "monitor", "--groups", "1"])
+        .current_dir(folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    BufReader::new(watching.stdout.take().unwrap()).lines().next().unwrap().unwrap();
+    watching.wait().unwrap();
+    // With the acquisition still, it holds at once.
+    let told = board.device(&["tap", "x", "520", "--at", "40", "--json"], folder.path()).json();
+    assert_eq!((&told["tap"], &told["axes"]), (&520.into(), &serde_json::json!(["x"])));
+}
+
+#[test]
+fn the_fault_counters_are_told() {
+    let (mut board, folder) = on_a_serial_line();
+    let faults = board.device(&["faults", "--json"], folder.path()).json();
+    assert_eq!((&faults["lost_sets"], &faults["trim_errors"]), (&0.into(), &0.into()));
+    assert!(board.order("break spi").contains("DeadSpi"));
+    board.device(&["tap", "x", "600"], folder.path()).ends(1, &["potentiometer could not be written", "SPI"]);
+    let faults = board.device(&["faults", "--json"], folder.path()).json();
+    assert!(faults["trim_errors"].as_u64().unwrap() > 0, "{faults}");
+    board.device(&["faults"], folder.path()).ends(0, &["trim errors"]);
+}
+
+#[test]
+fn the_power_up_tap_is_stored_only_when_it_is_agreed_to() {
+    let (board, folder) = on_a_serial_line();
+    board.device(&["first-time"], folder.path()).ends(2, &["--yes", "wears"]);
+    let done = board.device(&["first-time", "--yes", "--json"], folder.path()).json();
+    assert_eq!(
+        (&done["tap"], &done["store_answered"], &done["after_counts"]),
+        (&511.into(), &true.into(), &Value::Null)
+    );
+    board.device(&["first-time", "--yes"], folder.path()).ends(0, &["not checked: --power-cycle does"]);
+}
+
+#[test]
+fn the_power_up_tap_is_checked_over_a_power_cycle() {
+    let (mut board, folder) = on_a_serial_line();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_zerorate"))
+        .args(["device", "--port", &board.port, "first-time", "--yes", "--power-cycle", "--json"])
+        .current_dir(folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let told = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
+    for line in told {
+        if line.contains("switch gyros and board off") {
+            board.order("power");
+        }
+    }
+    let output = child.wait_with_output().unwrap();
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{found}");
+    assert!(found["after_counts"][0].is_number(), "{found}");
+}
