@@ -20,6 +20,8 @@ pub struct Facts {
     seconds: f64,
     chamber_c: [f64; 2],
     saturated_rows: usize,
+    unbelieved_rows: usize,
+    trim_failed_rows: usize,
     parts: Vec<Part>,
 }
 
@@ -40,6 +42,7 @@ impl Facts {
         let rows = &recording.rows;
         let info = &recording.info;
         let times = range(rows.iter().map(|row| row.t_s));
+        let flagged = |which: u16| rows.iter().filter(|row| row.flags & which != 0).count();
         Self {
             unit_serial: info.unit_serial.clone(),
             procedure: info.procedure.clone(),
@@ -51,7 +54,9 @@ impl Facts {
             samples_per_group: extremes(rows.iter().map(|row| row.sums.n)),
             seconds: if rows.is_empty() { 0.0 } else { times[1] - times[0] },
             chamber_c: range(rows.iter().map(|row| row.chamber_c)),
-            saturated_rows: rows.iter().filter(|row| row.flags & flags::SATURATED != 0).count(),
+            saturated_rows: flagged(flags::SATURATED),
+            unbelieved_rows: flagged(flags::STUCK | flags::JUMPED | flags::TEMPERATURE_SATURATED),
+            trim_failed_rows: flagged(flags::TRIM_FAILED),
             parts: parts(rows),
         }
     }
@@ -81,6 +86,13 @@ impl Facts {
             facts
                 .push(("saturated", format!("{} rows: the A/D was at its end", thousands(self.saturated_rows as u64))));
         }
+        let mut flagged = |rows: usize, what: &'static str, why: &str| {
+            if rows > 0 {
+                facts.push((what, format!("{} rows: {why}", thousands(rows as u64))));
+            }
+        };
+        flagged(self.unbelieved_rows, "not believed", "their temperature was stuck, jumped or at the A/D's end");
+        flagged(self.trim_failed_rows, "not trimmed", "the potentiometer could not be written");
         page.facts(&facts);
         if self.parts.is_empty() {
             return;
