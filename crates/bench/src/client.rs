@@ -302,11 +302,6 @@ impl DeviceClient {
         self.conversation.arrived_group()
     }
 
-    /// Puts a group back to be taken next.
-    pub(crate) fn put_back(&mut self, group: Group) {
-        self.conversation.put_back(group);
-    }
-
     /// How long a group takes, as the device said when hands were shaken.
     #[must_use]
     pub const fn group_period(&self) -> Duration {

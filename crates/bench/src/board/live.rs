@@ -9,11 +9,7 @@ use zerorate_core::wire::{Request, SampleWindow, TemperatureCheck};
 
 use super::Board;
 use crate::client::{ClientError, Group};
-use crate::link::LinkError;
 use crate::setup::SetUp;
-
-/// Groups that a running acquisition may be silent for, before it is taken to stand still.
-const STILL_GROUPS: u32 = 2;
 
 /// A group.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -56,25 +52,14 @@ impl Board {
     /// # Errors
     /// [`ClientError`].
     pub fn watch(&mut self) -> Result<bool, ClientError> {
+        let running = self.device.identify()?.running;
         self.device.order(Request::SetStream { groups: true, samples: SampleWindow::NONE })?;
-        let patience = self.group_period() * STILL_GROUPS + Duration::from_millis(500);
-        match self.peek(patience) {
-            Ok(true) => return Ok(false),
-            // A simulated board has no time of its own, and says at once that nothing moves.
-            Ok(false) | Err(ClientError::Link(LinkError::Silent)) => {}
-            Err(error) => return Err(error),
+        if running {
+            return Ok(false);
         }
         self.device.order(Request::SetAcquisition { run: true })?;
         self.started = true;
         Ok(true)
-    }
-
-    /// Whether a group comes in time; it is not taken away.
-    fn peek(&mut self, patience: Duration) -> Result<bool, ClientError> {
-        let found = self.device.group_within(patience)?;
-        let came = found.is_some();
-        found.into_iter().for_each(|group| self.device.put_back(group));
-        Ok(came)
     }
 
     /// The next group, if it comes in time.

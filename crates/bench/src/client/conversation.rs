@@ -297,11 +297,6 @@ impl Conversation {
         self.groups.pop_front()
     }
 
-    /// Puts a group back to be taken next.
-    pub(super) fn put_back(&mut self, group: Group) {
-        self.groups.push_front(group);
-    }
-
     /// Forgets the groups that have arrived.
     pub(super) fn discard_groups(&mut self) {
         self.groups.clear();

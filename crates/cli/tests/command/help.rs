@@ -3,7 +3,8 @@ use std::process::Stdio;
 
 use crate::{command, folder_with, zerorate};
 
-const SUBCOMMANDS: [&str; 8] = ["fit", "apply", "export", "verify", "report", "info", "setup", "completions"];
+const SUBCOMMANDS: [&str; 10] =
+    ["fit", "apply", "export", "verify", "report", "info", "setup", "device", "virtual-board", "completions"];
 
 #[test]
 fn every_subcommand_explains_itself_with_examples() {
@@ -13,6 +14,10 @@ fn every_subcommand_explains_itself_with_examples() {
         assert_eq!((help.code, help.err.as_str()), (0, ""));
         help.says(&["Usage: zerorate", "Examples:\n  zerorate", subcommand]);
         assert!(help.out.lines().all(|line| line.chars().count() <= 120), "{}", help.out);
+    }
+    for verb in ["info", "monitor", "mode", "tap", "deploy", "read", "faults", "first-time"] {
+        let help = zerorate(folder.path(), &["device", verb, "--help"]);
+        help.says(&["Usage: zerorate device", "--port", "--json", "Examples:\n  zerorate device", verb]);
     }
     let top = zerorate(folder.path(), &["--help"]);
     SUBCOMMANDS.iter().for_each(|subcommand| top.says(&[&format!("\n  {subcommand} ")]));

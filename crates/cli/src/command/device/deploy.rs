@@ -16,11 +16,17 @@ use crate::screen;
 /// The board checks everything before it stores anything: a damaged record, another unit's, or one that it cannot run is
 /// refused, and what it had stays in use. Groups that fall into the commit are lost, and counted.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Deploy {
     /// A board's calibration (calibration.json) or device record (device-record.bin)
     #[arg(value_name = "FILE")]
     file: PathBuf,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate device --port serial:/dev/ttyUSB0 deploy calibration/calibration.json
+  zerorate device --port serial:/dev/ttyUSB0 deploy calibration/device-record.bin";
 
 impl Deploy {
     pub fn run(&self, device: &Device) -> Result<Outcome> {

@@ -9,7 +9,12 @@ use crate::screen::{self, Page};
 
 /// Show how often each fault has happened since the board started
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Faults {}
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate device --port serial:/dev/ttyUSB0 faults";
 
 impl Faults {
     pub fn run(&self, device: &Device) -> Result<Outcome> {

@@ -23,6 +23,7 @@ const POWER_CYCLE: Duration = Duration::from_secs(300);
 /// and, with --power-cycle, that its readings are the same after it was switched off and on; the board writes the middle
 /// tap itself when it starts, so that the register alone shows only in the first moment of power.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct FirstTime {
     /// Do not ask whether to
     #[arg(long)]
@@ -36,6 +37,11 @@ pub struct FirstTime {
     #[arg(long, value_name = "FILE")]
     setup: Option<PathBuf>,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate device --port serial:/dev/ttyUSB0 first-time
+  zerorate device --port serial:/dev/ttyUSB0 first-time --yes --power-cycle";
 
 impl FirstTime {
     pub fn run(&self, device: &Device) -> Result<Outcome> {

@@ -9,7 +9,13 @@ use crate::screen::{self, Page};
 
 /// Say who the board is, and what calibration it has
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Info {}
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate device --port serial:/dev/ttyUSB0 info
+  zerorate device --port emulated info --json";
 
 impl Info {
     pub fn run(&self, device: &Device) -> Result<Outcome> {

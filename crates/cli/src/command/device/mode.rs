@@ -10,6 +10,7 @@ use crate::command::Outcome;
 
 /// Choose what an axis does with its calibration
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Mode {
     /// Which axis
     #[arg(value_enum)]
@@ -46,6 +47,11 @@ impl ModeName {
         }
     }
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate device --port serial:/dev/ttyUSB0 mode both hybrid
+  zerorate device --port serial:/dev/ttyUSB0 mode x off --at 2400";
 
 impl Mode {
     pub fn run(&self, device: &Device) -> Result<Outcome> {

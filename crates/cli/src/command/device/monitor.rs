@@ -26,6 +26,7 @@ const FAULTS_EVERY: u32 = 10;
 /// On a terminal a table that renews itself; otherwise a line for each group and axis, or with --json an object for each
 /// group. The acquisition is started if it stands still, and stopped again at the end. Ctrl-C ends it.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Monitor {
     /// End after so many groups
     #[arg(long, value_name = "N")]
@@ -35,6 +36,11 @@ pub struct Monitor {
     #[arg(long, value_name = "FILE")]
     setup: Option<PathBuf>,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate device --port serial:/dev/ttyUSB0 monitor
+  zerorate device --port tcp:bench-3:5494 monitor --groups 40 --json > groups.jsonl";
 
 impl Monitor {
     pub fn run(&self, device: &Device) -> Result<Outcome> {

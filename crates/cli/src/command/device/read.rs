@@ -13,11 +13,17 @@ use crate::output;
 
 /// Read the calibration that the board has stored into a file
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Read {
     /// The file to write, as device-record.bin
     #[arg(value_name = "FILE")]
     out: PathBuf,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate device --port serial:/dev/ttyUSB0 read backup.bin
+  zerorate info backup.bin";
 
 impl Read {
     pub fn run(&self, device: &Device) -> Result<Outcome> {

@@ -10,6 +10,7 @@ use crate::command::Outcome;
 
 /// Write a wiper; a mode that moves it moves it on from there
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Tap {
     /// Which axis
     #[arg(value_enum)]
@@ -22,6 +23,10 @@ pub struct Tap {
     #[arg(long, value_name = "GROUP")]
     at: Option<u32>,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate device --port serial:/dev/ttyUSB0 tap both 511";
 
 impl Tap {
     pub fn run(&self, device: &Device) -> Result<Outcome> {

@@ -1,0 +1,223 @@
+//! The host's end of a line in real time, against a device that does what a test says.
+
+#![allow(clippy::unwrap_used)] // what a test cannot do without
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use zerorate_bench::client::{ClientError, DeviceClient};
+use zerorate_bench::link::{Link, LinkError};
+use zerorate_core::compensate::Mode;
+use zerorate_core::drift::Coverage;
+use zerorate_core::group::GroupSums;
+use zerorate_core::units::{Axis, GroupNumber, Taps};
+use zerorate_core::wire::frame::{self, Receiver};
+use zerorate_core::wire::{
+    Answer, AxisReport, CalibrationState, Command, GroupReport, Identity, Message, Request, ResetCause, Upload,
+    WIRE_VERSION,
+};
+
+/// What a device says to a command: whole frames, or anything.
+type Script = Box<dyn FnMut(&Command, &mut Device)>;
+
+#[derive(Default)]
+struct Device {
+    said: Vec<u8>,
+    uploads: u32,
+    heard: Vec<Command>,
+}
+
+impl Device {
+    fn say(&mut self, message: Message) {
+        let upload = Upload { sequence: self.uploads, message };
+        self.uploads += 1;
+        self.said.extend_from_slice(&frame::encode(&upload).unwrap());
+    }
+
+    fn answer(&mut self, command: &Command, answer: Answer) {
+        self.say(Message::Answer { to: command.sequence, group: GroupNumber(0), answer });
+    }
+
+    fn group(&mut self, group: u32) {
+        let axis = AxisReport {
+            sums: GroupSums::default(),
+            tap: Taps::MIDDLE,
+            mode: Mode::Off,
+            corrected_q16: 0,
+            coverage: Coverage::Invalid,
+            saturated: false,
+            moved_to: None,
+            temperature: Default::default(),
+            trim_failed: false,
+        };
+        let axes = [axis.clone(), axis];
+        self.say(Message::Group(GroupReport { group: GroupNumber(group), lost: 0, acquisition_errors: 0, axes }));
+    }
+}
+
+struct Line {
+    device: Rc<RefCell<Device>>,
+    script: Script,
+    receiver: Receiver,
+}
+
+impl Link for Line {
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        let mut device = self.device.borrow_mut();
+        for &byte in bytes {
+            if let Some(Ok(command)) = self.receiver.push::<Command>(byte) {
+                device.heard.push(command.clone());
+                (self.script)(&command, &mut device);
+            }
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self, into: &mut Vec<u8>) -> Result<(), LinkError> {
+        let mut device = self.device.borrow_mut();
+        if device.said.is_empty() {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        into.append(&mut device.said);
+        Ok(())
+    }
+
+    fn in_real_time(&self) -> bool {
+        true
+    }
+}
+
+fn client(script: impl FnMut(&Command, &mut Device) + 'static) -> (DeviceClient, Rc<RefCell<Device>>) {
+    let device = Rc::new(RefCell::new(Device::default()));
+    let line = Line { device: Rc::clone(&device), script: Box::new(script), receiver: Receiver::new() };
+    (DeviceClient::new(Box::new(line)), device)
+}
+
+fn identity(wire_version: u16) -> Answer {
+    Answer::Identity(Identity {
+        wire_version,
+        unit: Default::default(),
+        firmware: [0, 1, 0],
+        samples_per_group: 500,
+        sample_period_us: 3000,
+        calibration: CalibrationState::Blank,
+        group: GroupNumber(0),
+        running: false,
+        taps: [Taps::MIDDLE; 2],
+        modes: [Mode::Off; 2],
+        reset: ResetCause::Power,
+    })
+}
+
+/// A device that answers everything at once.
+fn obliging(command: &Command, device: &mut Device) {
+    match command.request {
+        Request::Identity => device.answer(command, identity(WIRE_VERSION)),
+        Request::Faults => device.answer(command, Answer::Faults(Default::default())),
+        _ => device.answer(command, Answer::Done),
+    }
+}
+
+#[test]
+fn what_is_not_answered_is_sent_again_with_the_same_number() {
+    let mut deaf = 2;
+    let (mut client, device) = client(move |command, device| match command.request {
+        Request::SetTap { .. } if deaf > 0 => deaf -= 1,
+        _ => obliging(command, device),
+    });
+    client.identify().unwrap();
+    client.order(Request::SetTap { axis: Axis::X, tap: Taps::MIDDLE }).unwrap();
+    let taps: Vec<u16> = device.borrow().heard.iter().skip(1).map(|command| command.sequence).collect();
+    assert_eq!(taps.len(), 3);
+    assert!(taps.iter().all(|&sequence| sequence == taps[0]), "{taps:?}");
+    assert_eq!(client.counts().sent_again, 2);
+}
+
+#[test]
+fn a_device_that_answers_nothing_is_dead_within_five_seconds_and_one_that_hears_badly_is_told_apart() {
+    let began = Instant::now();
+    let (mut silent, _) = client(|_, _| {});
+    assert!(matches!(silent.identify(), Err(ClientError::Link(LinkError::Silent))));
+    assert!(began.elapsed() < Duration::from_secs(5), "{:?}", began.elapsed());
+
+    let (mut deaf, _) = client(|command, device| match command.request {
+        Request::SetTap { .. } => device.group(0),
+        _ => obliging(command, device),
+    });
+    deaf.identify().unwrap();
+    let error = deaf.order(Request::SetTap { axis: Axis::X, tap: Taps::MIDDLE });
+    // Once groups come, it is the group's end that is waited for: the tries take longer, and are as many.
+    assert!(matches!(error, Err(ClientError::Unanswered { tries: 8, .. })), "{error:?}");
+}
+
+#[test]
+fn groups_that_never_came_are_named_and_damaged_frames_counted() {
+    let (mut client, device) = client(obliging);
+    client.identify().unwrap();
+    client.order(Request::SetAcquisition { run: true }).unwrap();
+    {
+        let mut device = device.borrow_mut();
+        device.group(0);
+        device.group(1);
+        let whole = device.said.len();
+        // Two groups on their way: the one is damaged, the other does not arrive at all.
+        device.group(2);
+        device.said[whole + 3] ^= 0x10;
+        let damaged = device.said.len();
+        device.group(3);
+        device.said.truncate(damaged);
+        device.group(4);
+    }
+    let numbers = [(); 3].map(|()| client.next_group().unwrap().report.group.0);
+    assert_eq!(numbers, [0, 1, 4]);
+    assert_eq!(client.take_lost_groups(), [2..=3]);
+    assert_eq!(client.take_lost_groups(), []);
+    let counts = client.counts();
+    assert_eq!((counts.lost_uploads, counts.damaged_frames, counts.sent_again), (2, 1, 0));
+}
+
+#[test]
+fn another_version_is_told_with_what_to_update() {
+    for (version, update) in [(WIRE_VERSION - 1, "the device's firmware"), (WIRE_VERSION + 1, "this program")] {
+        let (mut client, _) = client(move |command, device| device.answer(command, identity(version)));
+        let error = client.identify().unwrap_err().to_string();
+        assert!(error.contains(&format!("update {update}")) && error.contains(&version.to_string()), "{error}");
+    }
+    // A version so far away that its answers cannot even be read.
+    let (mut client, _) = client(|_, device| {
+        let frame = frame::encode(&(7_u32, [250_u8; 9])).unwrap();
+        device.said.extend_from_slice(&frame);
+    });
+    assert!(matches!(client.identify(), Err(ClientError::OtherTongue)));
+}
+
+#[test]
+fn a_device_that_starts_anew_in_the_middle_of_something_is_noticed() {
+    let (mut client, device) = client(obliging);
+    client.identify().unwrap();
+    client.order(Request::SetAcquisition { run: true }).unwrap();
+    device.borrow_mut().group(0);
+    client.next_group().unwrap();
+    device.borrow_mut().uploads = 0;
+    device.borrow_mut().group(0);
+    assert!(matches!(client.next_group(), Err(ClientError::Restarted)));
+    client.identify().unwrap();
+}
+
+#[test]
+fn an_order_for_a_later_group_is_waited_for_as_long_as_that_takes() {
+    let (mut client, device) = client(|command, device| match command.request {
+        Request::SetMode { .. } => {}
+        _ => obliging(command, device),
+    });
+    client.identify().unwrap();
+    let began = Instant::now();
+    let answered = Rc::clone(&device);
+    // Stopped, an order is answered at once, and asked for again after half a second.
+    let order = Request::SetMode { axis: Axis::X, mode: Mode::Off };
+    assert!(client.order_at(order, Some(GroupNumber(9))).is_err());
+    assert!(began.elapsed() < Duration::from_secs(5));
+    let heard = answered.borrow();
+    assert!(heard.heard.iter().filter(|c| c.at == Some(GroupNumber(9))).count() > 1, "{:?}", heard.heard);
+}
