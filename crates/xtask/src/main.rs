@@ -7,6 +7,7 @@ mod browser;
 mod cargo;
 mod circuit;
 mod devtools;
+mod firmware;
 mod gateware;
 mod house;
 mod lot;
@@ -38,7 +39,7 @@ enum Chore {
     ///
     /// Formatting, lints, documentation and tests by cargo; the rules of ARCHITECTURE.md by reading the sources; then
     /// the built command against numpy and against damaged recordings; the circuit in ngspice and the gateware by the FPGA
-    /// tools, as the chores `circuit` and `gateware` do; last the report in a headless browser. What that needs is
+    /// tools, the firmware in QEMU, as the chores `circuit`, `gateware` and `firmware` do; last the report in a headless browser. What that needs is
     /// installed if this runs as root on Debian, and named if it does not.
     ///
     /// Recordings are looked for in ../shared/data, or in the folder that the variable ZERORATE_DATA names.
@@ -50,7 +51,7 @@ enum Chore {
         #[arg(long, conflicts_with = "fast")]
         all: bool,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, arrows, house, build, numpy, damage, circuit,
-        /// gateware, report, lot
+        /// gateware, firmware, report, lot
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -72,6 +73,15 @@ enum Chore {
     /// Verilator's lint, a proof by yosys, the tests of the verilated block, a shortened test of a unit through it, synthesis
     /// and place-and-route: the table of gateware/acquisition/README.md. What that needs is installed if this runs as root on Debian, and named if not.
     Gateware,
+    /// Build the firmware for every board and say how large it is
+    ///
+    /// With the ordinary toolchain where `rustup target add thumbv7em-none-eabihf` was done; else with Debian's Rust, which
+    /// builds core from its own source and is installed if this runs as root on Debian.
+    Firmware {
+        /// Count in QEMU what runs in the interrupt: the table of firmware/README.md
+        #[arg(long)]
+        cost: bool,
+    },
 }
 
 fn main() -> Result<ExitCode> {
@@ -90,6 +100,7 @@ fn main() -> Result<ExitCode> {
         }
         Chore::Circuit => steps::run(&[circuit(&workspace)]),
         Chore::Gateware => steps::run(&gateware::steps(&workspace)),
+        Chore::Firmware { cost } => steps::run(&firmware::steps(&workspace, cost)),
     })
 }
 
@@ -117,6 +128,12 @@ fn checks(workspace: &Workspace, fast: bool, lots: bool) -> Vec<Step<'_>> {
         circuit(workspace).skipped_if(fast, "--fast"),
         Step::new("gateware", "`cargo xtask gateware` runs it alone", within(gateware::check))
             .skipped_if(fast, "--fast"),
+        Step::new(
+            "firmware",
+            "`cargo xtask firmware --cost` builds it and counts; see firmware/README.md",
+            within(firmware::check),
+        )
+        .skipped_if(fast, "--fast"),
         Step::new("report", "look at target/report-screenshots", within(report::check)).skipped_if(fast, "--fast"),
         Step::new("lot", "`cargo test --release -p zerorate-lot NAME` runs one", within(lot::check))
             .skipped_if(!lots, "--all runs it"),

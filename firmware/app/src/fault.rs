@@ -45,6 +45,9 @@ fn keep(kept: &Kept, [x, y]: [Taps; 2]) {
     kept.taps.store(u32::from(y.get()) << 16 | u32::from(x.get()), Ordering::Relaxed);
 }
 
+/// For a board that can tell that its watchdog started it.
+pub const WATCHDOG: ResetCause = ResetCause::Watchdog;
+
 /// What is known of the start.
 #[derive(Debug, Clone, Copy)]
 pub struct Started {

@@ -29,13 +29,6 @@ unsafe impl InterruptNumber for Interrupt {
     }
 }
 
-/// An entry of the vector table.
-#[derive(Clone, Copy)]
-pub union Vector {
-    handler: unsafe extern "C" fn(),
-    reserved: usize,
-}
-
 #[allow(unsafe_code)]
 unsafe extern "C" {
     fn UART0_RX();
@@ -48,11 +41,11 @@ unsafe extern "C" {
 // SAFETY: cortex-m-rt's link.x places this section after the exceptions, where the processor looks for interrupt vectors.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
-static __INTERRUPTS: [Vector; 32] = {
-    let mut table = [Vector { handler: DefaultHandler }; 32];
-    table[Interrupt::UART0_RX as usize] = Vector { handler: UART0_RX };
-    table[Interrupt::PORT0 as usize] = Vector { handler: PORT0 };
-    table[Interrupt::PORT1 as usize] = Vector { handler: PORT1 };
+static __INTERRUPTS: [unsafe extern "C" fn(); 32] = {
+    let mut table: [unsafe extern "C" fn(); 32] = [DefaultHandler; 32];
+    table[Interrupt::UART0_RX as usize] = UART0_RX;
+    table[Interrupt::PORT0 as usize] = PORT0;
+    table[Interrupt::PORT1 as usize] = PORT1;
     table
 };
 

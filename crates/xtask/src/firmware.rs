@@ -1,0 +1,202 @@
+//! `cargo xtask firmware`: the firmware built for its target, its size, its costs, and its run in QEMU.
+
+use std::env;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+
+use crate::cargo;
+use crate::provide;
+use crate::steps::{Outcome, Step};
+use crate::workspace::Workspace;
+
+/// The firmware's workspace, from the root.
+const FOLDER: &str = "firmware";
+const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// A board's package; the first is the emulated one.
+const BOARDS: [&str; 2] = ["zerorate-mps2-an386", "zerorate-stm32f405"];
+/// What is counted in QEMU.
+const COST: &str = "zerorate-cost";
+
+/// The machine that it runs on, and a clock that counts instructions: 1024 ns each.
+const EMULATOR: &str = "qemu-system-arm";
+const COUNTING: [&str; 13] = [
+    "-machine",
+    "mps2-an386",
+    "-nodefaults",
+    "-display",
+    "none",
+    "-monitor",
+    "none",
+    "-icount",
+    "shift=10,sleep=off",
+    "-semihosting-config",
+    "enable=on,target=native",
+    "-nic",
+    "none",
+];
+
+/// At most so many bytes of a board's flash and static RAM. Of flash 48 KiB were asked for: firmware/README.md says what is
+/// in the rest; more than this is a mistake.
+const FLASH: u64 = 66 * 1024;
+const RAM: u64 = 24 * 1024;
+
+/// What is counted: the name in the output of firmware/cost, what it is, and the most instructions allowed.
+const COSTS: [(&str, &str, Option<u32>); 12] = [
+    ("sample", "a sample of one axis into a group", None),
+    ("group", "a group of one axis closed: mean, drift, correction, tap", None),
+    ("update", "an update of one axis, no edge crossed", Some(10)),
+    ("update-edge", "an update of one axis, an edge crossed", Some(60)),
+    ("written", "the new tap taken over after the wiper was written", None),
+    ("correction-2", "the digital correction, drift of order 2", Some(40)),
+    ("correction-5", "the digital correction, drift of order 5", Some(40)),
+    ("correction-table", "the digital correction, drift as a table of 33 knots", None),
+    ("sample-corrected", "a sample corrected, the wiper's settling followed", None),
+    ("both", "an update and a correction of order 2 or 5", None),
+    ("cubic", "beside: a float cubic with clamp and subtraction, as PX4 does it", None),
+    ("yardstick", "ten instructions, to check the counting", Some(11)),
+];
+
+/// Builds every board and says how large it is.
+pub fn steps(workspace: &Workspace, cost: bool) -> Vec<Step<'_>> {
+    let mut steps = vec![Step::new("build", "mend the build", || build(workspace))];
+    if cost {
+        steps.push(Step::new("cost", "see firmware/cost", || costs(workspace)));
+    }
+    steps
+}
+
+/// Builds it, counts its costs, and holds the run in QEMU against the native one.
+pub fn check(workspace: &Workspace) -> Result<Outcome> {
+    build(workspace)?;
+    costs(workspace)?;
+    let tests = [&["test"], &cargo::EVERY_CRATE[..], &["--test", "emulated", "--", "--ignored"]].concat();
+    cargo::run(workspace, &tests)
+}
+
+fn build(workspace: &Workspace) -> Result<Outcome> {
+    let toolchain = Toolchain::find()?;
+    toolchain.run(workspace, &["fmt", "--check"])?;
+    for board in BOARDS {
+        toolchain.run(workspace, &["build", "--release", "--locked", "--package", board])?;
+    }
+    println!("    {:22} {:>12} {:>12}", "board", "flash, bytes", "static RAM");
+    for board in BOARDS {
+        let (flash, ram) = size(workspace, board)?;
+        println!("    {board:22} {flash:>12} {ram:>12}");
+        ensure!(flash <= FLASH && ram <= RAM, "{board} is larger than {FLASH} bytes of flash and {RAM} of RAM");
+    }
+    Ok(Outcome::Passed)
+}
+
+/// Counts the instructions of what runs in the interrupt, and holds them against what they may be.
+fn costs(workspace: &Workspace) -> Result<Outcome> {
+    Toolchain::find()?.run(workspace, &["build", "--release", "--locked", "--package", COST])?;
+    if provide::on_path(&[EMULATOR]).is_none() {
+        provide::install("the emulator", &["qemu-system-arm"])?;
+    }
+    let mut emulator = Command::new(EMULATOR);
+    emulator.args(COUNTING).arg("-kernel").arg(built(workspace, COST));
+    let output = emulator.output().context("qemu-system-arm could not be started")?;
+    // Semihosting prints on the emulator's error output.
+    let text = String::from_utf8_lossy(&output.stderr);
+    let counted = |name: &str| -> Result<u32> {
+        let line = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
+        line.and_then(|count| count.parse().ok()).with_context(|| format!("no count of {name} in:\n{text}"))
+    };
+    println!("    instructions, from call to return");
+    let mut over = Vec::new();
+    for (name, what, most) in COSTS {
+        let count = if name == "both" { counted("update")? + counted("correction-2")? } else { counted(name)? };
+        let limit = most.map(|most| format!("at most {most}")).unwrap_or_default();
+        println!("    {count:>5}  {what:66} {limit}");
+        if most.is_some_and(|most| count > most) {
+            over.push(what);
+        }
+    }
+    ensure!(counted("yardstick")? == 11, "the counting is not exact: ten instructions and their call are not 11");
+    ensure!(over.is_empty(), "more than allowed: {}", over.join("; "));
+    Ok(Outcome::Passed)
+}
+
+fn built(workspace: &Workspace, package: &str) -> PathBuf {
+    workspace.root.join(FOLDER).join("target").join(TARGET).join("release").join(package)
+}
+
+/// Bytes of flash and of static RAM, by section.
+fn size(workspace: &Workspace, package: &str) -> Result<(u64, u64)> {
+    const PROGRAM: &str = "arm-none-eabi-size";
+    if provide::on_path(&[PROGRAM]).is_none() {
+        provide::install("the target's binutils", &["binutils-arm-none-eabi"])?;
+    }
+    let output = Command::new(PROGRAM).arg("-A").arg(built(workspace, package)).output().context(PROGRAM)?;
+    ensure!(output.status.success(), "{PROGRAM}: {}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8_lossy(&output.stdout);
+    let section = |name: &str| -> u64 {
+        let mut fields = text.lines().map(str::split_whitespace).filter(|line| line.clone().next() == Some(name));
+        fields.find_map(|mut line| line.nth(1)?.parse().ok()).unwrap_or(0)
+    };
+    let flash = [".vector_table", ".text", ".rodata", ".data"].map(section);
+    let ram = [".data", ".bss", ".uninit"].map(section);
+    Ok((flash.iter().sum(), ram.iter().sum()))
+}
+
+/// A Rust that builds for the target.
+enum Toolchain {
+    /// The one that runs us: rustup has the target.
+    Ordinary,
+    /// Debian's, which has its own std's source and builds core from it.
+    FromSource,
+}
+
+impl Toolchain {
+    /// The ordinary one where the target is installed, else Debian's, which is installed if it may be.
+    fn find() -> Result<Self> {
+        const PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "binutils-arm-none-eabi"];
+        let installed = Command::new("rustup").args(["target", "list", "--installed"]).output();
+        if installed.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).lines().any(|line| line == TARGET)) {
+            return Ok(Self::Ordinary);
+        }
+        let is_there = ["/usr/bin/rustc", "/usr/bin/cargo", "/usr/bin/arm-none-eabi-ld"]
+            .iter()
+            .chain(&["/usr/lib/rustlib/src/rust/library/core/Cargo.toml"])
+            .all(|path| std::path::Path::new(path).is_file());
+        if !is_there {
+            println!("    `rustup target add {TARGET}` would do; without it core is built from Debian's source");
+            provide::install("a Rust with its own source, to build core for the firmware's target", &PACKAGES)?;
+        }
+        Ok(Self::FromSource)
+    }
+
+    /// Runs a cargo command in the firmware's workspace.
+    fn run(&self, workspace: &Workspace, arguments: &[&str]) -> Result<()> {
+        println!("    {FOLDER}: cargo {}", arguments.join(" "));
+        let ordinary = || Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        // Formatting needs no target, and Debian's cargo has no rustfmt.
+        let mut command = match self {
+            Self::FromSource if arguments.first() != Some(&"fmt") => from_source(),
+            _ => ordinary(),
+        };
+        command.current_dir(workspace.root.join(FOLDER)).env("CARGO_TARGET_DIR", "target").args(arguments);
+        provide::succeed(&mut command)
+    }
+}
+
+/// Debian's cargo with its rustc, as `rustc-web` and `rust-web-src` install them.
+fn from_source() -> Command {
+    let mut command = Command::new("/usr/bin/cargo");
+    let mut path = OsString::from("/usr/bin:");
+    path.push(env::var_os("PATH").unwrap_or_default());
+    command
+        .env("PATH", path)
+        .env("RUSTC_BOOTSTRAP", "1")
+        .env("CARGO_UNSTABLE_BUILD_STD", "core,alloc")
+        .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", "arm-none-eabi-ld");
+    for variable in ["CARGO", "RUSTC", "RUSTUP_TOOLCHAIN", "RUSTFLAGS"] {
+        command.env_remove(variable);
+    }
+    command
+}

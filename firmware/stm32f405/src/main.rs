@@ -1,0 +1,178 @@
+//! The application on an STM32F405 at 168 MHz: the wiring is in firmware/README.md.
+
+#![no_std]
+#![no_main]
+
+use cortex_m_rt as _;
+
+mod flash;
+
+use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
+use heapless::String;
+use nb::block;
+use stm32f4xx_hal::gpio::{Edge, Input, Output, PA4, PB0, PB12, Speed};
+use stm32f4xx_hal::pac::{self, SPI1, SPI2, USART2};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Config;
+use stm32f4xx_hal::serial::{self, Rx, Tx};
+use stm32f4xx_hal::spi::{self, Spi};
+use stm32f4xx_hal::timer::SysDelay;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+use zerorate_device::acquisition::Timing;
+use zerorate_device::console::DeviceIdentity;
+use zerorate_device::port::PortAcquisition;
+use zerorate_device::store::FlashStore;
+use zerorate_device::trim_part::Max5494Trim;
+use zerorate_firmware::fault;
+use zerorate_firmware::parts::{self, Queues, Received};
+
+use crate::flash::{ChipFlash, RECORDS};
+
+/// The crystal, and the fastest clocks of the chip and its buses (data sheet, table 14).
+const CRYSTAL_MHZ: u32 = 8;
+const CORE_MHZ: u32 = 168;
+const BUS_1_MHZ: u32 = 42;
+const BUS_2_MHZ: u32 = 84;
+/// Up to 10 MHz by docs/acquisition-port.md, up to 7 MHz by the MAX5494's sheet; both buses divide to 5.25 MHz.
+const PORT_KHZ: u32 = 5250;
+const POTENTIOMETER_KHZ: u32 = 5250;
+/// The host's line.
+const BAUD: u32 = 115_200;
+/// Longer than a commit, which may erase two sectors of 2 s each.
+const WATCHDOG_MS: u32 = 8000;
+
+type Port = PortAcquisition<ExclusiveDevice<Spi<SPI1>, PA4<Output>, NoDelay>>;
+type Potentiometer = Max5494Trim<ExclusiveDevice<Spi<SPI2>, PB12<Output>, NoDelay>, SysDelay>;
+type Store = FlashStore<ChipFlash>;
+
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
+mod app {
+    use super::*;
+
+    #[shared]
+    struct Shared {
+        interrupt: parts::Interrupt<Port, Potentiometer>,
+    }
+
+    #[local]
+    struct Local {
+        task: parts::Task<Store>,
+        sending: Tx<USART2>,
+        receiving: Rx<USART2>,
+        received: Received,
+        data_ready_pin: PB0<Input>,
+        watchdog: IndependentWatchdog,
+    }
+
+    #[init(local = [queues: Queues = Queues::new()])]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        let device = cx.device;
+        let mut started = fault::started();
+        if device.RCC.csr().read().wdgrstf().bit_is_set() {
+            started.reset = fault::WATCHDOG;
+        }
+        device.RCC.csr().modify(|_, w| w.rmvf().set_bit());
+        let clocks =
+            Config::hse(CRYSTAL_MHZ.MHz()).sysclk(CORE_MHZ.MHz()).pclk1(BUS_1_MHZ.MHz()).pclk2(BUS_2_MHZ.MHz());
+        let mut rcc = device.RCC.freeze(clocks);
+        let (a, b) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc));
+
+        // The chip selects are high before anything else moves.
+        let mut port_select = a.pa4.into_push_pull_output();
+        port_select.set_high();
+        let mut potentiometer_select = b.pb12.into_push_pull_output();
+        potentiometer_select.set_high();
+        port_select.set_speed(Speed::High);
+
+        let pins = (Some(a.pa5), Some(a.pa6), Some(a.pa7));
+        let port_bus = device.SPI1.spi(pins, MODE_0, PORT_KHZ.kHz(), &mut rcc);
+        let pins = (Some(b.pb13), SPI2::NoMiso, Some(b.pb15));
+        let potentiometer_bus = device.SPI2.spi(pins, MODE_0, POTENTIOMETER_KHZ.kHz(), &mut rcc);
+        let delay = cx.core.SYST.delay(&rcc.clocks);
+        let Ok(port) = ExclusiveDevice::new_no_delay(port_bus, port_select);
+        let Ok(potentiometer) = ExclusiveDevice::new_no_delay(potentiometer_bus, potentiometer_select);
+
+        let timing = Timing::PAPER;
+        let acquisition = PortAcquisition::new(port);
+        let part = Max5494Trim::new(potentiometer, delay);
+        let compensator = parts::compensator(acquisition, part, timing, &started);
+        let Ok(store) = Store::new(ChipFlash(device.FLASH), RECORDS) else { panic!() };
+        let unit = String::try_from(option_env!("ZERORATE_UNIT").unwrap_or_default()).unwrap_or_default();
+        let identity = DeviceIdentity { unit, firmware: version() };
+        let (interrupt, task, received) = parts::start(cx.local.queues, compensator, identity, store, &started);
+
+        let line = serial::Config::default().baudrate(BAUD.bps());
+        let Ok(serial) = device.USART2.serial::<u8>((a.pa2, a.pa3), line, &mut rcc) else { panic!() };
+        let (sending, mut receiving) = serial.split();
+        receiving.listen();
+
+        let mut system = device.SYSCFG.constrain(&mut rcc);
+        let mut exti = device.EXTI;
+        let mut data_ready_pin = b.pb0.into_pull_down_input();
+        data_ready_pin.make_interrupt_source(&mut system);
+        data_ready_pin.trigger_on_edge(&mut exti, Edge::Rising);
+        data_ready_pin.enable_interrupt(&mut exti);
+
+        let mut watchdog = IndependentWatchdog::new(device.IWDG);
+        watchdog.start(WATCHDOG_MS.millis());
+        (Shared { interrupt }, Local { task, sending, receiving, received, data_ready_pin, watchdog })
+    }
+
+    /// Nothing to do: an interrupt hangs, or a task does, when this is not reached for long.
+    #[idle(local = [watchdog])]
+    fn idle(cx: idle::Context) -> ! {
+        loop {
+            cx.local.watchdog.feed();
+            cortex_m::asm::wfi();
+        }
+    }
+
+    /// The acquisition port's data ready line, or a command for the compensator.
+    #[task(binds = EXTI0, priority = 3, shared = [interrupt], local = [data_ready_pin])]
+    fn data_ready(mut cx: data_ready::Context) {
+        cx.local.data_ready_pin.clear_interrupt_pending_bit();
+        cx.shared.interrupt.lock(|interrupt| interrupt.service());
+        rtic::pend(pac::Interrupt::EXTI1);
+    }
+
+    /// The host's line.
+    #[task(binds = USART2, priority = 2, local = [receiving, received])]
+    fn host_line(cx: host_line::Context) {
+        // An error of the line is a frame whose CRC will not match, as is a byte too many.
+        if let Ok(byte) = cx.local.receiving.read() {
+            let _ = cx.local.received.enqueue(byte);
+        }
+        rtic::pend(pac::Interrupt::EXTI1);
+    }
+
+    /// Console and store, in an interrupt that no pin raises.
+    #[task(binds = EXTI1, priority = 1, shared = [interrupt], local = [task, sending])]
+    fn console(mut cx: console::Context) {
+        let sending = cx.local.sending;
+        let line = &mut |bytes: &[u8]| bytes.iter().all(|&byte| block!(sending.write(byte)).is_ok());
+        cx.local.task.run(&mut cx.shared.interrupt, line, || rtic::pend(pac::Interrupt::EXTI0));
+    }
+}
+
+/// Clock idle low, data taken on the rising edge.
+const MODE_0: spi::Mode = spi::Mode { polarity: spi::Polarity::IdleLow, phase: spi::Phase::CaptureOnFirstTransition };
+
+/// This crate's version.
+fn version() -> [u16; 3] {
+    let part = |text: &str| text.parse().unwrap_or(0);
+    [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")].map(part)
+}
+
+/// The wiper is left where it is, and the processor starts anew.
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    cortex_m::interrupt::disable();
+    fault::restart()
+}
+
+#[allow(unsafe_code)]
+// SAFETY: it touches words of memory that are there in any state, and restarts.
+#[cortex_m_rt::exception]
+unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+    fault::restart()
+}
