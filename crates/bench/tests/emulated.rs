@@ -136,7 +136,7 @@ fn a_program_that_is_no_firmware_is_said_to_be_none() {
     std::fs::write(&file, "no ELF").unwrap();
     let unit = UnitSerial::new();
     let error = emulated::bench(PlantKind::Paper.build(1), &SetUp::paper(), &unit, &file).err().unwrap().to_string();
-    assert!(error.contains("QEMU") && error.contains("firmware.elf"), "{error}");
+    assert!(error.contains("firmware.elf") && error.contains("cargo xtask firmware"), "{error}");
 }
 
 fn run(bench: &mut Bench, out: &Path) -> Summary {

@@ -38,12 +38,15 @@ pub enum EmulatorError {
     /// Its lines cannot be made.
     #[error("the lines to the emulated board cannot be made: {0}")]
     Lines(io::Error),
+    /// What was given is no program.
+    #[error("{} is no firmware (it is not an ELF file): `cargo xtask firmware` builds one", .0.display())]
+    NotFirmware(PathBuf),
     /// QEMU has ended.
     #[error("QEMU, which emulates the board, has ended ({status}){}", if said.is_empty() { String::new() } else { format!(": {said}") })]
     Ended {
         /// How.
         status: ExitStatus,
-        /// What it said last.
+        /// What it said first.
         said: String,
     },
     /// QEMU runs and says nothing.
@@ -105,6 +108,11 @@ struct Running {
 impl Emulator {
     /// Starts the firmware.
     pub(super) fn new(firmware: &Path) -> Result<Self, EmulatorError> {
+        let mut magic = [0; 4];
+        let read = File::open(firmware).and_then(|mut file| file.read_exact(&mut magic));
+        if read.is_err() || magic != *b"\x7FELF" {
+            return Err(EmulatorError::NotFirmware(firmware.into()));
+        }
         let folder = tempfile::Builder::new().prefix("zerorate-").tempdir().map_err(EmulatorError::Lines)?;
         for name in FIFOS {
             let made = nix::unistd::mkfifo(&folder.path().join(name), Mode::S_IRUSR | Mode::S_IWUSR);
@@ -168,7 +176,7 @@ impl Emulator {
     /// What has ended, and what it said.
     fn ended(&self, status: ExitStatus) -> EmulatorError {
         let said = std::fs::read_to_string(self.folder.path().join("said")).unwrap_or_default();
-        EmulatorError::Ended { status, said: said.lines().last().unwrap_or_default().to_owned() }
+        EmulatorError::Ended { status, said: said.lines().next().unwrap_or_default().to_owned() }
     }
 
     fn running(&mut self) -> Result<&mut Running, EmulatorError> {
