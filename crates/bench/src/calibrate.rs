@@ -123,8 +123,8 @@ fn run(
         recorder.finish()?;
     }
 
-    let mut recorder = output.go_on(SOAKS, &info("soaks"), kept.extent("soaks"))?;
-    let soaks = kept.once("soaks", &mut recorder, |recorder| soaks::run(&mut session, recorder))?;
+    let mut recorder = output.go_on(SOAKS, &info("soaks"), soaks::extent(&kept, setup.chamber.soaks_c.len()))?;
+    let soaks = soaks::run_once(&mut session, &mut recorder, &kept)?;
     recorder.finish()?;
 
     character.warnings.append(&mut session.warnings);

@@ -5,7 +5,8 @@ use zerorate_core::units::{Axis, Celsius, Counts, Seconds};
 use zerorate_core::wire::SampleWindow;
 
 use crate::error::BenchError;
-use crate::run::{Phase, Recorder, Session, Taken};
+use crate::kept::Kept;
+use crate::run::{Extent, Phase, Recorder, Session, Taken};
 
 /// Groups averaged at the end of each soak: one minute of the paper's.
 const GROUPS: u32 = 40;
@@ -24,21 +25,51 @@ pub struct Soaks {
 /// # Errors
 /// [`BenchError`].
 pub fn run(session: &mut Session<'_>, recorder: &mut Recorder) -> Result<Soaks, BenchError> {
+    run_once(session, recorder, &Kept::nothing())
+}
+
+/// How far the recording had got when the last of the soaks that are kept was done.
+#[must_use]
+pub fn extent(kept: &Kept, soaks: usize) -> Option<Extent> {
+    (0..soaks).rev().find_map(|index| kept.extent(&name(index)))
+}
+
+fn name(index: usize) -> String {
+    format!("soak-{}", index + 1)
+}
+
+/// The same, of the soaks that were not carried through before.
+///
+/// # Errors
+/// [`BenchError`].
+pub fn run_once(session: &mut Session<'_>, recorder: &mut Recorder, kept: &Kept) -> Result<Soaks, BenchError> {
     let temperatures = session.setup.chamber.soaks_c.clone();
     let hold = Seconds(session.setup.chamber.soak_s);
-    session.begin()?;
+    // On a bench that obeys, every run begins alike.
+    if session.bench.surroundings.obeys() || (0..temperatures.len()).any(|index| kept.extent(&name(index)).is_none()) {
+        session.begin()?;
+    }
     let mut points = Vec::with_capacity(temperatures.len());
     let began = session.elapsed;
+    // What the soaks took that an earlier part of the run carried through.
+    let mut earlier = Seconds(0.0);
     for (index, &temperature) in temperatures.iter().enumerate() {
         let what = format!("soak {} of {} at {temperature:.0} C", index + 1, temperatures.len());
-        session.soak(&what, Celsius(temperature), hold)?;
-        session.start(SampleWindow::NONE)?;
-        let taken = session.until(GROUPS, Phase::Soak, recorder)?;
-        session.stop()?;
-        recorder.next_run();
-        points.push(Axis::BOTH.map(|axis| mean(&taken, axis)));
+        let before = session.elapsed;
+        let (point, took) = kept.once(&name(index), recorder, |recorder| {
+            session.soak(&what, Celsius(temperature), hold)?;
+            session.start(SampleWindow::NONE)?;
+            let taken = session.until(GROUPS, Phase::Soak, recorder)?;
+            session.stop()?;
+            recorder.next_run();
+            Ok((Axis::BOTH.map(|axis| mean(&taken, axis)), session.elapsed - before))
+        })?;
+        points.push(point);
+        if session.elapsed.0.total_cmp(&before.0).is_eq() {
+            earlier = earlier + took;
+        }
     }
-    Ok(Soaks { points, chamber_time: session.elapsed - began })
+    Ok(Soaks { points, chamber_time: session.elapsed - began + earlier })
 }
 
 fn mean(taken: &[Taken], axis: Axis) -> (Counts, Counts) {

@@ -11,7 +11,7 @@ use zerorate_cal::recording::Recording;
 
 use crate::board::{Board, await_end, send};
 
-/// The same procedures over 30 K, with three voltages and no soaks: three hours of chamber time.
+/// The same procedures over 30 K, with three voltages and one soak: three hours of chamber time.
 const SHORT: &str = "\
 [chamber]
 cold_c = 10.0
@@ -19,7 +19,7 @@ hot_c = 40.0
 soak_s = 60.0
 soak_groups = 4
 ramp_groups = 400
-soaks_c = []
+soaks_c = [10.0]
 [trim]
 points = 3
 groups_per_point = 2

@@ -83,6 +83,8 @@ impl Monitor {
                 let (first, last) = lost.into_inner();
                 let which = if first == last { format!("group {first}") } else { format!("groups {first} to {last}") };
                 screen::note(&format!("{which} did not arrive"));
+                // The note stands; the table goes on below it.
+                view.lines = 0;
             }
             if shown % FAULTS_EVERY == 0 {
                 let faults = serde_json::to_value(board.faults()?)?;
