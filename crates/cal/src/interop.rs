@@ -41,7 +41,8 @@ impl Format {
 }
 
 /// The format that a file's first bytes tell, if it is an autopilot's.
-pub(crate) fn recognise(start: &[u8]) -> Option<Format> {
+#[must_use]
+pub fn recognise(start: &[u8]) -> Option<Format> {
     if start.starts_with(&ulog::MAGIC) {
         Some(Format::ULog)
     } else if dataflash::recognises(start) {

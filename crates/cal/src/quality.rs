@@ -100,8 +100,6 @@ pub enum ReasonKind {
     CoarseTemperature,
     /// Warning: the file was cut off or is damaged; what is whole of it was read.
     Truncated,
-    /// Warning: of several logs each has its own level, and they were brought to one.
-    Level,
     /// Rejected: no sensor of the log is one of those wanted.
     NoSensor,
 }
@@ -130,8 +128,7 @@ impl ReasonKind {
             | Self::Gap
             | Self::FrozenTemperature
             | Self::CoarseTemperature
-            | Self::Truncated
-            | Self::Level => Verdict::Warning,
+            | Self::Truncated => Verdict::Warning,
         }
     }
 }

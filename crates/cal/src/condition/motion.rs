@@ -11,6 +11,10 @@ const MOVED_SCATTER: f64 = 5.0;
 /// A group this many standard deviations from the running median was moved.
 const MOVED_SIGMA: f64 = 12.0;
 
+/// And this many times what the rate typically changes by from group to group around it: where a ramp turns, a drift that
+/// goes straight up to the turn and straight back is half of [`NEIGHBOURS`] changes from its running median.
+const CORNER: f64 = 8.0;
+
 /// Groups on each side that the running median looks at: a rotation shorter than as many groups cannot move it.
 const NEIGHBOURS: usize = 10;
 
@@ -32,10 +36,14 @@ pub(super) fn mark_moved(groups: &[Group], axis: usize, turns: f64, marks: &mut 
     }
     let (_, sigma) = centre_and_sigma(&deviations);
     let sigma = sigma.max(noise(&rates));
-    for ((&group, deviation), rate) in used.iter().zip(&deviations).zip(&rates) {
+    let changes: Vec<f64> = rates.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    for (place, ((&group, deviation), rate)) in used.iter().zip(&deviations).zip(&rates).enumerate() {
         let scatter = groups[group].axes[axis].scatter;
         let turned = (rate - middle).abs() > turns;
-        if deviation.abs() > MOVED_SIGMA * sigma || scatter > MOVED_SCATTER * typical || turned {
+        let around = place.saturating_sub(NEIGHBOURS)..(place + NEIGHBOURS).min(changes.len());
+        let slope = median(&mut changes[around].to_vec());
+        let limit = (MOVED_SIGMA * sigma).max(if slope.is_nan() { 0.0 } else { CORNER * slope });
+        if deviation.abs() > limit || scatter > MOVED_SCATTER * typical || turned {
             marks[group] = Some(DropReason::Rotation);
         }
     }

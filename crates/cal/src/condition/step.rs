@@ -21,6 +21,10 @@ const MAX_STEPS: usize = 4;
 /// temperatures: the shared chamber recording has a dozen jumps, the largest 2.5 times the fifth.
 const STANDS_OUT: f64 = 5.0;
 
+/// A step is this share of the peak to peak of the axis, at least: smaller jumps are a part's own way of drifting, and
+/// removing one would remove what is to be fitted. The largest of the shared chamber recording is 0.11.
+const SHARE: f64 = 0.15;
+
 /// Finds the largest step of an axis, takes it out, and looks again. `temperature_margin` is the jump of the temperature
 /// that explains a jump of the rate, as where a log was stopped and went on.
 pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_margin: f64) -> Vec<Step> {
@@ -35,8 +39,12 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
         let rates: Vec<f64> = used.iter().map(|&group| groups[group].axes[axis].rate).collect();
         let jumps = jumps(&used, &rates);
         let (_, sigma) = centre_and_sigma(&jumps.iter().map(|jump| jump.size).collect::<Vec<_>>());
-        let limit =
-            (STEP_SIGMA * sigma.max(noise(&rates))).max(STANDS_OUT * background(&jumps, MAX_STEPS - steps.len()));
+        let (low, high) = rates
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), rate| (low.min(*rate), high.max(*rate)));
+        let limit = (STEP_SIGMA * sigma.max(noise(&rates)))
+            .max(STANDS_OUT * background(&jumps, MAX_STEPS - steps.len()))
+            .max(SHARE * (high - low));
         let largest = jumps
             .iter()
             .zip(&temperature_jumps)

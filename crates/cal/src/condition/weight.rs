@@ -16,7 +16,7 @@ pub fn weigh(groups: &mut [Group], axis: usize) {
         .iter()
         .filter(|group| kept(group))
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), group| (a.min(group.temperature), b.max(group.temperature)));
-    if !(least < most) {
+    if least >= most || !least.is_finite() {
         return;
     }
     // The cast is of a place below the number of bins.

@@ -132,7 +132,7 @@ impl<R: Read> Reader<R> {
             _ => true,
         };
         if !sound {
-            return self.seek();
+            self.damage.skipped += length as u64;
         }
         self.window.pass(length);
         Ok(true)
@@ -159,9 +159,8 @@ impl<R: Read> Reader<R> {
 
 /// The places of appended data, and whether all flags are known.
 fn flags(body: &[u8]) -> Option<(Vec<u64>, bool)> {
-    let (compatible, rest) = body.split_at_checked(8)?;
-    let (incompatible, rest) = rest.split_at_checked(8)?;
-    let _ = compatible;
+    // The compatible flags come first, and change nothing for a reader.
+    let (incompatible, rest) = body.get(8..)?.split_at_checked(8)?;
     let known = incompatible[0] & !DATA_APPENDED == 0 && incompatible[1..].iter().all(|flag| *flag == 0);
     let appended = rest.chunks_exact(8).take(3).filter_map(|bytes| Some(u64::from_le_bytes(bytes.try_into().ok()?)));
     Some((appended.filter(|place| *place > 0 && incompatible[0] & DATA_APPENDED != 0).collect(), known))

@@ -1,6 +1,7 @@
 //! `zerorate info`.
 
 mod calibration;
+mod flight;
 mod log;
 mod record;
 mod recording;
@@ -40,6 +41,7 @@ Examples:
   zerorate info calibration/*
   zerorate info calibration/full-temperature.arrows     how much of a cut recording is there
   zerorate info log.csv                                 what fit would take its columns for
+  zerorate info flight.ulg                              the sensors in it, how warm, how long
   zerorate info calibration/device-record.bin --json";
 
 /// What was found in a file.
@@ -50,6 +52,7 @@ enum Content {
     Calibration(calibration::Facts),
     DeviceRecord(record::Facts),
     Log(log::Facts),
+    FlightLog(flight::Facts),
     /// What stands beside those in a folder of results.
     Other {
         what: &'static str,
@@ -109,6 +112,7 @@ fn show(file: &Path, content: &Content, another: bool) -> Result<()> {
         Content::Calibration(facts) => facts.show(&name, &mut page),
         Content::DeviceRecord(facts) => facts.show(&name, &mut page),
         Content::Log(facts) => facts.show(&name, &mut page),
+        Content::FlightLog(facts) => facts.show(&name, &mut page),
         Content::Other { what } => page.sentence("", &format!("{name}: {what}")),
         // Told already.
         Content::Unreadable { .. } => return Ok(()),
@@ -144,6 +148,9 @@ fn content(file: &Path) -> Result<Content> {
     }
     let start = &start[..length];
     let ends_with = |extension: &str| file.extension().is_some_and(|found| found == extension);
+    if let Some(facts) = flight::Facts::read(file, start)? {
+        return Ok(Content::FlightLog(facts));
+    }
     if start.starts_with(b"ZRCR") || ends_with("bin") {
         return record::Facts::read(file).map(Content::DeviceRecord);
     }

@@ -21,6 +21,9 @@ const NEVER_CALIBRATED_C: f64 = -80.0;
 /// IMUs that have such parameters.
 const IMUS: usize = 3;
 
+/// Parameters kept, at most: more than the autopilot has of these, so that a damaged log does not fill the memory.
+const MAX_PARAMETERS: usize = 1024;
+
 /// The values of INS_TCALn_ENABLE.
 const ENABLED: f64 = 1.0;
 const LEARNING: f64 = 2.0;
@@ -64,14 +67,14 @@ struct Restore {
 impl Parameters {
     /// A parameter that the log begins with: of several values the first.
     pub(super) fn begin(&mut self, name: &str, value: f64) {
-        if matters(name) {
+        if matters(name) && self.values.len() < MAX_PARAMETERS {
             self.values.entry(name.to_owned()).or_insert(value);
         }
     }
 
     /// A parameter as the log goes by.
     pub(super) fn change(&mut self, name: &str, value: f64) {
-        if !matters(name) {
+        if !matters(name) || (self.values.len() >= MAX_PARAMETERS && !self.values.contains_key(name)) {
             return;
         }
         let before = self.values.insert(name.to_owned(), value);
@@ -156,8 +159,8 @@ impl Parameters {
         if let Some(undone) = self.undone.get_mut(place) {
             *undone |= coefficients.is_some();
         }
-        self.turned |= orientation != 0.0 && self.unknown_orientation.is_none();
-        self.offset |= restore.offset.iter().any(|offset| *offset != 0.0);
+        self.turned |= orientation.abs() > 0.5 && self.unknown_orientation.is_none();
+        self.offset |= restore.offset.iter().any(|offset| offset.abs() > 0.0);
         Some(restore)
     }
 

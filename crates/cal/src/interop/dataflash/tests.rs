@@ -1,3 +1,6 @@
+// Readings are logged as f32, and bytes of a type are small.
+#![allow(clippy::cast_possible_truncation, clippy::float_cmp)]
+
 use std::io::Cursor;
 
 use super::rotation::Rotation;
@@ -46,13 +49,7 @@ fn head() -> Vec<u8> {
     [
         define(FORMAT_TYPE, 89, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns"),
         define(PARM, 3 + 8 + 16 + 8, "PARM", "QNff", "TimeUS,Name,Value,Default"),
-        define(
-            IMU,
-            3 + 8 + 1 + 24 + 8 + 4,
-            "IMU",
-            "QBffffffIIf",
-            "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T",
-        ),
+        define(IMU, 3 + 8 + 1 + 24 + 8 + 4, "IMU", "QBffffffIIf", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T"),
         define(TCLR, 3 + 8 + 2 + 16 + 4, "TCLR", "QBBffffI", "TimeUS,I,SType,Temp,X,Y,Z,NSamp"),
     ]
     .concat()

@@ -1,3 +1,6 @@
+// Exact binary fractions go in and come out.
+#![allow(clippy::float_cmp)]
+
 use super::*;
 use crate::log::{Rows, Stream};
 use crate::quality::ReasonKind;

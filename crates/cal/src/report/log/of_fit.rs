@@ -140,10 +140,6 @@ fn advice_for(kind: ReasonKind) -> &'static str {
             "A temperature in coarse steps blurs the curve: take the gyro’s own sensor at its full resolution, or warm slowly."
         }
         ReasonKind::Truncated => "Stop the log before the power goes, and copy the whole file.",
-        ReasonKind::Level => {
-            "Between two power-ons a gyro’s level may change: the curve has one level, and the autopilot’s zero at start-up \
-             takes out the rest."
-        }
         ReasonKind::NoSensor => {
             "Switch on the logging of the raw gyro and accelerometer with their temperatures, and log again."
         }
