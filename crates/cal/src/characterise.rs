@@ -4,12 +4,14 @@
 //! Each is given where the recording holds it, and else the reason why it does not.
 
 mod direction;
+mod soak;
 
 use serde::Serialize;
 
 use crate::allan::{Allan, NoAllan};
 use crate::log_fit::{AxisFit, TracePoint};
 pub use direction::warming;
+pub use soak::{AxisNoise, NoiseOf, noise};
 
 /// Bins of temperature in which the two directions are compared.
 const BINS: usize = 40;

@@ -2,6 +2,7 @@
 
 mod apply;
 mod calibrate;
+mod characterise;
 mod completions;
 mod device;
 mod export;
@@ -50,6 +51,7 @@ enum Command {
     Apply(apply::Apply),
     Export(export::Export),
     Verify(verify::Verify),
+    Characterise(characterise::Characterise),
     Report(report::Report),
     Info(info::Info),
     Study(study::Study),
@@ -83,6 +85,7 @@ impl Cli {
             Command::Apply(apply) => apply.run(),
             Command::Export(export) => export.run(),
             Command::Verify(verify) => verify.run(),
+            Command::Characterise(characterise) => characterise.run(),
             Command::Report(report) => report.run(),
             Command::Info(info) => info.run(),
             Command::Study(study) => study.run(),

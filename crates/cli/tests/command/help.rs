@@ -3,8 +3,19 @@ use std::process::Stdio;
 
 use crate::{command, folder_with, zerorate};
 
-const SUBCOMMANDS: [&str; 10] =
-    ["fit", "apply", "export", "verify", "report", "info", "setup", "device", "virtual-board", "completions"];
+const SUBCOMMANDS: [&str; 11] = [
+    "fit",
+    "apply",
+    "export",
+    "verify",
+    "characterise",
+    "report",
+    "info",
+    "setup",
+    "device",
+    "virtual-board",
+    "completions",
+];
 
 #[test]
 fn every_subcommand_explains_itself_with_examples() {

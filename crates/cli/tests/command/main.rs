@@ -5,6 +5,7 @@
 
 mod apply;
 mod bench;
+mod characterise;
 mod export;
 mod fault;
 mod fit;

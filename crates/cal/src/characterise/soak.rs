@@ -1,0 +1,423 @@
+//! The noise of a log, sample by sample: of its longest soak, or of what a calibration leaves of all of it.
+
+use std::collections::VecDeque;
+use std::path::Path;
+
+use serde::Serialize;
+use zerorate_core::drift::{HistoryState, evaluate_dynamic};
+
+use crate::allan::{Allan, NoAllan};
+use crate::calibration::{AxisCalibration, Calibration};
+use crate::log::{LogError, LogFile, Rows, SensorChoice, Sink, Stream};
+use crate::table::{Columns, RateUnit};
+
+/// The temperature of a soak stays within this part of the least span of a calibration: 1 C. At the steepest of common
+/// drifts, 1e-3 rad/s a degree, that is a ramp of 1e-3 rad/s at most: below the flicker of parts that drift so much.
+const SOAK: f64 = 0.1;
+
+/// A soak lasts this long, at least: a ramp of a degree a minute does not.
+const LEAST_SOAK_S: f64 = 120.0;
+
+/// Samples kept of one sensor, at most; a longer log is averaged by pairs until it fits.
+const MOST: usize = 1 << 17;
+
+/// Between rows, so many times the usual period is a gap.
+const GAP: f64 = 5.0;
+
+/// A gap of more samples than this is kept as so many: no average reaches across it anyway.
+const LONGEST_GAP: f64 = 10_000.0;
+
+/// The temperature is averaged over so many samples before a bias is taken from it, so that its noise does not become the
+/// rate's.
+const SMOOTHED: usize = 21;
+
+/// What the noise is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoiseOf {
+    /// The longest stretch of constant temperature, as recorded.
+    Soak,
+    /// The whole log, less a calibration's bias.
+    Residual,
+}
+
+/// The noise of one axis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AxisNoise {
+    /// The axis's name.
+    pub name: String,
+    /// The unit of all rates.
+    pub rate_unit: RateUnit,
+    /// What it is of.
+    pub of: NoiseOf,
+    /// When, seconds from the log's first row.
+    pub time_s: [f64; 2],
+    /// The least and the greatest temperature then, over averages of some samples.
+    pub temperature: [f64; 2],
+    /// The Allan deviation, or why there is none.
+    pub noise: Result<Allan, String>,
+}
+
+/// The noise of every axis of a log's sensors, of soaks; with a calibration, of the residuals of the axes that it has.
+///
+/// # Errors
+/// When the log cannot be read. What has no noise to tell says why in [`AxisNoise::noise`].
+pub fn noise(
+    log: &Path,
+    columns: &Columns,
+    sensor: Option<SensorChoice>,
+    calibration: Option<&Calibration>,
+) -> Result<Vec<AxisNoise>, LogError> {
+    let file = LogFile::open(log, columns)?;
+    let mut taken = Taking { sensor, sensors: Vec::new(), places: Vec::new() };
+    file.read(&mut taken)?;
+    Ok(taken.sensors.iter().flat_map(|series| series.noise(calibration)).collect())
+}
+
+/// The sensors of a log while it goes by.
+struct Taking {
+    sensor: Option<SensorChoice>,
+    sensors: Vec<Series>,
+    places: Vec<Option<usize>>,
+}
+
+impl Sink for Taking {
+    fn stream(&mut self, stream: &Stream) -> bool {
+        let wanted = match (&stream.sensor, self.sensor) {
+            (Some(sensor), Some(choice)) => choice.takes(sensor),
+            _ => true,
+        };
+        self.places.push(wanted.then_some(self.sensors.len()));
+        if wanted {
+            self.sensors.push(Series::new(stream.clone()));
+        }
+        wanted
+    }
+
+    fn rows(&mut self, rows: &Rows<'_>) {
+        if let Some(series) = self.places[rows.stream].and_then(|place| self.sensors.get_mut(place)) {
+            series.push(rows);
+        }
+    }
+}
+
+/// The sum of some successive rows.
+#[derive(Debug, Clone, PartialEq)]
+struct Bin {
+    time_s: f64,
+    temperature: f64,
+    values: Vec<f64>,
+}
+
+impl Bin {
+    fn empty(axes: usize) -> Self {
+        Self { time_s: 0.0, temperature: 0.0, values: vec![0.0; axes] }
+    }
+
+    /// A gap: no number in it.
+    fn gap(axes: usize) -> Self {
+        Self { time_s: f64::NAN, temperature: f64::NAN, values: vec![f64::NAN; axes] }
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.time_s += other.time_s;
+        self.temperature += other.temperature;
+        self.values.iter_mut().zip(&other.values).for_each(|(sum, value)| *sum += value);
+    }
+}
+
+/// One sensor's rows, evenly spaced, averaged as far as they must be to fit.
+struct Series {
+    stream: Stream,
+    bins: Vec<Bin>,
+    open: Bin,
+    /// Rows in the open bin, and in a full one.
+    in_open: usize,
+    a_bin: usize,
+    rows: u64,
+    first_s: f64,
+    last_s: f64,
+    part: u32,
+}
+
+impl Series {
+    fn new(stream: Stream) -> Self {
+        let open = Bin::empty(stream.names.len());
+        let (first_s, last_s) = (f64::NAN, f64::NAN);
+        Self { stream, bins: Vec::new(), open, in_open: 0, a_bin: 1, rows: 0, first_s, last_s, part: 0 }
+    }
+
+    fn axes(&self) -> usize {
+        self.stream.names.len()
+    }
+
+    fn push(&mut self, rows: &Rows<'_>) {
+        if rows.part != self.part {
+            self.part = rows.part;
+            self.gap(1.0);
+        }
+        for row in 0..rows.temperature.len() {
+            let time_s = rows.time_s[row];
+            let period_s = (self.last_s - self.first_s) / (self.rows.max(2) - 1) as f64;
+            if self.rows > 10 && time_s - self.last_s > GAP * period_s {
+                self.gap((time_s - self.last_s) / period_s - 1.0);
+            }
+            let values = rows.values.iter().map(|column| column[row]).collect();
+            self.row(&Bin { time_s, temperature: rows.temperature[row], values });
+            self.first_s = if self.first_s.is_nan() { time_s } else { self.first_s };
+            self.last_s = time_s;
+            self.rows += 1;
+        }
+    }
+
+    /// Passes over so many rows that are not there.
+    // At most 10 000.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    fn gap(&mut self, rows: f64) {
+        let gap = Bin::gap(self.axes());
+        for _ in 0..rows.clamp(1.0, LONGEST_GAP) as usize {
+            self.row(&gap);
+        }
+    }
+
+    fn row(&mut self, row: &Bin) {
+        self.open.add(row);
+        self.in_open += 1;
+        if self.in_open < self.a_bin {
+            return;
+        }
+        let empty = Bin::empty(self.axes());
+        let full = std::mem::replace(&mut self.open, empty);
+        self.in_open = 0;
+        self.bins.push(full);
+        if self.bins.len() == MOST {
+            for pair in 0..MOST / 2 {
+                let mut sum = self.bins[2 * pair].clone();
+                sum.add(&self.bins[2 * pair + 1]);
+                self.bins[pair] = sum;
+            }
+            self.bins.truncate(MOST / 2);
+            self.a_bin *= 2;
+        }
+    }
+
+    fn mean(&self, sum: f64) -> f64 {
+        sum / self.a_bin as f64
+    }
+
+    fn noise(&self, calibration: Option<&Calibration>) -> Vec<AxisNoise> {
+        let temperatures = smoothed(&self.bins.iter().map(|bin| self.mean(bin.temperature)).collect::<Vec<_>>());
+        let axis = |(place, name): (usize, &String)| match calibration {
+            None => Some(self.of_soak(place, name, &temperatures)),
+            Some(calibration) => Some(self.of_residual(place, name, &temperatures, calibration.axes.get(name)?)),
+        };
+        self.stream.names.iter().enumerate().filter_map(axis).collect()
+    }
+
+    fn values(&self, axis: usize) -> Vec<f64> {
+        self.bins.iter().map(|bin| self.mean(bin.values[axis])).collect()
+    }
+
+    fn of_soak(&self, axis: usize, name: &str, temperatures: &[f64]) -> AxisNoise {
+        let unit = self.stream.temperature_unit;
+        let (from, to) = longest_soak(temperatures, SOAK * unit.min_span());
+        let mut found = self.describe(name, NoiseOf::Soak, from, to, temperatures);
+        let [start_s, end_s] = found.time_s;
+        found.noise = if end_s - start_s >= LEAST_SOAK_S {
+            self.allan(&self.values(axis)[from..to]).map_err(|error| error.to_string())
+        } else {
+            let [min, max] = extremes(temperatures);
+            let error = if start_s.is_finite() {
+                NoAllan::Ramp { min, max, unit: unit.name() }
+            } else {
+                NoAllan::NoPeriod { period_s: f64::NAN }
+            };
+            Err(error.to_string())
+        };
+        found
+    }
+
+    fn of_residual(&self, axis: usize, name: &str, temperatures: &[f64], own: &AxisCalibration) -> AxisNoise {
+        let mut state = HistoryState::default();
+        let mut before_s = f64::NAN;
+        let values = self.values(axis);
+        let residuals: Vec<f64> = (0..values.len())
+            .map(|place| {
+                if let Some(history) = &own.history {
+                    let time_s = self.mean(self.bins[place].time_s);
+                    history.advance(&own.drift, &mut state, temperatures[place], time_s - before_s);
+                    before_s = if time_s.is_finite() { time_s } else { before_s };
+                }
+                let now = temperatures[place];
+                values[place] - evaluate_dynamic(&own.drift, own.history.as_ref(), &state, now).0
+            })
+            .collect();
+        let mut found = self.describe(name, NoiseOf::Residual, 0, values.len(), temperatures);
+        found.noise = self.allan(&residuals).map_err(|error| error.to_string());
+        found
+    }
+
+    fn allan(&self, values: &[f64]) -> Result<Allan, NoAllan> {
+        // Gaps are in the series as places without a number, so its places are evenly spaced.
+        let places = (self.bins.len() * self.a_bin) as f64;
+        let period_s = (self.last_s - self.first_s) / (places - 1.0).max(1.0) * self.a_bin as f64;
+        Allan::of(values, period_s)
+    }
+
+    fn describe(&self, name: &str, of: NoiseOf, from: usize, to: usize, temperatures: &[f64]) -> AxisNoise {
+        let times = || self.bins[from..to].iter().map(|bin| self.mean(bin.time_s)).filter(|time| time.is_finite());
+        AxisNoise {
+            name: name.to_owned(),
+            rate_unit: self.stream.unit,
+            of,
+            time_s: [times().next().unwrap_or(f64::NAN), times().next_back().unwrap_or(f64::NAN)],
+            temperature: extremes(&temperatures[from..to]),
+            noise: Err(String::new()),
+        }
+    }
+}
+
+fn extremes(values: &[f64]) -> [f64; 2] {
+    let finite = values.iter().filter(|value| value.is_finite());
+    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[min, max], value| [min.min(*value), max.max(*value)])
+}
+
+/// Means over some neighbours, of those that are numbers; none where there is none.
+fn smoothed(values: &[f64]) -> Vec<f64> {
+    let half = SMOOTHED / 2;
+    let (mut sums, mut counts) = (vec![0.0], vec![0_u32]);
+    for value in values {
+        let finite = value.is_finite();
+        sums.push(sums[sums.len() - 1] + if finite { *value } else { 0.0 });
+        counts.push(counts[counts.len() - 1] + u32::from(finite));
+    }
+    let mean = |place: usize| {
+        let (from, to) = (place.saturating_sub(half), (place + half + 1).min(values.len()));
+        (sums[to] - sums[from]) / f64::from(counts[to] - counts[from])
+    };
+    (0..values.len()).map(mean).collect()
+}
+
+/// The longest run of places whose temperatures stay within `most` of each other: the first, and the one after the last.
+fn longest_soak(temperatures: &[f64], most: f64) -> (usize, usize) {
+    let (mut lows, mut highs): (VecDeque<usize>, VecDeque<usize>) = (VecDeque::new(), VecDeque::new());
+    let (mut from, mut best) = (0, (0, 0));
+    for (place, now) in temperatures.iter().enumerate().filter(|(_, now)| now.is_finite()) {
+        while lows.back().is_some_and(|last| temperatures[*last] >= *now) {
+            lows.pop_back();
+        }
+        while highs.back().is_some_and(|last| temperatures[*last] <= *now) {
+            highs.pop_back();
+        }
+        lows.push_back(place);
+        highs.push_back(place);
+        while let (Some(low), Some(high)) = (lows.front().copied(), highs.front().copied()) {
+            if temperatures[high] - temperatures[low] <= most {
+                break;
+            }
+            // The earlier of the two is what has to go.
+            from = low.min(high) + 1;
+            lows.retain(|kept| *kept >= from);
+            highs.retain(|kept| *kept >= from);
+        }
+        if place + 1 - from > best.1 - best.0 {
+            best = (from, place + 1);
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quality::TemperatureUnit;
+
+    /// A log at 10 Hz: a ramp of 200 s, a soak of 400 s, a ramp again; white noise of 0.01 a sample.
+    fn log(drift: f64) -> (tempfile::TempDir, std::path::PathBuf) {
+        let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();
+        let mut n: u64 = 42;
+        for row in 0..8000_i32 {
+            n = 16_807 * n % 2_147_483_647;
+            let noise = 0.01 * (n as f64 / 2_147_483_647.0 - 0.5) * 12.0_f64.sqrt();
+            let temperature = match row {
+                0..2000 => f64::from(row) * 0.01,
+                2000..6000 => 20.0,
+                _ => 20.0 + f64::from(row - 6000) * 0.01,
+            };
+            text += &format!("{},{temperature},{}\n", f64::from(row) / 10.0, drift * temperature + noise);
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        std::fs::write(&path, text).unwrap();
+        (folder, path)
+    }
+
+    #[test]
+    fn the_longest_soak_of_a_log_tells_its_noise() {
+        let (_folder, path) = log(0.05);
+        let found = noise(&path, &Columns::default(), None, None).unwrap().remove(0);
+        assert_eq!(found.of, NoiseOf::Soak);
+        // The soak, and what of the ramps is within a degree of it.
+        assert!(found.time_s[0] > 180.0 && found.time_s[1] < 620.0, "{found:?}");
+        let allan = found.noise.unwrap();
+        assert!((allan.period_s - 0.1).abs() < 1e-6);
+        // 0.01 a sample at 10 Hz.
+        let n = allan.coefficients.angle_random_walk.value().unwrap();
+        assert!((n / (0.01 * 0.1_f64.sqrt()) - 1.0).abs() < 0.05, "{n}");
+    }
+
+    #[test]
+    fn a_ramp_is_refused_with_what_to_do_and_its_residual_is_not() {
+        let (folder, _) = log(0.05);
+        let ramp = folder.path().join("ramp.csv");
+        let rows: String = (0..4000)
+            .map(|row| format!("{},{},{}\n", f64::from(row) / 10.0, f64::from(row) * 0.01, f64::from(row * 7 % 13)))
+            .collect();
+        std::fs::write(&ramp, format!("time_s,temperature_c,gyro_x_rad_s\n{rows}")).unwrap();
+        let found = noise(&ramp, &Columns::default(), None, None).unwrap().remove(0);
+        let refused = found.noise.unwrap_err();
+        assert!(refused.contains("the temperature goes from") && refused.contains("take a soak"), "{refused}");
+    }
+
+    #[test]
+    fn with_a_calibration_the_whole_logs_residual_is_taken() {
+        let (_folder, path) = log(0.05);
+        let options = crate::log_fit::FitOptions::default();
+        let fit = crate::log_fit::fit_log(&path, &options).unwrap();
+        let source = crate::calibration::Source::of_file("log", &path).unwrap();
+        let over = crate::calibration::ResidualOver::Groups;
+        let calibration = Calibration::of_log(&fit, over, vec![source], None).unwrap();
+        let found = noise(&path, &Columns::default(), None, Some(&calibration)).unwrap().remove(0);
+        assert_eq!(found.of, NoiseOf::Residual);
+        let n = found.noise.unwrap().coefficients.angle_random_walk.value().unwrap();
+        assert!((n / (0.01 * 0.1_f64.sqrt()) - 1.0).abs() < 0.05, "{n}");
+    }
+
+    #[test]
+    fn a_long_log_is_averaged_until_it_fits_and_a_gap_stays_one() {
+        let stream = Stream {
+            sensor: None,
+            names: vec!["x".to_owned()],
+            unit: RateUnit::RadPerS,
+            temperature_unit: TemperatureUnit::C,
+        };
+        let mut series = Series::new(stream);
+        let rows = 300_000;
+        let time: Vec<f64> = (0..rows).map(|i| f64::from(i) * 0.01 + if i >= 200_000 { 50.0 } else { 0.0 }).collect();
+        let values: Vec<f64> = (0..rows).map(|i| f64::from(i % 2)).collect();
+        series.push(&Rows {
+            stream: 0,
+            part: 0,
+            first_row: 0,
+            time_s: &time,
+            temperature: &vec![25.0; time.len()],
+            values: &[values],
+        });
+        assert!(series.bins.len() < MOST && series.a_bin == 4, "{} {}", series.bins.len(), series.a_bin);
+        let gap = series.bins.iter().filter(|bin| bin.values[0].is_nan()).count();
+        assert!(gap.abs_diff(5000 / 4) < 5, "{gap}");
+        let allan = series.allan(&series.values(0));
+        // Of four rows of 0, 1, 0, 1 the mean is always a half.
+        assert_eq!(allan, Err(NoAllan::Constant));
+    }
+}

@@ -1,0 +1,229 @@
+//! `zerorate characterise`.
+
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use clap::Args;
+use serde::Serialize;
+use zerorate_cal::allan::{Allan, Coefficient};
+use zerorate_cal::calibration::Calibration;
+use zerorate_cal::characterise::{AxisNoise, Characteristics, NoiseOf, noise};
+use zerorate_cal::log::SensorChoice;
+use zerorate_cal::log_fit::{AxisFit, FitOptions, fit_log};
+use zerorate_cal::table::RateUnit;
+
+use super::Outcome;
+use crate::log_arguments::ColumnArguments;
+use crate::progress::Busy;
+use crate::screen::{self, Grid, Page, significant};
+
+/// Tell a sensor's noise, hysteresis and sensitivities from a log
+///
+/// The noise is told by the overlapping Allan deviation, sample by sample, of the longest soak in the log (constant
+/// temperature), or with a calibration of what that leaves of the whole log; on a ramp it is refused, for there it would
+/// show the drift. Hysteresis and sensitivities are told where the log holds both directions and several speeds of the
+/// temperature. Names are those of IEEE Std 952 and 528.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Characterise {
+    /// The log, of any kind that fit reads
+    #[arg(value_name = "LOG")]
+    log: PathBuf,
+
+    /// Take the noise of what this calibration leaves of the log
+    #[arg(long = "with", value_name = "CALIBRATION")]
+    calibration: Option<PathBuf>,
+
+    /// These sensors alone: gyro, accel, gyro0 or another number, or a part's device id
+    #[arg(long, value_name = "SENSOR")]
+    sensor: Option<SensorChoice>,
+
+    /// Print JSON on standard output, with the curves, and nothing else there
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    columns: ColumnArguments,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  zerorate characterise at-rest.ulg
+  zerorate characterise chamber.csv --with calibration.json
+  zerorate characterise at-rest.bin --sensor gyro --json
+
+Exit codes: 0 something was told; 1 the log holds neither noise nor sensitivities, with reasons; 2 error.";
+
+/// What was found, as JSON has it.
+#[derive(Serialize)]
+struct Found<'a> {
+    schema: u32,
+    noise: &'a [AxisNoise],
+    sensitivities: Vec<Sensitivities<'a>>,
+}
+
+#[derive(Serialize)]
+struct Sensitivities<'a> {
+    axis: &'a str,
+    rate_unit: RateUnit,
+    #[serde(flatten)]
+    found: &'a Characteristics,
+}
+
+impl Characterise {
+    pub fn run(&self) -> Result<Outcome> {
+        let calibration = self.calibration.as_deref().map(Calibration::read).transpose()?;
+        let busy = Busy::reading(&self.log);
+        let columns = self.columns.columns();
+        let noises = noise(&self.log, &columns, self.sensor, calibration.as_ref())?;
+        if let (true, Some(calibration)) = (noises.is_empty(), &calibration) {
+            let axes: Vec<&str> = calibration.axes.keys().map(String::as_str).collect();
+            bail!("{}: it has none of the calibration's axes ({})", self.log.display(), axes.join(", "));
+        }
+        // A log of one temperature has no sensitivities, and its fit says why.
+        let options = FitOptions { columns, sensor: self.sensor, allow_narrow: true, ..FitOptions::default() };
+        let fit = fit_log(&self.log, &options)?;
+        let sensitivities: Vec<(&AxisFit, Characteristics)> =
+            fit.axes.iter().map(|axis| (axis, Characteristics::of(axis))).collect();
+        drop(busy);
+        let told = !sensitivities.is_empty() || noises.iter().any(|axis| axis.noise.is_ok());
+        if self.json {
+            let sensitivities = sensitivities
+                .iter()
+                .map(|(axis, found)| Sensitivities { axis: &axis.name, rate_unit: axis.rate_unit, found })
+                .collect();
+            screen::print_json(&Found { schema: 1, noise: &noises, sensitivities })?;
+        } else {
+            let mut page = Page::default();
+            page.sentence("", &format!("{}:", self.log.display()));
+            noise_page(&mut page, &noises);
+            sensitivity_page(
+                &mut page,
+                &sensitivities,
+                fit.axes.first().map_or("C", |axis| axis.temperature_unit.name()),
+            );
+            if sensitivities.is_empty() {
+                page.heading("Sensitivities");
+                fit.judgement.reasons.iter().for_each(|reason| page.sentence("  - ", &reason.text));
+            }
+            page.print()?;
+        }
+        Ok(if told { Outcome::Done } else { Outcome::Rejected })
+    }
+}
+
+/// Units that people compare gyros in: degrees and hours; of others the log's own.
+struct Usual {
+    walk: (f64, String),
+    bias: (f64, String),
+    rate_walk: (f64, String),
+}
+
+impl Usual {
+    fn of(unit: RateUnit) -> Self {
+        let degrees = match unit {
+            RateUnit::RadPerS => Some(1.0_f64.to_degrees()),
+            RateUnit::Dps => Some(1.0),
+            RateUnit::Counts | RateUnit::MetresPerS2 => None,
+        };
+        match degrees {
+            Some(degrees) => Self {
+                walk: (degrees * 60.0, "deg/rt-h".to_owned()),
+                bias: (degrees * 3600.0, "deg/h".to_owned()),
+                rate_walk: (degrees * 3600.0 * 60.0, "deg/h/rt-h".to_owned()),
+            },
+            None => Self {
+                walk: (1.0, format!("{unit} rt-s")),
+                bias: (1.0, unit.to_string()),
+                rate_walk: (1.0, format!("{unit}/rt-s")),
+            },
+        }
+    }
+}
+
+fn noise_page(page: &mut Page, noises: &[AxisNoise]) {
+    let heading = match noises.first().map(|axis| axis.of) {
+        Some(NoiseOf::Residual) => "Noise of what the calibration leaves",
+        _ => "Noise of the longest soak",
+    };
+    page.heading(heading);
+    let mut grid = Grid::new("lrrrr");
+    grid.head(["axis", "angle random walk N", "bias instability B", "rate random walk K", "samples"]);
+    let mut any = false;
+    for axis in noises {
+        let Ok(allan) = &axis.noise else { continue };
+        any = true;
+        let usual = Usual::of(axis.rate_unit);
+        let Allan { coefficients, samples, .. } = allan;
+        grid.row([
+            axis.name.clone(),
+            cell(&coefficients.angle_random_walk, &usual.walk),
+            cell(&coefficients.bias_instability, &usual.bias),
+            cell(&coefficients.rate_random_walk, &usual.rate_walk),
+            screen::thousands(*samples),
+        ]);
+    }
+    if any {
+        page.grid(&grid);
+        for axis in noises.iter().filter(|axis| axis.noise.is_ok()).take(1) {
+            let ([from, to], [min, max]) = (axis.time_s, axis.temperature);
+            page.gap();
+            page.sentence(
+                "  ",
+                &format!(
+                    "From {from:.0} to {to:.0} s, {min:.1} to {max:.1}. In brackets the 95 % confidence; < where other noise \
+                     hides it."
+                ),
+            );
+        }
+    }
+    let mut told: Vec<&str> = Vec::new();
+    for axis in noises {
+        if let Err(why) = &axis.noise
+            && !told.contains(&why.as_str())
+        {
+            told.push(why);
+            page.sentence("  - ", &format!("{}: {why}", axis.name));
+        }
+    }
+}
+
+fn cell(coefficient: &Coefficient, (factor, unit): &(f64, String)) -> String {
+    match coefficient {
+        Coefficient::Seen { value, low, high, .. } => {
+            let [value, low, high] = [value, low, high].map(|value| significant(value * factor));
+            format!("{value} ({low} to {high}) {unit}")
+        }
+        Coefficient::Hidden { at_most } => format!("< {} {unit}", significant(at_most * factor)),
+    }
+}
+
+fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degree: &str) {
+    if axes.is_empty() {
+        return;
+    }
+    page.heading(&format!("Sensitivities of the bias, per {degree}; thermal hysteresis; ramp, per {degree}/s"));
+    let mut grid = Grid::new("lrrrrl");
+    grid.head(["axis", "mean", "steepest", "hysteresis", "ramp", "unit"]);
+    let mut missing: Vec<String> = Vec::new();
+    for (axis, found) in axes {
+        let slope = found.temperature_sensitivity;
+        let ramp = found.ramp_sensitivity.as_ref();
+        grid.row([
+            axis.name.clone(),
+            format!("{:.2e}", slope.mean),
+            format!("{:.2e} at {:.0}", slope.steepest, slope.steepest_at),
+            found.hysteresis.as_ref().map_or("-".to_owned(), |found| {
+                format!("{:.2e} at {:.0} ({:.0} %)", found.largest, found.at, 100.0 * found.share)
+            }),
+            ramp.map_or("-".to_owned(), |found| format!("{:.1e} +- {:.1e}", found.value, found.standard_error)),
+            axis.rate_unit.to_string(),
+        ]);
+        for (what, why) in [("hysteresis", found.hysteresis.as_ref().err()), ("ramp sensitivity", ramp.err())] {
+            let sentence = why.map(|why| format!("no {what}: {why}"));
+            missing.extend(sentence.filter(|sentence| !missing.contains(sentence)));
+        }
+    }
+    page.grid(&grid);
+    missing.iter().for_each(|sentence| page.sentence("  - ", sentence));
+}

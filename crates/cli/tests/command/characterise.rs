@@ -1,0 +1,36 @@
+use crate::log::Log;
+use crate::{folder_with, zerorate};
+
+#[test]
+fn a_ramp_has_sensitivities_and_its_noise_is_refused_but_not_its_residuals() {
+    let folder = folder_with("log.csv", Log::cycle().csv());
+    let ran = zerorate(folder.path(), &["characterise", "log.csv"]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    ran.says(&["Noise of the longest soak", "Sensitivities of the bias", "x_rad_s"]);
+    assert_eq!(zerorate(folder.path(), &["fit", "log.csv", "--out", "calibration.json"]).code, 0);
+    let ran = zerorate(folder.path(), &["characterise", "log.csv", "--with", "calibration.json", "--json"]);
+    let json = ran.json();
+    assert_eq!((ran.code, &json["noise"][0]["of"]), (0, &"residual".into()));
+    let points = json["noise"][0]["noise"]["Ok"]["points"].as_array().unwrap();
+    assert!(points.len() > 10 && points[0]["tau_s"].as_f64().unwrap() > 0.0);
+    assert!(json["sensitivities"][0]["temperature_sensitivity"]["mean"].is_f64());
+}
+
+#[test]
+fn a_log_at_rest_tells_its_noise() {
+    let rows: String = (0..4000_u64)
+        .scan(42_u64, |n, row| {
+            *n = 16_807 * *n % 2_147_483_647;
+            let noise = *n as f64 / 2_147_483_647.0 - 0.5;
+            Some(format!("{},25.0,{noise}\n", row as f64 / 10.0))
+        })
+        .collect();
+    let folder = folder_with("soak.csv", format!("time_s,temperature_c,gyro_x_dps\n{rows}"));
+    let ran = zerorate(folder.path(), &["characterise", "soak.csv"]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    // 0.289 dps a sample at 10 Hz: 0.0913 deg/s a root hertz, 5.5 deg a root hour.
+    ran.says(&["gyro_x_dps  5.", "deg/rt-h", "4000"]);
+    let other = folder_with("empty.csv", "time_s,temperature_c,gyro_x_dps\n0,25,1\n1,25,1\n");
+    let ran = zerorate(other.path(), &["characterise", "empty.csv"]);
+    assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
+}
