@@ -8,6 +8,7 @@ mod cargo;
 mod circuit;
 mod devtools;
 mod firmware;
+mod fuzz;
 mod gateware;
 mod house;
 mod lot;
@@ -55,6 +56,31 @@ enum Chore {
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
+    /// Set `zerorate fit` beside ArduPilot's script, on the same logs, and print both
+    ///
+    /// Wall time, peak memory, in-sample and held-out rms on the chamber cycle at 2, 25 and 100 Hz, with the release build
+    /// (`cargo build --release`). The script comes from PyPI into target/venv-compare. It takes minutes at 25 Hz, for held
+    /// out means nine runs of it, and does not finish at 100 Hz: it is stopped then.
+    Compare {
+        /// Seconds after which ArduPilot's script is stopped
+        #[arg(long, value_name = "SECONDS", default_value = "400")]
+        deadline: u32,
+        /// These rates only: 2 (as recorded), 25, 100, or others
+        #[arg(value_name = "HZ")]
+        rates: Vec<f64>,
+    },
+    /// Run every fuzz target for a while; a crash, 64 MiB or a second is a failure
+    ///
+    /// libFuzzer on the parsers of logs, calibrations and device records, from the seeds in fuzz/seeds. Needs a C++ compiler
+    /// and no nightly Rust. Inputs found and crashes are kept in target/fuzz.
+    Fuzz {
+        /// Seconds a target
+        #[arg(long, default_value = "60")]
+        seconds: u32,
+        /// These targets only: ulog, dataflash, csv, calibration, record
+        #[arg(value_name = "TARGET")]
+        only: Vec<String>,
+    },
     /// Run the zero-adjust circuit in ngspice and compare it with what the simulated bench assumes
     ///
     /// Counts a tap, centre, corner and rails as drawn, then with every part off its value: the tables of
@@ -98,6 +124,12 @@ fn main() -> Result<ExitCode> {
                 lot::compare(&workspace, rows)
             })])
         }
+        Chore::Compare { deadline, rates } => {
+            steps::run(&[Step::new("compare", "see crates/xtask/python/compare_tools.py", || {
+                python::compare_tools(&workspace, deadline, &rates)
+            })])
+        }
+        Chore::Fuzz { seconds, only } => steps::run(&fuzz::steps(&workspace, seconds, &only)?),
         Chore::Circuit => steps::run(&[circuit(&workspace)]),
         Chore::Gateware => steps::run(&gateware::steps(&workspace)),
         Chore::Firmware { cost } => steps::run(&firmware::steps(&workspace, cost)),

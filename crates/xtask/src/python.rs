@@ -40,6 +40,26 @@ pub fn damaged_recordings(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
+/// The package that carries ArduPilot's script.
+const CONFIGURATOR: &str = "ardupilot_methodic_configurator==5.0.1";
+
+/// Sets `zerorate fit` beside ArduPilot's script, on the same files, in one run; the script is stopped after the deadline.
+pub fn compare_tools(workspace: &Workspace, deadline_s: u32, rates_hz: &[f64]) -> Result<Outcome> {
+    let Some(data) = workspace.data() else {
+        return Ok(Outcome::Skipped("no ../shared/data, and ZERORATE_DATA names no other folder".into()));
+    };
+    let recording = data.join("imu-chamber-cycle/imu_raw_data.tsv");
+    let encoder = data.join("../tools/encode_flight_logs.py");
+    let zerorate = workspace.zerorate()?;
+    let python = venv_of(workspace, "venv-compare", "requirements-compare.txt", Some(CONFIGURATOR))?;
+    let mut script = Command::new(python);
+    script.current_dir(&workspace.root).arg(Path::new(SCRIPTS).join("compare_tools.py"));
+    script.args([zerorate, encoder, recording, workspace.target.join("compare")]).arg(deadline_s.to_string());
+    script.args(rates_hz.iter().map(ToString::to_string));
+    provide::succeed(&mut script)?;
+    Ok(Outcome::Passed)
+}
+
 /// The call of a script with the built command as its first argument.
 fn script(workspace: &Workspace, name: &str) -> Result<Command> {
     let zerorate = workspace.zerorate()?;
@@ -50,18 +70,19 @@ fn script(workspace: &Workspace, name: &str) -> Result<Command> {
 
 /// The Python of the venv with the pinned packages, made on the first call.
 fn venv(workspace: &Workspace) -> Result<PathBuf> {
-    venv_with(workspace, "venv", "requirements.txt")
+    venv_of(workspace, "venv", "requirements.txt", None)
 }
 
 /// The Python of the venv for lots.
 pub fn lot_venv(workspace: &Workspace) -> Result<PathBuf> {
-    venv_with(workspace, "venv-lot", "requirements-lot.txt")
+    venv_of(workspace, "venv-lot", "requirements-lot.txt", None)
 }
 
-fn venv_with(workspace: &Workspace, name: &str, requirements: &str) -> Result<PathBuf> {
+/// The Python of a venv under target/ with the packages that a file pins and, without what it asks for, one more.
+fn venv_of(workspace: &Workspace, name: &str, requirements: &str, alone: Option<&str>) -> Result<PathBuf> {
     let folder = workspace.target.join(name);
     let python = folder.join("bin/python");
-    let wanted = workspace.read(Path::new(SCRIPTS).join(requirements))?;
+    let wanted = workspace.read(Path::new(SCRIPTS).join(requirements))? + alone.unwrap_or_default();
     // Written last, so that a venv that was interrupted is made again.
     let stamp = folder.join("requirements.txt");
     if fs::read_to_string(&stamp).is_ok_and(|made| made == wanted) {
@@ -75,11 +96,15 @@ fn venv_with(workspace: &Workspace, name: &str, requirements: &str) -> Result<Pa
     }
     println!("    making target/{name}");
     provide::succeed(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder))?;
-    provide::succeed(
-        Command::new(&python)
-            .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"])
-            .arg(workspace.root.join(SCRIPTS).join(requirements)),
-    )?;
+    let pip = || {
+        let mut pip = Command::new(&python);
+        pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+        pip
+    };
+    provide::succeed(pip().arg("--requirement").arg(workspace.root.join(SCRIPTS).join(requirements)))?;
+    if let Some(package) = alone {
+        provide::succeed(pip().args(["--no-deps", package]))?;
+    }
     fs::write(stamp, wanted)?;
     Ok(python)
 }

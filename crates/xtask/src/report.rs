@@ -1,7 +1,7 @@
-//! Opens the report of a calibration as its reader would: on a desktop and on a phone, in light and in dark.
+//! Opens the reports of a calibration and of a log as their reader would: on a desktop and on a phone, in light and in dark.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
@@ -21,30 +21,53 @@ const SCREENS: [(&str, u32, u32, bool); 2] = [("desktop", 1280, 900, false), ("p
 /// A figure's text is legible from about this height on, in CSS pixels of its glyph box.
 const LEGIBLE_PX: f64 = 7.0;
 
-/// Calibrates, then opens the report on each screen in each scheme. The pictures stay in target/report-screenshots.
+/// Calibrates, fits a log where there is a recording, then opens both reports on each screen in each scheme. The pictures
+/// stay in target/report-screenshots.
 pub fn check(workspace: &Workspace) -> Result<Outcome> {
-    let zerorate = workspace.zerorate()?;
-    let out = workspace.target.join("report-calibration");
-    println!("    zerorate calibrate --out {}", out.display());
-    provide::succeed(Command::new(zerorate).arg("calibrate").arg("--out").arg(&out).stdout(Stdio::null()))?;
-    let report = out.join("report.html");
-    let url = format!("file://{}", report.canonicalize().with_context(|| report.display().to_string())?.display());
-
+    let mut reports = vec![("calibration", of_calibration(workspace)?)];
+    match of_log(workspace)? {
+        Some(report) => reports.push(("log", report)),
+        None => println!("    without a log's report: no ../shared/data, and ZERORATE_DATA names no other folder"),
+    }
     let pictures = workspace.target.join("report-screenshots");
     fs::create_dir_all(&pictures)?;
     let mut browser = Browser::start(&workspace.target)?;
     let mut faults = Vec::new();
-    for screen in SCREENS {
-        for scheme in ["light", "dark"] {
-            let view = format!("{}-{scheme}", screen.0);
-            let found = look(&mut browser.devtools, &url, screen, scheme, &pictures.join(format!("{view}.png")))
-                .with_context(|| view.clone())?;
-            faults.extend(found.into_iter().map(|fault| format!("{view}: {fault}")));
+    for (name, report) in reports {
+        let url = format!("file://{}", report.canonicalize().with_context(|| report.display().to_string())?.display());
+        for screen in SCREENS {
+            for scheme in ["light", "dark"] {
+                let view = format!("{name}-{}-{scheme}", screen.0);
+                let picture = pictures.join(format!("{view}.png"));
+                let found =
+                    look(&mut browser.devtools, &url, screen, scheme, &picture).with_context(|| view.clone())?;
+                faults.extend(found.into_iter().map(|fault| format!("{view}: {fault}")));
+            }
         }
     }
     ensure!(faults.is_empty(), "{} faults\n    {}", faults.len(), faults.join("\n    "));
     println!("    no console error, no request, no overflow; pictures in {}", pictures.display());
     Ok(Outcome::Passed)
+}
+
+/// The report of a calibration on the simulated bench.
+fn of_calibration(workspace: &Workspace) -> Result<PathBuf> {
+    let out = workspace.target.join("report-calibration");
+    println!("    zerorate calibrate --out {}", out.display());
+    let mut calibrate = Command::new(workspace.zerorate()?);
+    provide::succeed(calibrate.arg("calibrate").arg("--out").arg(&out).stdout(Stdio::null()))?;
+    Ok(out.join("report.html"))
+}
+
+/// The report of a real log, where there is one.
+fn of_log(workspace: &Workspace) -> Result<Option<PathBuf>> {
+    let recording = workspace.data().map(|data| data.join("imu-chamber-cycle/imu_raw_data.tsv"));
+    let Some(recording) = recording.filter(|recording| recording.is_file()) else { return Ok(None) };
+    let report = workspace.target.join("report-log.html");
+    println!("    zerorate fit {} --report {}", recording.display(), report.display());
+    let mut fit = Command::new(workspace.zerorate()?);
+    provide::succeed(fit.arg("fit").arg(&recording).arg("--report").arg(&report).stdout(Stdio::null()))?;
+    Ok(Some(report))
 }
 
 /// Opens the page in one view, takes its picture, and lists what is wrong with it.
