@@ -104,7 +104,8 @@ impl AxisLaw {
     /// The correction by a drift table, or for a tap that was not measured.
     #[inline(never)]
     fn correction_of_the_rest(&self, code: TemperatureCode, tap: Taps) -> Q16 {
-        Q16(self.drift_from_centre(code).wrapping_add(self.effects.get(tap).0))
+        let drift = self.drift.evaluate_here(code).0.wrapping_sub(self.centre.0);
+        Q16(drift.wrapping_add(self.effects.get(tap).0))
     }
 
     #[inline]

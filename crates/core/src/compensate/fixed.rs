@@ -112,10 +112,7 @@ impl FixedDrift {
     /// The zero-rate output at the middle tap, held at the nearer end outside the calibrated range.
     #[must_use]
     pub fn evaluate(&self, code: TemperatureCode) -> Q16 {
-        match &self.form {
-            Form::Polynomial(polynomial) => polynomial.evaluate(self.places(code)),
-            Form::Table(table) => table.evaluate(self.first + self.places(code)),
-        }
+        self.evaluate_here(code)
     }
 
     /// The same, where the form is a polynomial.
@@ -124,6 +121,15 @@ impl FixedDrift {
         match &self.form {
             Form::Polynomial(polynomial) => Some(polynomial.evaluate(self.places(code))),
             Form::Table(_) => None,
+        }
+    }
+
+    /// The same, with no call.
+    #[inline(always)]
+    pub(super) fn evaluate_here(&self, code: TemperatureCode) -> Q16 {
+        match &self.form {
+            Form::Polynomial(polynomial) => polynomial.evaluate(self.places(code)),
+            Form::Table(table) => table.evaluate(self.first + self.places(code)),
         }
     }
 
@@ -148,18 +154,20 @@ impl FixedPolynomial {
 
 impl FixedTable {
     /// The reading at a code.
-    #[inline(never)]
+    #[inline(always)]
     fn evaluate(&self, code: u16) -> Q16 {
-        let knots = &self.knots;
         let position = u64::from(code.saturating_sub(self.first)) * u64::from(self.pieces_per_code);
-        #[allow(clippy::cast_possible_truncation)] // below the number of knots
-        let piece = ((position >> 32) as usize).min(knots.len() - 2);
-        #[allow(clippy::cast_possible_wrap)] // the piece count is far below 2^31
-        let within = (position - ((piece as u64) << 32)).min(1 << 32) as i64;
-        let rise = i64::from(knots[piece + 1]) - i64::from(knots[piece]);
-        // `rise` is below 2^32 and `within` at most 2^32: keep 15 bits of headroom.
-        #[allow(clippy::cast_possible_truncation)]
-        Q16(knots[piece] + ((rise * (within >> 2)) >> 30) as i32)
+        #[allow(clippy::cast_possible_truncation)] // below the number of knots, and the fraction
+        let (piece, within) = ((position >> 32) as usize, position as u32);
+        match (self.knots.get(piece), self.knots.get(piece + 1)) {
+            (Some(&here), Some(&next)) => {
+                // Two neighbours differ by less than 2^31 (see `table_form`), so the rise so far does as well.
+                let rise = i64::from(next.wrapping_sub(here)) * i64::from(within);
+                #[allow(clippy::cast_possible_truncation)]
+                Q16(here.wrapping_add((rise >> 32) as i32))
+            }
+            _ => Q16(self.knots.last().copied().unwrap_or(0)),
+        }
     }
 }
 
@@ -224,6 +232,7 @@ fn table_form(table: &Table, scale: TemperatureScale) -> Result<Form, Unrepresen
         to_fixed(table.evaluate(scale.zero + scale.step * code), 16)
     };
     let knots: Option<Vec<i32, MAX_KNOTS>> = (0..=pieces).map(knot_at).collect();
+    let knots = knots.filter(|knots| knots.windows(2).all(|pair| pair[1].checked_sub(pair[0]).is_some()));
     Ok(Form::Table(FixedTable {
         first: first.0,
         pieces_per_code: pieces_per_code.map_err(|_| Unrepresentable::TooNarrow)?,
