@@ -80,17 +80,23 @@ fn modes_and_taps_show_in_the_groups() {
 fn a_command_takes_effect_at_the_group_that_it_names() {
     let (board, folder) = on_a_serial_line();
     let mut watching = Command::new(env!("CARGO_BIN_EXE_zerorate"))
-        .args(["device", "--port", &board.port, "monitor", "--groups", "1"])
+        .args(["device", "--port", &board.port, "monitor"])
         .current_dir(folder.path())
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
     BufReader::new(watching.stdout.take().unwrap()).lines().next().unwrap().unwrap();
+    // Killed, it cannot stop the acquisition that it has started.
+    watching.kill().unwrap();
     watching.wait().unwrap();
-    // With the acquisition still, it holds at once.
-    let told = board.device(&["tap", "x", "520", "--at", "40", "--json"], folder.path()).json();
-    assert_eq!((&told["tap"], &told["axes"]), (&520.into(), &serde_json::json!(["x"])));
+    let info = board.device(&["info", "--json"], folder.path()).json();
+    assert_eq!(info["taps"], serde_json::json!([511, 511]));
+    let group = info["group"].as_u64().unwrap() + 60;
+    let told = board.device(&["tap", "x", "520", "--at", &group.to_string(), "--json"], folder.path()).json();
+    assert_eq!((&told["from_group"], &told["axes"]), (&group.into(), &serde_json::json!(["x"])));
+    let first = board.device(&["monitor", "--groups", "1", "--json"], folder.path()).json();
+    assert_eq!((&first["axes"][0]["tap"], &first["axes"][1]["tap"]), (&520.into(), &511.into()));
 }
 
 #[test]
