@@ -13,7 +13,7 @@ use datafusion::physical_plan::{ExecutionPlan, execute_stream};
 use datafusion::prelude::{SessionConfig, SessionContext};
 use futures::TryStreamExt;
 
-pub use cluster::{Cluster, ClusterError};
+pub use cluster::{Address, AddressError, Cluster, ClusterError};
 
 use crate::dataset::Place;
 use crate::table::Files;
