@@ -2,7 +2,9 @@
 
 use std::fs;
 use std::io::{BufRead, BufReader};
+use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -123,24 +125,47 @@ fn the_power_up_tap_is_stored_only_when_it_is_agreed_to() {
     board.device(&["first-time", "--yes"], folder.path()).ends(0, &["not checked: --power-cycle does"]);
 }
 
-#[test]
-fn the_power_up_tap_is_checked_over_a_power_cycle() {
-    let (mut board, folder) = on_a_serial_line();
+/// Runs first-time with a power cycle, which `cycle` carries out when it is asked for.
+fn first_time_over_a_power_cycle(port: &str, folder: &Path, mut cycle: impl FnMut()) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_zerorate"))
-        .args(["device", "--port", &board.port, "first-time", "--yes", "--power-cycle", "--json"])
-        .current_dir(folder.path())
+        .args(["device", "--port", port, "first-time", "--yes", "--power-cycle", "--json"])
+        .current_dir(folder)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     let told = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
+    let mut cycles = 0;
     for line in told {
         if line.contains("switch gyros and board off") {
-            board.order("power");
+            cycle();
+            cycles += 1;
         }
     }
+    assert_eq!(cycles, 1);
     let output = child.wait_with_output().unwrap();
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(0), "{found}");
     assert!(found["after_counts"][0].is_number(), "{found}");
+}
+
+#[test]
+fn the_power_up_tap_is_checked_over_a_power_cycle() {
+    let (mut board, folder) = on_a_serial_line();
+    let port = board.port.clone();
+    first_time_over_a_power_cycle(&port, folder.path(), || {
+        board.order("power");
+    });
+}
+
+#[test]
+fn a_port_that_goes_with_the_boards_power_is_opened_again() {
+    let (mut board, folder) = on_a_serial_line();
+    let port = board.port.clone();
+    let on = port.replace("serial:", "pty:");
+    first_time_over_a_power_cycle(&port, folder.path(), || {
+        board.kill();
+        std::thread::sleep(Duration::from_secs(1));
+        board = Board::start(&on, &["--speed", "30"], folder.path());
+    });
 }
