@@ -13,7 +13,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 pub use history::{
-    History, HistoryState, KNOWN_FROM, Knowledge, MAX_HISTORY_TERMS, Memory, Term, evaluate_dynamic, lean,
+    History, HistoryState, KNOWN_FROM, Knowledge, MAX_HISTORY_TERMS, Memory, Term, belief, evaluate_dynamic, lean,
 };
 pub(crate) use polynomial::substitute;
 pub use polynomial::{MAX_ORDER, Polynomial};

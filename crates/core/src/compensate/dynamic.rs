@@ -157,7 +157,7 @@ impl FixedHistory {
             FixedMemory::Lag { .. } => u64::from(ONE_Q16) - (u64::from(memory.forgotten) >> 16),
         };
         let sum: u64 =
-            self.terms.iter().zip(&seen.memories).map(|(term, memory)| u64::from(term.share) * of(term, memory)).sum();
+            self.terms.iter().zip(&seen.memories).map(|(term, memory)| u64::from(term.share) * belief_q16(of(term, memory))).sum();
         narrow(sum >> 16).min(ONE_Q16)
     }
 
@@ -254,12 +254,17 @@ fn q32_product(a: u64, b: u64) -> u64 {
     u64::try_from(product).unwrap_or(ONE_Q32)
 }
 
+/// [`crate::drift::belief`] in Q16.
+fn belief_q16(known: u64) -> u64 {
+    let unknown = u64::from(ONE_Q16) - known;
+    let signal = known * known;
+    (signal << 16) / (signal + unknown * unknown)
+}
+
 /// [`crate::drift::lean`] in Q16.
 fn lean_q16(known: u32) -> u32 {
-    let (known, unknown) = (u64::from(known), u64::from(ONE_Q16 - known));
-    let signal = known * known;
-    let weight = (signal << 16) / (signal + unknown * unknown);
-    narrow((weight * weight) >> 16)
+    let known = u64::from(known);
+    narrow((((known * known) >> 16) * known) >> 16)
 }
 
 /// The nearest Q16 to a share of 0 to 1.

@@ -22,8 +22,8 @@ use super::{Coverage, Drift, Shape};
 /// The most terms of a history: three plays and three lags, or six plays.
 pub const MAX_HISTORY_TERMS: usize = 6;
 
-/// From this known share on the history counts as known: what is left out by [`lean`] is then below 3 % of its effect.
-pub const KNOWN_FROM: f64 = 0.9;
+/// From this known share on the history counts as known: [`lean`] then leaves out less than 15 % of its effect.
+pub const KNOWN_FROM: f64 = 0.95;
 
 /// What a term remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -85,17 +85,23 @@ pub enum Knowledge {
     Uncertain,
 }
 
-/// How far the history has its say at a known share k of it, 0 to 1: `(k^2 / (k^2 + (1-k)^2))^2`.
+/// How far a term is believed at a known share k of it, 0 to 1: `k^2 / (k^2 + (1-k)^2)`, the weight of least mean square
+/// error (Wiener's) for a signal that grows with k against an error that grows with 1 - k.
+#[must_use]
+pub fn belief(known_share: f64) -> f64 {
+    let (known, unknown) = (known_share * known_share, (1.0 - known_share) * (1.0 - known_share));
+    known / (known + unknown)
+}
+
+/// How far the history has its say at a [known share](History::known_share) of it, 0 to 1: its cube.
 ///
-/// The inner quotient is the weight of least mean square error (Wiener's) for a signal that grows with k against an
-/// error that grows with 1 - k. It is squared because a gyro's user takes off a zero at start-up, and that baseline was
-/// taken with the history unknown: the error enters twice. What it is worth on held-out cold starts stands in the README
-/// of zerorate-cal.
+/// A gyro's user takes off a zero at start-up, when nothing of the history was known; what is then believed of it moves
+/// the reading away from that zero, so the history has to earn its say. The exponent is the smallest whole one at which
+/// held-out cold starts are nowhere more than a tenth worse than the static cubic; the README of zerorate-cal has the
+/// figures of 1 to 4.
 #[must_use]
 pub fn lean(known_share: f64) -> f64 {
-    let (known, unknown) = (known_share * known_share, (1.0 - known_share) * (1.0 - known_share));
-    let weight = known / (known + unknown);
-    weight * weight
+    known_share * known_share * known_share
 }
 
 impl History {
@@ -154,6 +160,18 @@ impl History {
         seen.last = now;
     }
 
+    /// The reading by what was taken in last, as if all of the history were known: for the recording that the model was
+    /// fitted to, whose start the fit has taken as it is taken here. NaN before the first temperature.
+    #[must_use]
+    pub fn evaluate_as_known(&self, state: &HistoryState) -> f64 {
+        state.seen.as_ref().map_or(f64::NAN, |seen| self.by_history(seen))
+    }
+
+    fn by_history(&self, seen: &Seen) -> f64 {
+        let added: f64 = self.terms.iter().zip(&seen.ahead).map(|(term, ahead)| term.weight * ahead).sum();
+        self.curve.evaluate(seen.last) + added
+    }
+
     /// The reading by what was taken in last: the static drift where nothing of the history is known, the curve and its
     /// terms where all is. NaN and [`Coverage::Invalid`] before the first temperature.
     #[must_use]
@@ -162,14 +180,14 @@ impl History {
             return (f64::NAN, Knowledge::Uncertain);
         };
         let (fixed, _) = drift.evaluate(seen.last);
-        let added: f64 = self.terms.iter().zip(&seen.ahead).map(|(term, ahead)| term.weight * ahead).sum();
         let known = self.known_share(state);
         let knowledge = if known >= KNOWN_FROM { Knowledge::Known } else { Knowledge::Uncertain };
-        (fixed + lean(known) * (self.curve.evaluate(seen.last) + added - fixed), knowledge)
+        (fixed + lean(known) * (self.by_history(seen) - fixed), knowledge)
     }
 
-    /// How much of the history's weight rests on what was seen, 0 to 1: the terms' own known shares, each by the term's
-    /// share. A play's is the range of temperature seen over 2r, a lag's is `1 - exp(-t / tau)`.
+    /// How much of the history's weight rests on what was seen, 0 to 1: the [`belief`] in each term by its own known share,
+    /// together by the terms' shares. A play's known share is the range of temperature seen over 2r, a lag's is
+    /// `1 - exp(-t / tau)`.
     #[must_use]
     pub fn known_share(&self, state: &HistoryState) -> f64 {
         let Some(seen) = &state.seen else { return 0.0 };
@@ -177,7 +195,7 @@ impl History {
             Memory::Play { half_width } => ((seen.most - seen.least) / (2.0 * half_width)).min(1.0),
             Memory::Lag { time_constant_s } => 1.0 - libm::exp(-seen.since_start_s / time_constant_s),
         };
-        self.terms.iter().map(|term| term.share * of(term)).sum::<f64>().min(1.0)
+        self.terms.iter().map(|term| term.share * belief(of(term))).sum::<f64>().min(1.0)
     }
 
     /// Each term's `m - T` by what was taken in last, in the temperature's unit; zero before the first temperature.
