@@ -4,18 +4,39 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
-use zerorate_core::drift::Drift;
+use zerorate_core::drift::{Drift, History, HistoryState, Knowledge, Memory, Term, evaluate_dynamic};
 
-use crate::table::{TableError, TableFile};
+use crate::calibration::TimeDrift;
+use crate::table::{TableError, TableFile, TimeUnit};
 use crate::whole_file::WholeFile;
 
-/// The curve to apply to one rate column.
+/// The model to apply to one rate column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AppliedDrift {
     /// The rate column's name.
     pub column: String,
-    /// The curve, in the column's unit and the temperature column's. Outside its valid range it is held at its end.
+    /// The curve, in the column's unit and the temperature column's. Outside its valid range it is held at its end. With a
+    /// history, the one for when that is not known.
     pub drift: Drift,
+    /// What the drift remembers; it starts at the log's first row with a temperature.
+    pub history: Option<History>,
+    /// The drift in time of the recording that the model came from. With one, the log is taken for that recording: its
+    /// rows have that recording's times, and the history is believed from its start, as the fit did.
+    pub time_drift: Option<TimeDrift>,
+}
+
+/// The columns of a log that a model needs beside the rates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AppliedTo<'a> {
+    /// The temperature column's name.
+    pub temperature: &'a str,
+    /// The time column's name; `None` where the log has none.
+    pub time: Option<&'a str>,
+    /// The time's unit; without one the log's length decides ([`TimeUnit::by_duration`]).
+    pub time_unit: Option<TimeUnit>,
+    /// Predict rows of the recording that the models came from: with their drift in time and a history that is believed
+    /// from its start.
+    pub own_recording: bool,
 }
 
 /// What was done.
@@ -27,6 +48,8 @@ pub struct Applied {
     pub without_temperature: u64,
     /// Rows with a temperature outside a curve's valid range, at which the curve was held.
     pub outside: u64,
+    /// Rows at which a history was not known yet: the prediction leans on the static curve.
+    pub uncertain: u64,
 }
 
 /// Why a log cannot be corrected.
@@ -35,6 +58,24 @@ pub enum ApplyError {
     /// The log cannot be read.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// A model has a lag or a drift in time, and the log has no time.
+    #[error(
+        "{}: the model needs the time of each row, and no time column was found: say which with --time", path.display()
+    )]
+    NoTime {
+        /// The log.
+        path: PathBuf,
+    },
+    /// The time column's unit is not known.
+    #[error(
+        "{}: column '{column}' names no unit and the log's length fits none: say it with --time-unit", path.display()
+    )]
+    NoTimeUnit {
+        /// The log.
+        path: PathBuf,
+        /// The time column.
+        column: String,
+    },
     /// The corrected log cannot be written.
     #[error("{}: cannot be written: {source}: an earlier file there is as it was", path.display())]
     Write {
@@ -46,46 +87,142 @@ pub enum ApplyError {
 }
 
 /// Writes a log again as comma-separated text, every row and column kept, with `predicted_<column>` (the bias by the
-/// curve) and `corrected_<column>` (rate less bias) added for each curve. A row without a rate still gets its
-/// prediction; a row without a temperature gets neither. The output appears at once when it is whole.
+/// model) and `corrected_<column>` (rate less bias) added for each model. A row without a rate still gets its prediction;
+/// a row without a temperature gets neither. The output appears at once when it is whole.
+///
+/// A history runs through every row with a temperature, as it would on a device that started with the first.
 ///
 /// # Errors
-/// When the log cannot be read, a column is not there, or the output cannot be written.
-pub fn apply(log: &Path, temperature: &str, drifts: &[AppliedDrift], output: &Path) -> Result<Applied, ApplyError> {
+/// When the log cannot be read, a column is not there, a model needs a time that the log does not have, or the output
+/// cannot be written.
+pub fn apply(log: &Path, to: &AppliedTo<'_>, drifts: &[AppliedDrift], output: &Path) -> Result<Applied, ApplyError> {
     let table = TableFile::open(log)?;
-    let mut columns = vec![table.column(temperature)?];
+    let mut columns = vec![table.column(to.temperature)?];
     for drift in drifts {
         columns.push(table.column(&drift.column)?);
     }
+    let needs_time = drifts.iter().any(|drift| drift.needs_time(to.own_recording));
+    let clock = if needs_time { Some(Clock::of(&table, to)?) } else { None };
+    columns.extend(clock.as_ref().map(|clock| clock.column));
     let write_error = |source| ApplyError::Write { path: output.to_owned(), source };
     let file = WholeFile::create(output).map_err(write_error)?;
-    write(&table, &columns, drifts, file, write_error)
+    let mut predictors: Vec<Predictor<'_>> =
+        drifts.iter().map(|drift| Predictor::new(drift, to.own_recording)).collect();
+    write(&table, &columns, clock.as_ref(), &mut predictors, file, write_error)
+}
+
+impl AppliedDrift {
+    fn needs_time(&self, own_recording: bool) -> bool {
+        let lags = |term: &Term| matches!(term.memory, Memory::Lag { .. });
+        let history = self.history.as_ref().is_some_and(|history| history.terms().iter().any(lags));
+        history || (own_recording && self.time_drift.is_some())
+    }
+}
+
+/// The time of a log's rows.
+struct Clock {
+    column: usize,
+    first: f64,
+    unit_s: f64,
+}
+
+impl Clock {
+    fn of(table: &TableFile, to: &AppliedTo<'_>) -> Result<Self, ApplyError> {
+        let name = to.time.ok_or_else(|| ApplyError::NoTime { path: table.path().to_owned() })?;
+        let column = table.column(name)?;
+        let (mut first, mut last) = (f64::NAN, f64::NAN);
+        for batch in table.batches(&[column])? {
+            for time in batch?.columns[0].iter().copied().filter(|time| time.is_finite()) {
+                first = if first.is_nan() { time } else { first };
+                last = time;
+                if to.time_unit.is_some() {
+                    break;
+                }
+            }
+            if to.time_unit.is_some() && first.is_finite() {
+                break;
+            }
+        }
+        let unit = to.time_unit.or_else(|| TimeUnit::by_duration(last - first));
+        let none = || ApplyError::NoTimeUnit { path: table.path().to_owned(), column: name.to_owned() };
+        Ok(Self { column, first, unit_s: unit.ok_or_else(none)?.seconds() })
+    }
+
+    /// Seconds from the log's first row.
+    fn seconds(&self, time: f64) -> f64 {
+        (time - self.first) * self.unit_s
+    }
+}
+
+/// A model at work on a log.
+struct Predictor<'a> {
+    applied: &'a AppliedDrift,
+    own_recording: bool,
+    state: HistoryState,
+    before_s: f64,
+}
+
+impl<'a> Predictor<'a> {
+    fn new(applied: &'a AppliedDrift, own_recording: bool) -> Self {
+        Self { applied, own_recording, state: HistoryState::default(), before_s: f64::NAN }
+    }
+
+    /// The bias of a row, and whether its history is known.
+    fn predict(&mut self, time_s: f64, temperature: f64) -> (f64, Knowledge) {
+        let AppliedDrift { drift, history, time_drift, .. } = self.applied;
+        if let Some(history) = history {
+            // A row without a time leaves its step to the next; NaN is no step.
+            let step = time_s - self.before_s;
+            if time_s.is_finite() {
+                self.before_s = time_s;
+            }
+            history.advance(drift, &mut self.state, temperature, step);
+        }
+        if !self.own_recording {
+            let (bias, _, knowledge) = evaluate_dynamic(drift, history.as_ref(), &self.state, temperature);
+            return (bias, knowledge);
+        }
+        let bias = match history {
+            Some(history) if !temperature.is_nan() => history.evaluate_as_known(&self.state),
+            _ => drift.evaluate(temperature).0,
+        };
+        (bias + time_drift.map_or(0.0, |drift| drift.at(time_s)), Knowledge::Known)
+    }
 }
 
 fn write(
     table: &TableFile,
     columns: &[usize],
-    drifts: &[AppliedDrift],
+    clock: Option<&Clock>,
+    predictors: &mut [Predictor<'_>],
     file: WholeFile,
     write_error: impl Fn(io::Error) -> ApplyError + Copy,
 ) -> Result<Applied, ApplyError> {
     let csv_error = |error: csv::Error| write_error(error.into());
     let mut writer = csv::Writer::from_writer(BufWriter::new(file));
-    let added = drifts.iter().flat_map(|d| [format!("predicted_{}", d.column), format!("corrected_{}", d.column)]);
+    let names = predictors.iter().map(|predictor| &predictor.applied.column);
+    let added = names.flat_map(|name| [format!("predicted_{name}"), format!("corrected_{name}")]);
     writer.write_record(table.names().iter().cloned().chain(added)).map_err(csv_error)?;
     let mut applied = Applied::default();
     for batch in table.batches_with_cells(columns)? {
         let batch = batch?;
         for (row, cells) in batch.cells.iter().enumerate() {
             let temperature = batch.columns[0][row];
-            let rates = batch.columns[1..].iter().map(|column| column[row]);
-            writer
-                .write_record(cells.iter().cloned().chain(added_cells(drifts, temperature, rates)))
-                .map_err(csv_error)?;
+            let time_s = clock.map_or(f64::NAN, |clock| clock.seconds(batch.columns[1 + predictors.len()][row]));
+            let mut added = Vec::with_capacity(2 * predictors.len());
+            let (mut outside, mut uncertain) = (false, false);
+            for (predictor, column) in predictors.iter_mut().zip(&batch.columns[1..]) {
+                let (predicted, knowledge) = predictor.predict(time_s, temperature);
+                let valid = predictor.applied.drift.valid;
+                outside |= temperature < valid.min() || temperature > valid.max();
+                uncertain |= knowledge == Knowledge::Uncertain && !temperature.is_nan();
+                added.extend([predicted, column[row] - predicted].map(cell));
+            }
+            writer.write_record(cells.iter().cloned().chain(added)).map_err(csv_error)?;
             applied.rows += 1;
             applied.without_temperature += u64::from(temperature.is_nan());
-            let outside = drifts.iter().any(|d| temperature < d.drift.valid.min() || temperature > d.drift.valid.max());
             applied.outside += u64::from(outside);
+            applied.uncertain += u64::from(uncertain);
         }
     }
     let buffer = writer.into_inner().map_err(|error| write_error(error.into_error()))?;
@@ -94,83 +231,10 @@ fn write(
     Ok(applied)
 }
 
-/// The prediction and the correction of each rate; empty where there is none.
-fn added_cells(
-    drifts: &[AppliedDrift],
-    temperature: f64,
-    rates: impl Iterator<Item = f64>,
-) -> impl Iterator<Item = String> {
-    drifts.iter().zip(rates).flat_map(move |(applied, rate)| {
-        let (predicted, _) = applied.drift.evaluate(temperature);
-        [predicted, rate - predicted].map(|value| if value.is_nan() { String::new() } else { value.to_string() })
-    })
+/// A number's cell; empty where there is none.
+fn cell(value: f64) -> String {
+    if value.is_nan() { String::new() } else { value.to_string() }
 }
 
 #[cfg(test)]
-mod tests {
-    use std::fs;
-
-    use zerorate_core::drift::{Polynomial, Scale, Shape, ValidRange};
-
-    use super::*;
-
-    /// 1 + T / 10 over 0..20.
-    fn drift(column: &str) -> AppliedDrift {
-        let scale = Scale::spanning(0.0, 20.0).unwrap();
-        AppliedDrift {
-            column: column.to_owned(),
-            drift: Drift {
-                shape: Shape::Polynomial(Polynomial::new(scale, &[2.0, 1.0]).unwrap()),
-                valid: ValidRange::new(0.0, 20.0).unwrap(),
-            },
-        }
-    }
-
-    fn correct(log: &str) -> (Result<Applied, ApplyError>, String) {
-        let folder = tempfile::tempdir().unwrap();
-        let (input, output) = (folder.path().join("log.tsv"), folder.path().join("out.csv"));
-        fs::write(&input, log).unwrap();
-        fs::write(&output, "earlier").unwrap();
-        let applied = apply(&input, "temp", &[drift("x"), drift("y")], &output);
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left beside it");
-        (applied, fs::read_to_string(&output).unwrap())
-    }
-
-    #[test]
-    fn every_row_and_column_is_kept_and_two_are_added_for_each_rate() {
-        let log = "temp\tx\tnote\ty\n0\t1.5\ta, b\t1\n10\tnan\tc\t\n\t3\td\t4\n";
-        let (applied, text) = correct(&log.replace("a, b", "'a, b'").replace("c\t", "7\t").replace('\'', ""));
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], "temp,x,note,y,predicted_x,corrected_x,predicted_y,corrected_y");
-        assert_eq!(lines[1], "0,1.5,\"a, b\",1,1,0.5,1,0");
-        assert_eq!(lines[2], "10,nan,7,,2,,2,", "a row without a rate keeps its prediction");
-        assert_eq!(lines[3], ",3,d,4,,,,");
-        assert_eq!(applied.unwrap(), Applied { rows: 3, without_temperature: 1, outside: 0 });
-    }
-
-    #[test]
-    fn outside_the_valid_range_the_curve_is_held_and_counted() {
-        let (applied, text) = correct("temp,x,y\n-50,0,0\n90,0,0\n");
-        assert!(text.contains("-50,0,0,1,-1,1,-1") && text.contains("90,0,0,3,-3,3,-3"), "{text}");
-        assert_eq!(applied.unwrap().outside, 2);
-    }
-
-    #[test]
-    fn a_log_that_cannot_be_read_leaves_the_earlier_output() {
-        let (applied, text) = correct("temp,x,y\n1,2,3\n1,oops,3\n");
-        assert!(applied.unwrap_err().to_string().contains(":3: column 'x' holds 'oops'"));
-        assert_eq!(text, "earlier");
-        let (applied, text) = correct("temp,x\n1,2\n");
-        assert!(applied.unwrap_err().to_string().contains("there is no column 'y'"));
-        assert_eq!(text, "earlier");
-    }
-
-    #[test]
-    fn a_folder_that_cannot_be_written_is_named() {
-        let folder = tempfile::tempdir().unwrap();
-        let input = folder.path().join("log.csv");
-        fs::write(&input, "temp,x\n1,2\n").unwrap();
-        let error = apply(&input, "temp", &[drift("x")], Path::new("/nowhere/out.csv")).unwrap_err().to_string();
-        assert!(error.starts_with("/nowhere/out.csv: cannot be written"), "{error}");
-    }
-}
+mod tests;

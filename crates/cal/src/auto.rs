@@ -54,11 +54,18 @@ pub struct Series<'a> {
     pub rate: &'a [f64],
     /// How much a group counts against the others, above zero; 1 for all where nothing says otherwise.
     pub weight: &'a [f64],
+    /// Which uninterrupted log it belongs to: the history begins anew with each.
+    pub log: &'a [u32],
 }
 
 impl Series<'_> {
     fn is_used(&self, group: usize) -> bool {
         self.rate[group].is_finite() && self.temperature[group].is_finite() && self.weight[group] > 0.0
+    }
+
+    /// Whether a group is the first of its log.
+    fn begins(&self, group: usize) -> bool {
+        group == 0 || self.log[group] != self.log[group - 1]
     }
 }
 
@@ -336,6 +343,7 @@ struct Thinned {
     temperature: Vec<f64>,
     rate: Vec<f64>,
     weight: Vec<f64>,
+    log: Vec<u32>,
 }
 
 impl Thinned {
@@ -343,7 +351,7 @@ impl Thinned {
         let groups = series.rate.len();
         let factor = groups.div_ceil(CHOICE_GROUPS).max(1);
         let mut thinned =
-            Self { factor, time_s: Vec::new(), temperature: Vec::new(), rate: Vec::new(), weight: Vec::new() };
+            Self { factor, time_s: Vec::new(), temperature: Vec::new(), rate: Vec::new(), weight: Vec::new(), log: Vec::new() };
         for start in (0..groups).step_by(factor) {
             let part = start..(start + factor).min(groups);
             let mean = |values: &[f64]| {
@@ -359,12 +367,19 @@ impl Thinned {
             thinned.temperature.push(mean(series.temperature));
             thinned.rate.push(sum / weight);
             thinned.weight.push(weight / factor as f64);
+            thinned.log.push(series.log[start]);
         }
         thinned
     }
 
     fn series(&self) -> Series<'_> {
-        Series { time_s: &self.time_s, temperature: &self.temperature, rate: &self.rate, weight: &self.weight }
+        Series {
+            time_s: &self.time_s,
+            temperature: &self.temperature,
+            rate: &self.rate,
+            weight: &self.weight,
+            log: &self.log,
+        }
     }
 }
 

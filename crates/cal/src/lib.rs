@@ -2,6 +2,7 @@
 
 pub mod allan;
 pub mod apply;
+pub mod auto;
 pub mod calibration;
 pub mod characterise;
 pub mod choose;

@@ -141,6 +141,15 @@ pub struct AxisFit {
     pub trace: Vec<TracePoint>,
 }
 
+impl AxisFit {
+    /// The model chosen: `poly:3`, or `poly:3 + 3 plays + time`.
+    #[must_use]
+    pub fn model(&self) -> String {
+        let chosen = self.choice.candidates.iter().find(|candidate| candidate.chosen);
+        chosen.map_or_else(|| self.choice.model.to_string(), ToString::to_string)
+    }
+}
+
 /// What an axis is good for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisVerdict {

@@ -51,14 +51,16 @@ impl Features {
         let scale = Scale::spanning(valid.min(), valid.max())?;
         let both = holds_both_directions(series.temperature, valid);
         let timed = series.time_s.iter().all(|time| time.is_finite());
+        // Between logs a rate may jump for reasons of its own.
+        let one_log = series.log.first() == series.log.last();
         let span = valid.max() - valid.min();
         let mut memories = Vec::new();
         if both {
             memories.extend(PLAY_SHARES.map(|share| Memory::Play { half_width: share * span }));
         }
         let ends = series.time_s.first().copied().zip(series.time_s.last().copied()).filter(|_| timed);
-        let time = ends.filter(|(first, last)| both && last > first);
-        if time.is_some() {
+        let time = ends.filter(|(first, last)| both && one_log && last > first);
+        if both && timed {
             memories.extend(LAG_SECONDS.map(|time_constant_s| Memory::Lag { time_constant_s }));
         }
         let columns = MAX_ORDER + 1 + intervals + 1 + memories.len() + 1;
@@ -108,7 +110,10 @@ impl Features {
         let mut state = HistoryState::default();
         let mut before = f64::NAN;
         let mut rows = Vec::with_capacity(series.temperature.len() * self.columns);
-        for (&time, &temperature) in series.time_s.iter().zip(series.temperature) {
+        for (group, (&time, &temperature)) in series.time_s.iter().zip(series.temperature).enumerate() {
+            if series.begins(group) {
+                state = HistoryState::default();
+            }
             let held = temperature.clamp(self.valid.min(), self.valid.max());
             let x = self.scale.x(held);
             rows.extend(legendre(x));

@@ -57,8 +57,11 @@ impl Fitted {
     pub(super) fn in_recording(&self, series: &Series<'_>) -> Vec<f64> {
         let mut state = HistoryState::default();
         let mut before = f64::NAN;
-        (series.time_s.iter().zip(series.temperature))
-            .map(|(&time, &temperature)| {
+        (series.time_s.iter().zip(series.temperature).enumerate())
+            .map(|(group, (&time, &temperature))| {
+                if series.begins(group) {
+                    state = HistoryState::default();
+                }
                 let own = match &self.history {
                     Some(history) if temperature.is_finite() => {
                         history.advance(&self.drift, &mut state, temperature, time - before);
@@ -79,6 +82,9 @@ impl Fitted {
         groups
             .map(|group| {
                 let (time, temperature) = (series.time_s[group], series.temperature[group]);
+                if series.begins(group) {
+                    state = HistoryState::default();
+                }
                 if let Some(history) = &self.history {
                     history.advance(&self.drift, &mut state, temperature, time - before);
                 }

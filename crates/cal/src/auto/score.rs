@@ -68,11 +68,6 @@ impl Folds {
         Self { all, folds, time: features.time_column() }
     }
 
-    /// The sums of all rows.
-    pub(super) fn all(&self) -> &Gram {
-        &self.all
-    }
-
     /// The sums of all rows but a stretch's or an end's.
     pub(super) fn without(&self, fold: usize) -> Gram {
         let mut rest = self.all.clone();

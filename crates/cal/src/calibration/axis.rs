@@ -7,7 +7,7 @@ use zerorate_core::trim::Trim;
 
 use super::form::{AxisForm, TrimForm};
 use super::model::{BandPoint, HeldOut, StaticCubic, TimeDrift};
-use crate::choose::{Choice, Model, STRETCHES};
+use crate::choose::{Candidate, Choice, Model, STRETCHES};
 use crate::drift_fit::DriftFit;
 use crate::log::Sensor;
 use crate::log_fit::{AxisFit, Spread};
@@ -175,9 +175,35 @@ impl AxisCalibration {
     }
 }
 
+impl CandidateStatistics {
+    /// Candidates as they stand in files.
+    #[must_use]
+    pub fn of(candidates: &[Candidate]) -> Vec<Self> {
+        candidates.iter().map(Self::of_one).collect()
+    }
+
+    fn of_one(candidate: &Candidate) -> Self {
+        let further = candidate.further;
+        Self {
+            model: candidate.to_string(),
+            in_sample_rms: candidate.in_sample_rms,
+            held_out_rms: finite(candidate.held_out_rms),
+            held_out_excess_standard_error: finite(candidate.standard_error),
+            deployed_rms: further.and_then(|further| finite(further.deployed_rms)),
+            ends_rms: further.map(|f| f.ends_rms).filter(|ends| ends.iter().all(|end| end.is_finite())),
+            by_direction_rms: further.map(|further| further.by_direction_rms.map(finite)),
+            ridge: further.map(|further| further.ridge),
+            chosen: candidate.chosen,
+        }
+    }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
 impl FitStatistics {
     fn new(choice: &Choice, over: ResidualOver, samples_used: u64, in_sample: Spread, held_out: Spread) -> Self {
-        let finite = |value: f64| value.is_finite().then_some(value);
         Self {
             residual_over: over,
             residuals: choice.solution.rows,
@@ -186,21 +212,7 @@ impl FitStatistics {
             held_out: held_out.rms.is_finite().then_some(held_out),
             held_out_stretches: STRETCHES as u64,
             covariance: choice.solution.covariance.clone(),
-            candidates: choice
-                .candidates
-                .iter()
-                .map(|candidate| CandidateStatistics {
-                    model: candidate.to_string(),
-                    in_sample_rms: candidate.in_sample_rms,
-                    held_out_rms: finite(candidate.held_out_rms),
-                    held_out_excess_standard_error: finite(candidate.standard_error),
-                    deployed_rms: candidate.further.and_then(|further| finite(further.deployed_rms)),
-                    ends_rms: candidate.further.map(|f| f.ends_rms).filter(|ends| ends.iter().all(|e| e.is_finite())),
-                    by_direction_rms: candidate.further.map(|further| further.by_direction_rms.map(finite)),
-                    ridge: candidate.further.map(|further| further.ridge),
-                    chosen: candidate.chosen,
-                })
-                .collect(),
+            candidates: CandidateStatistics::of(&choice.candidates),
             nested: None,
         }
     }

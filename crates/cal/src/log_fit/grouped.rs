@@ -5,9 +5,10 @@ use std::path::Path;
 use zerorate_core::drift::Scale;
 
 use super::gather::{Gathered, gather, is_accelerometer};
-use super::residual::Residuals;
-use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, choose, words};
-use crate::choose::Stretches;
+use super::residual::trace;
+use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, words};
+use crate::auto::{self, Series};
+use crate::choose::{Choice, Model};
 use crate::condition::{DropReason, Group, Levels, Stretch, leave_out_times, level, smooth_stairs, weigh};
 use crate::fit::{Basis, Fit};
 use crate::quality::{Judgement, Reason, ReasonKind};
@@ -124,20 +125,22 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
     let span = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), (_, group)| {
         (min.min(group.temperature), max.max(group.temperature))
     });
-    let (scale, valid) = admit(judgement, options, stream, axis, used().count() as u64, span)?;
-    let rows = groups.len() as u64;
-    let mut stretches = Stretches::new(scale, options.model, rows);
-    for (row, group) in used() {
-        let (stretch, _) = stretches.of_row(row);
-        stretches.fit(stretch).push(group.temperature, &[group.axes[axis].rate]);
-    }
-    let (choice, drift) = choose(judgement, options, name, &stretches, valid)?;
-    let mut residuals = Residuals::new(&choice, &drift, rows);
-    for (row, group) in used() {
-        let (stretch, _) = stretches.of_row(row);
-        residuals.push(row, stretch, group.time_s, group.temperature, group.axes[axis].rate);
-    }
-    let (in_sample, held_out, trace) = residuals.finish();
+    let (_, valid) = admit(judgement, options, stream, axis, used().count() as u64, span)?;
+    let columns = Columns::of(groups, axis);
+    let auto = match auto::fit(&columns.series(), valid, options.model) {
+        Ok(auto) => auto,
+        Err(error) => {
+            judgement.add(Reason::new(ReasonKind::TooFewGroups, format!("{name}: {error}")));
+            return None;
+        }
+    };
+    let trace = trace(groups, axis, &auto.residuals);
+    let choice = Choice {
+        model: Model::of_shape(&auto.drift.shape),
+        solution: auto.solution,
+        without: Vec::new(),
+        candidates: auto.candidates,
+    };
     Some(AxisFit {
         name: name.clone(),
         sensor: stream.sensor,
@@ -145,17 +148,56 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
         rate_unit: stream.unit,
         temperature_unit: stream.temperature_unit,
         reference_temperature: is_accelerometer(stream).then_some(f64::midpoint(valid.min(), valid.max())),
-        drift,
-        history: None,
-        time_drift: None,
-        static_cubic: None,
-        band: Vec::new(),
-        nested: None,
+        drift: auto.drift,
+        history: auto.history,
+        time_drift: auto.time_drift,
+        static_cubic: auto.static_cubic,
+        band: auto.band,
+        nested: Some(auto.nested),
         choice,
-        in_sample,
-        held_out,
+        in_sample: auto.in_sample,
+        held_out: auto.held_out,
         samples_used: used().map(|(_, group)| u64::from(group.axes[axis].rows)).sum(),
         samples_rejected: sensor.tallies[axis].rejected(),
         trace,
     })
+}
+
+/// One axis's groups as columns.
+struct Columns {
+    time_s: Vec<f64>,
+    temperature: Vec<f64>,
+    rate: Vec<f64>,
+    weight: Vec<f64>,
+    log: Vec<u32>,
+}
+
+impl Columns {
+    /// A group counts by its rows and by how many there are at its temperature.
+    fn of(groups: &[Group], axis: usize) -> Self {
+        let most = groups.iter().map(|group| group.axes[axis].rows).max().unwrap_or(1).max(1);
+        let rate = |group: &Group| {
+            let part = group.axes[axis];
+            if part.rows > 0 && group.temperature.is_finite() { part.rate } else { f64::NAN }
+        };
+        let weight =
+            |group: &Group| group.axes[axis].weight * f64::from(group.axes[axis].rows) / f64::from(most);
+        Self {
+            time_s: groups.iter().map(|group| group.time_s).collect(),
+            temperature: groups.iter().map(|group| group.temperature).collect(),
+            rate: groups.iter().map(rate).collect(),
+            weight: groups.iter().map(weight).collect(),
+            log: groups.iter().map(|group| group.log).collect(),
+        }
+    }
+
+    fn series(&self) -> Series<'_> {
+        Series {
+            time_s: &self.time_s,
+            temperature: &self.temperature,
+            rate: &self.rate,
+            weight: &self.weight,
+            log: &self.log,
+        }
+    }
 }

@@ -4,6 +4,7 @@ use zerorate_core::drift::{Drift, Shape};
 
 use super::{Spread, TRACE_POINTS, TracePoint};
 use crate::choose::Choice;
+use crate::condition::Group;
 
 /// A running sum of squares and extremes.
 #[derive(Debug, Clone, Copy)]
@@ -73,31 +74,14 @@ impl<'a> Residuals<'a> {
             None => self.complete = false,
         }
         let bins = self.bins.len() as u64;
-        let bin = &mut self.bins[(row * bins / self.rows.max(1)).min(bins - 1) as usize];
-        bin.count += 1;
-        bin.sums.time_s += time_s;
-        bin.sums.temperature += temperature;
-        bin.sums.rate += rate;
-        bin.sums.residual += residual;
+        let place = (row * bins / self.rows.max(1)).min(bins - 1) as usize;
+        self.bins[place].add(TracePoint { time_s, temperature, rate, residual });
     }
 
     /// In-sample, held out, trace.
     pub(crate) fn finish(self) -> (Spread, Spread, Vec<TracePoint>) {
         let held_out = if self.complete { self.held_out.spread() } else { Spread { rms: f64::NAN, pp: f64::NAN } };
-        let trace = self
-            .bins
-            .iter()
-            .filter(|bin| bin.count > 0)
-            .map(|bin| {
-                let mean = |sum: f64| sum / bin.count as f64;
-                TracePoint {
-                    time_s: mean(bin.sums.time_s),
-                    temperature: mean(bin.sums.temperature),
-                    rate: mean(bin.sums.rate),
-                    residual: mean(bin.sums.residual),
-                }
-            })
-            .collect();
+        let trace = self.bins.iter().filter(|bin| bin.count > 0).map(Bin::mean).collect();
         (self.in_sample.spread(), held_out, trace)
     }
 }
@@ -107,5 +91,43 @@ fn evaluate(shape: &Shape, temperature: f64) -> f64 {
     match shape {
         Shape::Polynomial(polynomial) => polynomial.evaluate(temperature),
         Shape::Table(table) => table.evaluate(temperature),
+    }
+}
+
+/// The trace of an axis's groups, from their residuals; NaN is a group that was not fitted.
+// A bin's number is below 2000.
+#[allow(clippy::cast_possible_truncation)]
+pub(super) fn trace(groups: &[Group], axis: usize, residuals: &[f64]) -> Vec<TracePoint> {
+    let rows = groups.len() as u64;
+    let mut bins = vec![Bin::default(); rows.clamp(1, TRACE_POINTS) as usize];
+    let count = bins.len() as u64;
+    for ((row, group), residual) in (0_u64..).zip(groups).zip(residuals).filter(|(_, residual)| residual.is_finite()) {
+        bins[(row * count / rows.max(1)).min(count - 1) as usize].add(TracePoint {
+            time_s: group.time_s,
+            temperature: group.temperature,
+            rate: group.axes[axis].rate,
+            residual: *residual,
+        });
+    }
+    bins.iter().filter(|bin| bin.count > 0).map(Bin::mean).collect()
+}
+
+impl Bin {
+    fn add(&mut self, point: TracePoint) {
+        self.count += 1;
+        self.sums.time_s += point.time_s;
+        self.sums.temperature += point.temperature;
+        self.sums.rate += point.rate;
+        self.sums.residual += point.residual;
+    }
+
+    fn mean(&self) -> TracePoint {
+        let mean = |sum: f64| sum / self.count as f64;
+        TracePoint {
+            time_s: mean(self.sums.time_s),
+            temperature: mean(self.sums.temperature),
+            rate: mean(self.sums.rate),
+            residual: mean(self.sums.residual),
+        }
     }
 }

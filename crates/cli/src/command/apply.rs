@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate_cal::apply::{AppliedDrift, apply};
+use zerorate_cal::apply::{AppliedDrift, AppliedTo, apply};
 use zerorate_cal::calibration::{Calibration, Kind};
-use zerorate_cal::table::{Columns, TableFile};
+use zerorate_cal::table::{Columns, TableFile, TimeUnit};
 
 use super::Outcome;
 use crate::progress::Busy;
@@ -20,6 +20,9 @@ use crate::{output, screen};
 /// predicted_COLUMN, the bias that the calibration gives for the row's temperature, and corrected_COLUMN, the rate less
 /// that. A row with a temperature and no rate (empty or nan) still gets its prediction. Outside the calibrated range of
 /// temperature the curve is held at its end, and such rows are counted.
+///
+/// It predicts as a device would that started with the log's first row: a model with a history (hysteresis, lag) leans on
+/// its static curve until enough of the history was seen.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Apply {
@@ -37,6 +40,19 @@ pub struct Apply {
     /// The temperature column, where its name does not make it plain
     #[arg(long, value_name = "COL")]
     temperature: Option<String>,
+
+    /// The time column, where its name does not make it plain; models with lags need one
+    #[arg(long, value_name = "COL")]
+    time: Option<String>,
+
+    /// The time's unit: s, ms, us or ns
+    #[arg(long, value_name = "UNIT")]
+    time_unit: Option<TimeUnit>,
+
+    /// The log is the recording that the calibration came from: add the slow drift in time that was found in it, and
+    /// believe the history from the first row on, as the fit did
+    #[arg(long)]
+    with_time_drift: bool,
 
     /// Print JSON on standard output, and nothing else there
     #[arg(long)]
@@ -60,17 +76,32 @@ struct Done<'a> {
     rows: u64,
     rows_without_temperature: u64,
     rows_outside_calibrated_range: u64,
+    rows_with_unknown_history: u64,
     calibrated_temperature: [f64; 2],
     temperature_unit: &'static str,
+}
+
+/// What was found of the log's columns.
+struct Found {
+    temperature: String,
+    time: Option<String>,
+    time_unit: Option<TimeUnit>,
+    drifts: Vec<AppliedDrift>,
 }
 
 impl Apply {
     pub fn run(&self) -> Result<Outcome> {
         output::check("--out", &self.out, &[&self.log, &self.calibration])?;
         let calibration = Calibration::read(&self.calibration)?;
-        let (temperature, drifts) = self.columns(&calibration)?;
+        let Found { temperature, time, time_unit, drifts } = self.columns(&calibration)?;
         let busy = Busy::reading(&self.log);
-        let applied = apply(&self.log, &temperature, &drifts, &self.out)?;
+        let to = AppliedTo {
+            temperature: &temperature,
+            time: time.as_deref(),
+            time_unit,
+            own_recording: self.with_time_drift,
+        };
+        let applied = apply(&self.log, &to, &drifts, &self.out)?;
         drop(busy);
         let min = drifts.iter().map(|drift| drift.drift.valid.min()).fold(f64::NEG_INFINITY, f64::max);
         let max = drifts.iter().map(|drift| drift.drift.valid.max()).fold(f64::INFINITY, f64::min);
@@ -84,6 +115,7 @@ impl Apply {
                 rows: applied.rows,
                 rows_without_temperature: applied.without_temperature,
                 rows_outside_calibrated_range: applied.outside,
+                rows_with_unknown_history: applied.uncertain,
                 calibrated_temperature: [min, max],
                 temperature_unit: unit,
             })?;
@@ -102,6 +134,13 @@ impl Apply {
             );
             page.sentence("  - ", &text);
         }
+        if applied.uncertain > 0 {
+            let rows = thousands(applied.uncertain);
+            let text = format!(
+                "{rows} rows come before enough of the temperature's history was seen: there the prediction leans on the static curve"
+            );
+            page.sentence("  - ", &text);
+        }
         if applied.without_temperature > 0 {
             let rows = thousands(applied.without_temperature);
             page.sentence("  - ", &format!("{rows} rows have no temperature: they were kept, without a correction"));
@@ -110,11 +149,13 @@ impl Apply {
         Ok(Outcome::Done)
     }
 
-    /// The temperature column and what to apply to which rate column, in the log's order.
-    fn columns(&self, calibration: &Calibration) -> Result<(String, Vec<AppliedDrift>)> {
+    /// The columns, and what to apply to which rate column, in the log's order.
+    fn columns(&self, calibration: &Calibration) -> Result<Found> {
         let table = TableFile::open(&self.log)?;
         let asked = Columns {
             temperature: self.temperature.clone(),
+            time: self.time.clone(),
+            time_unit: self.time_unit,
             rates: calibration.axes.keys().cloned().collect(),
             ..Columns::default()
         };
@@ -138,9 +179,17 @@ impl Apply {
             .axes
             .iter()
             .zip(&found.rates)
-            .map(|((column, axis), &place)| (place, AppliedDrift { column: column.clone(), drift: axis.drift.clone() }))
+            .map(|((column, axis), &place)| {
+                let (drift, history) = (axis.drift.clone(), axis.history.clone());
+                (place, AppliedDrift { column: column.clone(), drift, history, time_drift: axis.time_drift })
+            })
             .collect();
         drifts.sort_by_key(|(place, _)| *place);
-        Ok((temperature, drifts.into_iter().map(|(_, drift)| drift).collect()))
+        Ok(Found {
+            temperature,
+            time: found.time.map(|place| table.names()[place].clone()),
+            time_unit: found.time_unit,
+            drifts: drifts.into_iter().map(|(_, drift)| drift).collect(),
+        })
     }
 }

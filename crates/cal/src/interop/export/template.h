@@ -104,7 +104,7 @@ static inline void zr_advance(const zr_axis *axis, zr_state *state, zr_real temp
     state->last = now;
 }
 
-/* How much of the history was seen, 0 to 1. */
+/* How far the history is believed by what was seen of it, 0 to 1. */
 static inline zr_real zr_known_share(const zr_axis *axis, const zr_state *state)
 {
     zr_real sum = 0;
@@ -119,7 +119,7 @@ static inline zr_real zr_known_share(const zr_axis *axis, const zr_state *state)
         } else {
             seen = (zr_real)(1 - exp(-(double)(state->since_start_s / term->size)));
         }
-        sum += term->share * seen;
+        sum += term->share * seen * seen / (seen * seen + (1 - seen) * (1 - seen));
     }
     return sum < 1 ? sum : 1;
 }
@@ -131,11 +131,11 @@ static inline zr_real zr_bias_with_history(const zr_axis *axis, const zr_state *
     if (axis->terms == 0)
         return fixed;
     zr_real known = zr_known_share(axis, state);
-    zr_real lean = known * known / (known * known + (1 - known) * (1 - known));
+    zr_real lean = known * known * known;
     zr_real full = zr_curve_at(&axis->known, state->last);
     for (int i = 0; i < axis->terms; i++)
         full += axis->term[i].weight * state->ahead[i];
-    return fixed + lean * lean * (full - fixed);
+    return fixed + lean * (full - fixed);
 }
 
 #endif /* ZERORATE_NO_FLOAT */
@@ -247,7 +247,7 @@ static inline void zr_int_advance(const zr_int_axis *axis, zr_int_state *state, 
     state->last = now;
 }
 
-/* How much of the history was seen, in 2^-30. */
+/* How far the history is believed by what was seen of it, in 2^-30. */
 static inline int64_t zr_int_known_share(const zr_int_axis *axis, const zr_int_state *state)
 {
     int64_t sum = 0;
@@ -262,7 +262,8 @@ static inline int64_t zr_int_known_share(const zr_int_axis *axis, const zr_int_s
             share = ZR_ONE;
         else /* both fit in 44 bits: 18 more are room enough */
             share = ((seen << 18) / (2 * term->size)) << 12;
-        sum += zr_shift(term->share * share, 30);
+        int64_t k = zr_shift(share * share, 30), u = zr_shift((ZR_ONE - share) * (ZR_ONE - share), 30);
+        sum += zr_shift(term->share * ((k << 30) / (k + u)), 30);
     }
     return sum < ZR_ONE ? sum : ZR_ONE;
 }
@@ -273,10 +274,8 @@ static inline int32_t zr_int_bias_with_history(const zr_int_axis *axis, const zr
     int32_t fixed = zr_int_curve_at(&axis->fixed, state->last);
     if (axis->terms == 0)
         return fixed;
-    int64_t known = zr_int_known_share(axis, state), unknown = ZR_ONE - known;
-    int64_t k = zr_shift(known * known, 30), u = zr_shift(unknown * unknown, 30);
-    int64_t lean = (k << 30) / (k + u);
-    lean = zr_shift(lean * lean, 30);
+    int64_t known = zr_int_known_share(axis, state);
+    int64_t lean = zr_shift(zr_shift(known * known, 30) * known, 30);
     int64_t full = zr_int_curve_at(&axis->known, state->last), added = 0;
     for (int32_t i = 0; i < axis->terms; i++)
         added += zr_shift(state->ahead[i] * axis->term[i].weight, 20);

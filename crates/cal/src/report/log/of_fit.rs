@@ -65,7 +65,7 @@ impl From<&AxisFit> for LogAxis {
         Self {
             name: axis.name.clone(),
             rate_unit: axis.rate_unit.to_string(),
-            model: choice.model.to_string(),
+            model: axis.model(),
             raw_coefficients: choice.solution.raw_coefficients(),
             is_polynomial: matches!(choice.model.basis(), Basis::Powers(_)),
             temperature: [axis.drift.valid.min(), axis.drift.valid.max()],
