@@ -198,6 +198,12 @@ impl<'a> Prepared<'a> {
         let specs = candidates(&self.features, asked);
         let folds = Folds::new(&self.features, &sample);
         let scored = folds.score(&specs);
+        // A smoothed table is settled by one temperature; a curve is not.
+        if asked == Model::Auto
+            && !specs.iter().zip(&scored).any(|(spec, scored)| spec.is_static(1) && scored.is_some())
+        {
+            return None;
+        }
         let (place, errors) = score::choose(&specs, &scored)?;
         Some(Chosen { spec: specs[place].clone(), candidates: listed(&specs, &scored, &errors, place) })
     }
@@ -219,11 +225,8 @@ impl<'a> Prepared<'a> {
         let mut sample = Sample::new(self.series, &self.directions, &keep);
         let beta = sample.fit_robustly(&self.features, &spec.penalised())?;
         let time_drift = fitted::time_drift(&self.features, spec, &beta);
-        let history = if spec.memories.is_empty() {
-            None
-        } else {
-            fitted::history(&self.features, spec, &beta, sample.mean)
-        };
+        let history =
+            if spec.memories.is_empty() { None } else { fitted::history(&self.features, spec, &beta, sample.mean) };
         let timeless: Vec<f64> = (self.series.rate.iter().zip(self.series.time_s))
             .map(|(rate, time)| rate - time_drift.map_or(0.0, |drift| drift.at(*time)))
             .collect();
@@ -350,8 +353,14 @@ impl Thinned {
     fn of(series: &Series<'_>) -> Self {
         let groups = series.rate.len();
         let factor = groups.div_ceil(CHOICE_GROUPS).max(1);
-        let mut thinned =
-            Self { factor, time_s: Vec::new(), temperature: Vec::new(), rate: Vec::new(), weight: Vec::new(), log: Vec::new() };
+        let mut thinned = Self {
+            factor,
+            time_s: Vec::new(),
+            temperature: Vec::new(),
+            rate: Vec::new(),
+            weight: Vec::new(),
+            log: Vec::new(),
+        };
         for start in (0..groups).step_by(factor) {
             let part = start..(start + factor).min(groups);
             let mean = |values: &[f64]| {

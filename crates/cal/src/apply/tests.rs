@@ -5,8 +5,7 @@ use zerorate_core::drift::{Polynomial, Scale, Shape, ValidRange};
 
 use super::*;
 
-const TO: AppliedTo<'static> =
-    AppliedTo { temperature: "temp", time: None, time_unit: None, own_recording: false };
+const TO: AppliedTo<'static> = AppliedTo { temperature: "temp", time: None, time_unit: None, own_recording: false };
 
 /// 1 + T / 10 over 0..20.
 fn drift(column: &str) -> AppliedDrift {

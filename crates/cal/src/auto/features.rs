@@ -167,7 +167,11 @@ fn holds_both_directions(temperature: &[f64], valid: ValidRange) -> bool {
     let mut follower = temperature.first().copied().unwrap_or(0.0);
     for &t in temperature.iter().filter(|t| t.is_finite()) {
         let next = follower.clamp(t - margin, t + margin);
-        if next > follower { up += next - follower } else { down += follower - next }
+        if next > follower {
+            up += next - follower
+        } else {
+            down += follower - next
+        }
         follower = next;
     }
     up.min(down) >= TRAVEL * span

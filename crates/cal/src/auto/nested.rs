@@ -29,7 +29,8 @@ impl Outer {
     }
 
     pub(super) fn figures(&self) -> HeldOut {
-        let rms = |values: &[f64]| Some(spread(values.iter().copied()).rms).filter(|rms| rms.is_finite() && self.complete());
+        let rms =
+            |values: &[f64]| Some(spread(values.iter().copied()).rms).filter(|rms| rms.is_finite() && self.complete());
         HeldOut {
             stretches: STRETCHES as u64,
             in_recording: rms(&self.residuals),

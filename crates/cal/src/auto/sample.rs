@@ -28,13 +28,8 @@ pub(super) struct Sample<'a> {
 
 impl<'a> Sample<'a> {
     /// The groups with a finite rate that `keep` keeps, each with its own weight.
-    pub(super) fn new(
-        series: &'a Series<'a>,
-        directions: &'a [Option<usize>],
-        keep: impl Fn(usize) -> bool,
-    ) -> Self {
-        let used: Vec<usize> =
-            (0..series.rate.len()).filter(|&group| series.is_used(group) && keep(group)).collect();
+    pub(super) fn new(series: &'a Series<'a>, directions: &'a [Option<usize>], keep: impl Fn(usize) -> bool) -> Self {
+        let used: Vec<usize> = (0..series.rate.len()).filter(|&group| series.is_used(group) && keep(group)).collect();
         let mean = used.iter().map(|&group| series.rate[group]).sum::<f64>() / used.len().max(1) as f64;
         Self { series, used, weights: series.weight.to_vec(), mean, directions }
     }

@@ -13,6 +13,9 @@ const ENDS: usize = 2;
 /// long against a group.
 pub(super) const BOOT_S: f64 = 30.0;
 
+/// Groups further apart than this are of two visits: a few that were left out do not end one.
+const VISIT_GAP: usize = 8;
+
 /// The errors of a candidate, mean squares.
 #[derive(Debug, Clone)]
 pub(super) struct Scored {
@@ -133,26 +136,38 @@ impl Fold {
     fn new(features: &Features, sample: &Sample<'_>, part: &[usize]) -> Self {
         let gram = || Gram::new(features.columns);
         let mut fold = Self { whole: gram(), zeroed: gram(), directions: [gram(), gram()] };
-        let booted = booted(sample, part);
-        let mut zero = vec![0.0; features.columns];
-        let mut zero_rate = 0.0;
-        for &group in &part[..booted] {
-            zero.iter_mut().zip(features.row(group)).for_each(|(zero, value)| *zero += value / booted as f64);
-            zero_rate += sample.rate(group) / booted as f64;
-        }
-        let mut row = vec![0.0; features.columns];
-        for (place, &group) in part.iter().enumerate() {
+        for &group in part {
             let (rate, weight) = (sample.rate(group), sample.weight(group));
             fold.whole.push(features.row(group), rate, weight);
             if let Some(direction) = sample.direction(group) {
                 fold.directions[direction].push(features.row(group), rate, weight);
             }
-            if place >= booted {
-                row.iter_mut().zip(features.row(group).iter().zip(&zero)).for_each(|(row, (a, b))| *row = a - b);
-                fold.zeroed.push(&row, rate - zero_rate, weight);
-            }
+        }
+        // An end is visited at times far apart: a zero is taken at each visit.
+        let mut visits = part;
+        while !visits.is_empty() {
+            let along = |pair: &&[usize]| pair[1] - pair[0] <= VISIT_GAP;
+            let (visit, rest) = visits.split_at(1 + visits.windows(2).take_while(along).count());
+            fold.push_zeroed(features, sample, visit);
+            visits = rest;
         }
         fold
+    }
+
+    /// Takes in a visit less the mean of its first half minute.
+    fn push_zeroed(&mut self, features: &Features, sample: &Sample<'_>, visit: &[usize]) {
+        let booted = booted(sample, visit);
+        let mut zero = vec![0.0; features.columns];
+        let mut zero_rate = 0.0;
+        for &group in &visit[..booted] {
+            zero.iter_mut().zip(features.row(group)).for_each(|(zero, value)| *zero += value / booted as f64);
+            zero_rate += sample.rate(group) / booted as f64;
+        }
+        let mut row = vec![0.0; features.columns];
+        for &group in &visit[booted..] {
+            row.iter_mut().zip(features.row(group).iter().zip(&zero)).for_each(|(row, (a, b))| *row = a - b);
+            self.zeroed.push(&row, sample.rate(group) - zero_rate, sample.weight(group));
+        }
     }
 }
 
@@ -170,7 +185,8 @@ pub(super) fn booted(sample: &Sample<'_>, part: &[usize]) -> usize {
 /// Only candidates that are no worse at either end than the better of a straight line and a cubic, and no worse in
 /// either direction of the ramp than the cubic, are looked at; where there is none, the one that fails by least.
 pub(super) fn choose(specs: &[Spec], scored: &[Option<Scored>]) -> Option<(usize, Vec<f64>)> {
-    let of = |order: usize| specs.iter().position(|spec| spec.is_static(order)).and_then(|place| scored[place].as_ref());
+    let of =
+        |order: usize| specs.iter().position(|spec| spec.is_static(order)).and_then(|place| scored[place].as_ref());
     let excess = |scored: &Scored| {
         let mut worst = 0.0_f64;
         for end in 0..ENDS {
@@ -190,7 +206,9 @@ pub(super) fn choose(specs: &[Spec], scored: &[Option<Scored>]) -> Option<(usize
     }
     let (_, best) = allowed.iter().min_by(|a, b| a.1.mean().total_cmp(&b.1.mean()))?;
     let errors: Vec<f64> = scored.iter().map(|own| own.as_ref().map_or(f64::NAN, |own| error(own, best))).collect();
-    let simplest = allowed.iter().find(|(place, own)| own.mean() <= best.mean() + errors[*place])?.0;
+    let not_worse =
+        |place: usize, own: &Scored| own.mean() <= best.mean() + errors[place] && worse_folds(own, best) < WORSE_FOLDS;
+    let simplest = allowed.iter().find(|(place, own)| not_worse(*place, own))?.0;
     Some((simplest, errors))
 }
 
@@ -199,6 +217,15 @@ fn ratio(own: f64, allowed: f64) -> f64 {
     // Noise alone makes two that are the same differ by a little.
     let ratio = own / (allowed * 1.0001);
     if ratio.is_nan() { 0.0 } else { ratio }
+}
+
+/// Held-out parts of ten on which a candidate is worse than the best by more than a twentieth, from which on it is worse
+/// whatever the standard error says: of a fair coin, 9 or more of 10 are heads once in a hundred. A few parts with large
+/// errors would else hide what all of them say.
+const WORSE_FOLDS: usize = 9;
+
+fn worse_folds(own: &Scored, best: &Scored) -> usize {
+    own.of_folds.iter().zip(&best.of_folds).filter(|(own, best)| **own > 1.05 * **best).count()
 }
 
 /// The standard error of the difference of two means over the folds.

@@ -1,5 +1,6 @@
 //! `zerorate fit`.
 
+mod models;
 mod summary;
 
 use std::path::{Path, PathBuf};
@@ -43,6 +44,10 @@ pub struct Fit {
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 
+    /// Show every model that was compared, and what each predicts of data that it was not fitted to (--json has it too)
+    #[arg(long)]
+    explain: bool,
+
     /// Print JSON on standard output, and nothing else there
     #[arg(long)]
     json: bool,
@@ -61,6 +66,8 @@ Examples:
   zerorate fit log.csv --out calibration.json --report report.html
   zerorate fit imu.tsv --temperature imu.temp --rate gx,gy,gz --rate-unit dps
       where the columns' names do not make it plain
+  zerorate fit log.csv --explain
+      every model that was compared
   zerorate fit log.parquet --model poly:3 --plain --json
       the cubic that numpy.polyfit gives, as JSON
 
@@ -83,7 +90,7 @@ impl Fit {
             fit.notes.iter().for_each(|note| screen::note(note));
             screen::print_json(&fit)?;
         } else {
-            summary::page(&fit, self.log.over(), &written, &self.next(&fit, &places)).print()?;
+            summary::page(&fit, self.log.over(), &written, &self.next(&fit, &places), self.explain).print()?;
         }
         Ok(if fit.judgement.rejected() { Outcome::Rejected } else { Outcome::Done })
     }

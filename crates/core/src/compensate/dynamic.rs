@@ -156,8 +156,12 @@ impl FixedHistory {
             }
             FixedMemory::Lag { .. } => u64::from(ONE_Q16) - (u64::from(memory.forgotten) >> 16),
         };
-        let sum: u64 =
-            self.terms.iter().zip(&seen.memories).map(|(term, memory)| u64::from(term.share) * belief_q16(of(term, memory))).sum();
+        let sum: u64 = self
+            .terms
+            .iter()
+            .zip(&seen.memories)
+            .map(|(term, memory)| u64::from(term.share) * belief_q16(of(term, memory)))
+            .sum();
         narrow(sum >> 16).min(ONE_Q16)
     }
 

@@ -9,10 +9,17 @@ use zerorate_cal::quality::Verdict;
 use zerorate_cal::report::LogReport;
 use zerorate_cal::table::RateUnit;
 
+use super::models;
 use crate::screen::{Grid, Page, RateScale, aligned, style, thousands};
 
 /// The page: verdict, curves, what was left out, what was guessed, what to do next.
-pub fn page(fit: &LogFit, over: ResidualOver, written: &[PathBuf], next: &Option<(&'static str, String)>) -> Page {
+pub fn page(
+    fit: &LogFit,
+    over: ResidualOver,
+    written: &[PathBuf],
+    next: &Option<(&'static str, String)>,
+    explained: bool,
+) -> Page {
     // The report has the words for what the fit found.
     let report = LogReport::from(fit);
     let mut page = Page::default();
@@ -26,6 +33,10 @@ pub fn page(fit: &LogFit, over: ResidualOver, written: &[PathBuf], next: &Option
         }
         units.iter().for_each(|unit| curves(&mut page, fit, *unit));
         terms(&mut page, fit, over);
+        models::models(&mut page, fit);
+        if explained {
+            models::explain(&mut page, fit);
+        }
         left_out(&mut page, &report);
     }
     rejected_axes(&mut page, fit);
@@ -96,7 +107,9 @@ fn curves(page: &mut Page, fit: &LogFit, unit: RateUnit) {
     grid.head([what, "verdict", "model", "pp", "rms", "pp", "rms", "pp", "used"]);
     for (place, axis) in axes.iter().enumerate() {
         let cells = columns.iter().map(|column| column[place].clone());
-        let named = [axis.name.clone(), word(axis.verdict).to_owned(), axis.choice.model.to_string()];
+        let beside = if axis.history.is_some() || axis.time_drift.is_some() { "+" } else { "" };
+        let model = format!("{}{beside}", axis.choice.model);
+        let named = [axis.name.clone(), word(axis.verdict).to_owned(), model];
         grid.row(named.into_iter().chain(cells).chain([thousands(axis.samples_used)]));
     }
     page.grid(&grid);

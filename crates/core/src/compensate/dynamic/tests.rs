@@ -154,14 +154,15 @@ fn an_axis_subtracts_the_dynamic_drift_and_says_when_it_is_known() {
         if outcome.knowledge != knowledge {
             // A step or two apart where the share crosses the threshold.
             let share = history.known_share(&state);
-            assert!((share - 0.9).abs() < 1e-3, "{share}");
+            assert!((share - 0.95).abs() < 1e-3, "{share}");
         }
         if outcome.knowledge == Knowledge::Known {
             known_at = known_at.or(Some(step));
         }
     }
-    // The wide play is known after 800 counts, 1600 groups, and carries 0.4 of the whole.
-    assert!(known_at.is_some_and(|at| (1200..1600).contains(&at)), "{known_at:?}");
+    // The wide play is known after 800 counts, 1600 groups; the long lag, of a fifth of the whole, is believed by three
+    // quarters after as long as its time constant, 1920 groups.
+    assert!(known_at.is_some_and(|at| (1700..2100).contains(&at)), "{known_at:?}");
 }
 
 #[test]

@@ -1,0 +1,73 @@
+//! What was chosen, what it predicts, and what it was chosen from.
+
+use zerorate_cal::choose::Candidate;
+use zerorate_cal::log_fit::{AxisFit, LogFit};
+
+use crate::screen::{Grid, Page, RateScale};
+
+/// The model of each axis and what it predicts of data that played no part in choosing it; nothing where nothing was
+/// chosen.
+pub fn models(page: &mut Page, fit: &LogFit) {
+    let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| axis.nested.is_some()).collect();
+    let Some(first) = axes.first() else { return };
+    let cubic = |axis: &&AxisFit| axis.nested.and_then(|nested| nested.cubic_deployed).unwrap_or(0.0);
+    let scale = RateScale::of(first.rate_unit, &axes.iter().map(cubic).collect::<Vec<_>>());
+    page.heading(&format!("Model, and what it leaves of data it has not seen (rms, {})", scale.unit()));
+    let mut grid = Grid::new("llrrrr");
+    grid.head(["", "", "in the", "deployed,", "deployed,", "cubic,"]);
+    grid.head(["", "model", "recording", "warm", "cold", "deployed"]);
+    for axis in axes.iter().filter(|axis| axis.rate_unit == first.rate_unit) {
+        let Some(nested) = axis.nested else { continue };
+        let figures = [nested.in_recording, nested.deployed_warm, nested.deployed_cold, nested.cubic_deployed];
+        let figures = figures.map(|figure| shown(scale, figure.unwrap_or(f64::NAN)));
+        grid.row([axis.name.clone(), axis.model()].into_iter().chain(figures));
+    }
+    page.grid(&grid);
+    page.gap();
+    page.sentence(
+        "  ",
+        "Each eighth of the log was predicted by a model chosen and fitted on the other seven. Deployed: without the log's \
+         own drift in time, less the mean of the eighth's first half minute, as a zero at boot takes it off; warm, the \
+         history known from the log's start; cold, unknown at the eighth's.",
+    );
+}
+
+/// The candidates of every axis.
+pub fn explain(page: &mut Page, fit: &LogFit) {
+    for axis in &fit.axes {
+        let candidates = &axis.choice.candidates;
+        let held_out: Vec<f64> = candidates.iter().map(|candidate| candidate.held_out_rms).collect();
+        let least = held_out.iter().copied().fold(f64::INFINITY, f64::min);
+        let scale = RateScale::of(axis.rate_unit, &[least]);
+        page.heading(&format!("Candidates of {}, simplest first (rms, {})", axis.name, scale.unit()));
+        let mut grid = Grid::new("llrrrrrr");
+        grid.head(["", "", "in-", "held", "std.", "de-", "cold", "hot"]);
+        grid.head(["", "model", "sample", "out", "error", "ployed", "end", "end"]);
+        for candidate in candidates {
+            let mark = if candidate.chosen { "*" } else { "" };
+            let cells = cells(candidate).map(|value| shown(scale, value));
+            grid.row([mark.to_owned(), candidate.to_string()].into_iter().chain(cells));
+        }
+        page.grid(&grid);
+    }
+    page.gap();
+    page.sentence(
+        "  ",
+        "Held out: each eighth of the log predicted by a fit of the others; deployed, the same without drift in time, less \
+         the mean of its first half minute; cold and hot end, with that eighth of the temperatures held out. Taken (*) is \
+         the simplest whose held-out and deployed squares are within one standard error of the best, among those that are \
+         at neither end worse than the better of a straight line and a cubic, and in neither direction of the ramp worse \
+         than the cubic.",
+    );
+}
+
+fn cells(candidate: &Candidate) -> [f64; 6] {
+    let further = candidate.further;
+    let [cold, hot] = further.map_or([f64::NAN; 2], |further| further.ends_rms);
+    let deployed = further.map_or(f64::NAN, |further| further.deployed_rms);
+    [candidate.in_sample_rms, candidate.held_out_rms, candidate.standard_error, deployed, cold, hot]
+}
+
+fn shown(scale: RateScale, value: f64) -> String {
+    if value.is_finite() { format!("{:.3}", scale.of_rate(value)) } else { "-".to_owned() }
+}
