@@ -264,7 +264,7 @@ impl<'a> Prepared<'a> {
 
     /// The coefficients as they are deployed, with their covariance.
     fn solution(&self, spec: &Spec, sample: &Sample<'_>, beta: &[f64]) -> Option<Solution> {
-        let gram = sample.gram(&self.features);
+        let gram = sample.gram(&self.features, &spec.columns);
         let rows = sample.used.len();
         let freedom = rows.saturating_sub(beta.len()).max(1) as f64;
         let variance = gram.mean_square(&spec.columns, beta) * rows as f64 / freedom;

@@ -36,6 +36,20 @@ impl Gram {
         self.entries[last * self.size + last] += weight * rate * rate;
     }
 
+    /// Takes in a row of which only some columns are wanted; the others' sums stay as they are.
+    pub(super) fn push_some(&mut self, row: &[f64], columns: &[usize], rate: f64, weight: f64) {
+        self.weight += weight;
+        let last = self.size - 1;
+        for (place, &i) in columns.iter().enumerate() {
+            let scaled = weight * row[i];
+            for &j in &columns[place..] {
+                self.entries[i.min(j) * self.size + i.max(j)] += scaled * row[j];
+            }
+            self.entries[i * self.size + last] += scaled * rate;
+        }
+        self.entries[last * self.size + last] += weight * rate * rate;
+    }
+
     pub(super) fn add(&mut self, other: &Self, sign: f64) {
         self.weight += sign * other.weight;
         self.entries.iter_mut().zip(&other.entries).for_each(|(own, other)| *own += sign * other);

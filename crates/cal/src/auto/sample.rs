@@ -56,9 +56,12 @@ impl<'a> Sample<'a> {
         self.directions[group]
     }
 
-    pub(super) fn gram(&self, features: &Features) -> Gram {
+    /// The sums of some columns.
+    pub(super) fn gram(&self, features: &Features, columns: &[usize]) -> Gram {
         let mut gram = Gram::new(features.columns);
-        self.used.iter().for_each(|&group| gram.push(features.row(group), self.rate(group), self.weights[group]));
+        for &group in &self.used {
+            gram.push_some(features.row(group), columns, self.rate(group), self.weights[group]);
+        }
         gram
     }
 
@@ -73,7 +76,7 @@ impl<'a> Sample<'a> {
     pub(super) fn fit_robustly(&mut self, features: &Features, fit: &Penalised<'_>) -> Option<Vec<f64>> {
         let mut space = Workspace::default();
         for _ in 0..ROUNDS {
-            if !space.solve(&self.gram(features), fit) {
+            if !space.solve(&self.gram(features, fit.columns), fit) {
                 return None;
             }
             let residuals = self.residuals(features, fit.columns, &space.beta);
@@ -87,7 +90,7 @@ impl<'a> Sample<'a> {
                 self.weights[group] = self.series.weight[group] * believed;
             }
         }
-        space.solve(&self.gram(features), fit).then_some(space.beta)
+        space.solve(&self.gram(features, fit.columns), fit).then_some(space.beta)
     }
 }
 
