@@ -173,8 +173,9 @@ struct Columns {
 }
 
 impl Columns {
-    /// A group counts by its rows, and by the root of how rare its temperature is: what groups at one temperature have in
-    /// common (hysteresis, a slow drift) does not average out among them, and their noise does.
+    /// A group counts by its rows, and less by the root of how crowded its temperature is: what groups at one temperature
+    /// have in common (hysteresis, a slow drift) does not average out among them, and their noise does. One at a rare
+    /// temperature is known no better than others, and counts no more.
     fn of(groups: &[Group], axis: usize) -> Self {
         let most = groups.iter().map(|group| group.axes[axis].rows).max().unwrap_or(1).max(1);
         let rate = |group: &Group| {
@@ -182,7 +183,7 @@ impl Columns {
             if part.rows > 0 && group.temperature.is_finite() { part.rate } else { f64::NAN }
         };
         let weight =
-            |group: &Group| group.axes[axis].weight.sqrt() * f64::from(group.axes[axis].rows) / f64::from(most);
+            |group: &Group| group.axes[axis].weight.min(1.0).sqrt() * f64::from(group.axes[axis].rows) / f64::from(most);
         Self {
             time_s: groups.iter().map(|group| group.time_s).collect(),
             temperature: groups.iter().map(|group| group.temperature).collect(),
