@@ -187,6 +187,8 @@ pub(super) fn booted(sample: &Sample<'_>, part: &[usize]) -> usize {
 pub(super) fn choose(specs: &[Spec], scored: &[Option<Scored>]) -> Option<(usize, Vec<f64>)> {
     let of =
         |order: usize| specs.iter().position(|spec| spec.is_static(order)).and_then(|place| scored[place].as_ref());
+    let least = scored.iter().flatten().map(|own| own.in_sample).fold(f64::INFINITY, f64::min);
+    let ratio = |own: f64, allowed: f64| ratio(own - NOISE * least, allowed);
     let excess = |scored: &Scored| {
         let mut worst = 0.0_f64;
         for end in 0..ENDS {
@@ -206,16 +208,23 @@ pub(super) fn choose(specs: &[Spec], scored: &[Option<Scored>]) -> Option<(usize
     }
     let (_, best) = allowed.iter().min_by(|a, b| a.1.mean().total_cmp(&b.1.mean()))?;
     let errors: Vec<f64> = scored.iter().map(|own| own.as_ref().map_or(f64::NAN, |own| error(own, best))).collect();
-    let not_worse =
-        |place: usize, own: &Scored| own.mean() <= best.mean() + errors[place] && worse_folds(own, best) < WORSE_FOLDS;
+    let not_worse = |place: usize, own: &Scored| {
+        own.mean() <= best.mean() + errors[place] + 2.0 * NOISE_OF_ALL * least && worse_folds(own, best) < WORSE_FOLDS
+    };
     let simplest = allowed.iter().find(|(place, own)| not_worse(*place, own))?.0;
     Some((simplest, errors))
 }
 
-/// By how much one mean square exceeds another; 0 where there is nothing to compare.
+/// A mean square over the groups of a part, 50 of them, is known to `sqrt(2 / 50)` of the noise in it: two candidates that
+/// are the same but for noise differ by about so much. The noise is at most what the best fit of everything leaves.
+const NOISE: f64 = 0.2;
+
+/// The same over 400 groups: what the best of many candidates gains by chance. A score is the sum of two mean squares.
+const NOISE_OF_ALL: f64 = 0.07;
+
+/// How many times another mean square one is; 0 where there is nothing to compare.
 fn ratio(own: f64, allowed: f64) -> f64 {
-    // Noise alone makes two that are the same differ by a little.
-    let ratio = own / (allowed * 1.0001);
+    let ratio = own / allowed;
     if ratio.is_nan() { 0.0 } else { ratio }
 }
 

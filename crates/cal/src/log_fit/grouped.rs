@@ -182,8 +182,9 @@ impl Columns {
             let part = group.axes[axis];
             if part.rows > 0 && group.temperature.is_finite() { part.rate } else { f64::NAN }
         };
-        let weight =
-            |group: &Group| group.axes[axis].weight.min(1.0).sqrt() * f64::from(group.axes[axis].rows) / f64::from(most);
+        let weight = |group: &Group| {
+            group.axes[axis].weight.min(1.0).sqrt() * f64::from(group.axes[axis].rows) / f64::from(most)
+        };
         Self {
             time_s: groups.iter().map(|group| group.time_s).collect(),
             temperature: groups.iter().map(|group| group.temperature).collect(),
