@@ -23,7 +23,7 @@ pub struct Cli {
 const EXAMPLES: &str = "\
 Examples:
   zerorate lot simulate --units 1000 --seed 1 --out lot1      a lot to try
-  zerorate lot fit lot1 --out models.parquet --model poly:2   one row a fit
+  zerorate lot fit lot1 --out models.parquet                  one row a fit
   zerorate lot report models.parquet --limits limits.toml --out lot.html
   zerorate lot export ZR-000007 --out ZR-000007
   zerorate lot fit s3://factory/lot7 --out models.parquet --cluster df://scheduler:50050

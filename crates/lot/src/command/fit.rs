@@ -30,7 +30,7 @@ pub struct Fit {
     out: PathBuf,
 
     /// The drift model: poly:1 to poly:5 as sums on the engine; auto, or table:1 to table:32, by solvers here
-    #[arg(long, value_name = "MODEL", default_value = "poly:2")]
+    #[arg(long, value_name = "MODEL", default_value = "auto")]
     model: Model,
 
     /// Accept a temperature span under 10 C; the rows then hold for that span alone
