@@ -109,7 +109,7 @@ fn an_emulator_that_is_killed_is_named_within_five_seconds_and_the_recording_is_
         let stream = stream.clone();
         move || {
             let began = Instant::now();
-            while std::fs::metadata(&stream).map_or(0, |file| file.len()) < 50_000 {
+            while std::fs::metadata(&stream).map_or(0, |file| file.len()) < 200_000 {
                 assert!(began.elapsed() < Duration::from_secs(120), "nothing is recorded");
                 thread::sleep(Duration::from_millis(5));
             }
