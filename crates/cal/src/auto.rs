@@ -306,7 +306,7 @@ fn listed(specs: &[Spec], scored: &[Option<Scored>], errors: &[f64], chosen: usi
     for (place, spec) in specs.iter().enumerate() {
         let Some(own) = &scored[place] else { continue };
         let same = |other: &usize| specs[*other].model == spec.model && specs[*other].terms == spec.terms;
-        match shown.iter().position(|other| same(other)) {
+        match shown.iter().position(same) {
             None => shown.push(place),
             Some(at) => {
                 let best = scored[shown[at]].as_ref().map_or(f64::INFINITY, Scored::mean);

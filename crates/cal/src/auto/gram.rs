@@ -154,10 +154,12 @@ impl Workspace {
         // inv(L), a row after the other; inv(LL') = inv(L)' inv(L).
         let mut inverse = vec![vec![0.0; n]; n];
         for i in 0..n {
-            inverse[i][i] = 1.0 / self.factor[i * n + i];
-            for j in 0..i {
-                let known: f64 = (j..i).map(|k| self.factor[i * n + k] * inverse[k][j]).sum();
-                inverse[i][j] = -known / self.factor[i * n + i];
+            let (above, row) = inverse.split_at_mut(i);
+            let row = &mut row[0];
+            row[i] = 1.0 / self.factor[i * n + i];
+            for (j, value) in row[..i].iter_mut().enumerate() {
+                let known: f64 = (j..i).map(|k| self.factor[i * n + k] * above[k][j]).sum();
+                *value = -known / self.factor[i * n + i];
             }
         }
         let entry = |a: usize, b: usize| (a.max(b)..n).map(|k| inverse[k][a] * inverse[k][b]).sum();
