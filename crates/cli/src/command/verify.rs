@@ -8,6 +8,7 @@ use clap::Args;
 use console::Style;
 use serde::Serialize;
 use zerorate_cal::calibration::{Calibration, Kind};
+use zerorate_cal::table::RateUnit;
 use zerorate_cal::verify::{Limit, Limits, Verified, VerifiedAxis, verify};
 
 use super::Outcome;
@@ -137,17 +138,27 @@ fn page(verified: &Verified, limits: &Limits) -> Page {
         );
     }
     verified.warnings.iter().for_each(|warning| page.sentence("  - ", warning));
-    if let Some(first) = verified.axes.first() {
-        let sizes: Vec<f64> = verified.axes.iter().map(|axis| axis.raw.pp).collect();
-        let scale = RateScale::of(first.rate_unit, &sizes);
-        let unit = verified.temperature_unit.name();
+    let mut units: Vec<RateUnit> = Vec::new();
+    for axis in &verified.axes {
+        if !units.contains(&axis.rate_unit) {
+            units.push(axis.rate_unit);
+        }
+    }
+    // Rates and accelerations are told apart: they have no scale in common.
+    for rate_unit in units {
+        let axes: Vec<&VerifiedAxis> = verified.axes.iter().filter(|axis| axis.rate_unit == rate_unit).collect();
+        let sizes: Vec<f64> = axes.iter().map(|axis| axis.raw.pp).collect();
+        let scale = RateScale::of(rate_unit, &sizes);
         page.heading(&format!(
-            "Over {:.1} to {:.1} {unit}, in {}",
-            verified.axes.iter().map(|axis| axis.temperature[0]).fold(f64::INFINITY, f64::min),
-            verified.axes.iter().map(|axis| axis.temperature[1]).fold(f64::NEG_INFINITY, f64::max),
+            "Over {:.1} to {:.1} {}, in {}",
+            axes.iter().map(|axis| axis.temperature[0]).fold(f64::INFINITY, f64::min),
+            axes.iter().map(|axis| axis.temperature[1]).fold(f64::NEG_INFINITY, f64::max),
+            verified.temperature_unit.name(),
             scale.unit()
         ));
-        page.grid(&grid(&verified.axes, scale));
+        page.grid(&grid(&axes, scale));
+    }
+    if !verified.axes.is_empty() {
         page.gap();
         page.sentence(
             "  ",
@@ -158,7 +169,7 @@ fn page(verified: &Verified, limits: &Limits) -> Page {
     page
 }
 
-fn grid(axes: &[VerifiedAxis], scale: RateScale) -> Grid {
+fn grid(axes: &[&VerifiedAxis], scale: RateScale) -> Grid {
     let column = |of: &dyn Fn(&VerifiedAxis) -> f64| {
         aligned(&axes.iter().map(|axis| scale.of_rate(of(axis))).collect::<Vec<_>>())
     };
