@@ -22,29 +22,50 @@ const NEIGHBOURS: usize = 10;
 pub(super) fn mark_moved(groups: &[Group], axis: usize, turns: f64, marks: &mut [Option<DropReason>]) {
     let typical = typical_scatter(groups, axis);
     let used: Vec<usize> = (0..groups.len()).filter(|&group| groups[group].axes[axis].rows > 0).collect();
-    let rates: Vec<f64> = used.iter().map(|&group| groups[group].axes[axis].rate).collect();
-    let middle = median(&mut rates.clone());
-    let deviations: Vec<f64> = (0..rates.len())
-        .map(|place| {
-            // Symmetric, so that a drift at the ends of the log is no deviation.
-            let reach = NEIGHBOURS.min(place).min(rates.len() - 1 - place);
-            rates[place] - median(&mut rates[place - reach..=place + reach].to_vec())
-        })
+    let rate = |group: &usize| groups[*group].axes[axis].rate;
+    let middle = median(&mut used.iter().map(rate).collect::<Vec<_>>());
+    // Two logs do not go on where one another ended.
+    let logs: Vec<Vec<Place>> = used
+        .chunk_by(|a, b| groups[*a].log == groups[*b].log)
+        .map(|log| places(log, &log.iter().map(rate).collect::<Vec<_>>()))
         .collect();
+    let deviations: Vec<f64> = logs.iter().flatten().map(|place| place.deviation).collect();
     if deviations.is_empty() {
         return;
     }
     let (_, sigma) = centre_and_sigma(&deviations);
-    let sigma = sigma.max(noise(&rates));
-    let changes: Vec<f64> = rates.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    for (place, ((&group, deviation), rate)) in used.iter().zip(&deviations).zip(&rates).enumerate() {
-        let scatter = groups[group].axes[axis].scatter;
-        let turned = (rate - middle).abs() > turns;
-        let around = place.saturating_sub(NEIGHBOURS)..(place + NEIGHBOURS).min(changes.len());
-        let slope = median(&mut changes[around].to_vec());
-        let limit = (MOVED_SIGMA * sigma).max(if slope.is_nan() { 0.0 } else { CORNER * slope });
-        if deviation.abs() > limit || scatter > MOVED_SCATTER * typical || turned {
-            marks[group] = Some(DropReason::Rotation);
+    let sigma = sigma.max(noise(&used.iter().map(rate).collect::<Vec<_>>()));
+    for place in logs.iter().flatten() {
+        let turned = (rate(&place.group) - middle).abs() > turns;
+        let limit = (MOVED_SIGMA * sigma).max(CORNER * place.slope);
+        let scatter = groups[place.group].axes[axis].scatter;
+        if place.deviation.abs() > limit || scatter > MOVED_SCATTER * typical || turned {
+            marks[place.group] = Some(DropReason::Rotation);
         }
     }
+}
+
+/// A group among its neighbours.
+struct Place {
+    group: usize,
+    /// From the median around it.
+    deviation: f64,
+    /// What the rate typically changes by from group to group around it.
+    slope: f64,
+}
+
+fn places(groups: &[usize], rates: &[f64]) -> Vec<Place> {
+    let changes: Vec<f64> = rates.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    groups
+        .iter()
+        .enumerate()
+        .map(|(place, &group)| {
+            // Symmetric, so that a drift at the ends of the log is no deviation.
+            let reach = NEIGHBOURS.min(place).min(rates.len() - 1 - place);
+            let deviation = rates[place] - median(&mut rates[place - reach..=place + reach].to_vec());
+            let around = place.saturating_sub(NEIGHBOURS)..(place + NEIGHBOURS).min(changes.len());
+            let slope = if around.is_empty() { 0.0 } else { median(&mut changes[around].to_vec()) };
+            Place { group, deviation, slope }
+        })
+        .collect()
 }

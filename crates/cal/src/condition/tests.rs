@@ -116,3 +116,93 @@ fn a_step_is_found_sized_and_taken_out() {
         assert!((group.axes[0].rate - clean.axes[0].rate).abs() < 1e-3);
     }
 }
+
+#[test]
+fn a_rotation_that_lasts_is_one_stretch_and_no_steps() {
+    let (temperatures, clean) = cycle();
+    let mut rates = clean.clone();
+    // 400 s at a rate below what only turning shows: two steps of one size.
+    (4000..4800).for_each(|row| rates[0][row] += 0.2);
+    let (groups, _, levels) = condition(&temperatures, &rates);
+    assert_eq!(levels.steps, []);
+    let [stretch] = &levels.stretches[..] else { panic!("{levels:?}") };
+    assert_eq!(stretch.reason, DropReason::Rotation);
+    assert!(stretch.rows.0 <= 4000 && stretch.rows.1 >= 4800 && stretch.rows.1 - stretch.rows.0 <= 860, "{stretch:?}");
+    let (clean, ..) = condition(&temperatures, &clean);
+    for (group, clean) in groups.iter().zip(&clean).filter(|(group, _)| group.axes[0].rows > 0) {
+        assert!((group.axes[0].rate - clean.axes[0].rate).abs() < 1e-3);
+        assert!((group.time_s - clean.time_s).abs() < 1e-9 && group.temperature.is_finite());
+    }
+}
+
+#[test]
+fn a_temperature_that_stands_still_and_jumps_is_left_out_and_one_that_holds_is_not() {
+    let (mut temperatures, rates) = cycle();
+    let held = temperatures[3000];
+    temperatures[3000..3400].fill(held);
+    let (_, tallies, levels) = condition(&temperatures, &rates);
+    let [stretch] = &levels.stretches[..] else { panic!("{levels:?}") };
+    assert_eq!(stretch.reason, DropReason::FrozenTemperature);
+    assert!(stretch.rows.0.abs_diff(3000) <= 21 && stretch.rows.1.abs_diff(3400) <= 42, "{stretch:?}");
+    assert!(tallies[1].count(DropReason::FrozenTemperature) > 300);
+}
+
+#[test]
+fn what_settles_after_the_start_is_left_out() {
+    let (temperatures, mut rates) = cycle();
+    (0..120).for_each(|row| rates[1][row] += 0.02 * (-(row as f64) / 25.0).exp());
+    let (groups, tallies, levels) = condition(&temperatures, &rates);
+    let [stretch] = &levels.stretches[..] else { panic!("{levels:?}") };
+    assert_eq!((stretch.reason, stretch.rows.0), (DropReason::StartUp, 0));
+    assert!((42..=168).contains(&stretch.rows.1), "{stretch:?}");
+    assert!(tallies[0].count(DropReason::StartUp) >= 42);
+    assert!(groups[0].temperature.is_finite());
+}
+
+#[test]
+fn a_time_without_rows_is_told() {
+    let (temperatures, rates) = cycle();
+    let length = Length::Seconds(10.0);
+    let mut grouping = Grouping::new(2, length, TemperatureUnit::C, 0);
+    let kept: Vec<usize> = (0..ROWS).filter(|row| !(2000..2600).contains(row)).collect();
+    let time_s: Vec<f64> = kept.iter().map(|row| *row as f64 * 0.5).collect();
+    let temperatures: Vec<f64> = kept.iter().map(|row| temperatures[*row]).collect();
+    let rates = rates.map(|rate| kept.iter().map(|row| rate[*row]).collect::<Vec<f64>>());
+    grouping.push_rows(&rows(&time_s, &temperatures, &rates));
+    let (mut groups, mut tallies) = grouping.finish();
+    assert!(groups.iter().all(|group| group.times_s.1 - group.times_s.0 < 20.0));
+    let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY);
+    let [gap] = &levels.stretches[..] else { panic!("{levels:?}") };
+    assert_eq!((gap.reason, gap.rows, gap.time_s), (DropReason::Gap, (2000, 2000), (999.5, 1300.0)));
+}
+
+#[test]
+fn each_degree_counts_alike_however_long_the_log_dwelt_on_it() {
+    let mut temperatures = vec![20.0; 4000];
+    temperatures.extend((0..4000).map(|row| 20.0 + 0.01 * f64::from(row)));
+    let rates = [vec![0.0; 8000]];
+    let (mut groups, ..) = condition(&temperatures, &rates);
+    weigh(&mut groups, 0);
+    let weights = |range: std::ops::Range<f64>| -> f64 {
+        groups.iter().filter(|group| range.contains(&group.temperature)).map(|group| group.axes[0].weight).sum()
+    };
+    let mean = weights(-1e9..1e9) / groups.len() as f64;
+    assert!((mean - 1.0).abs() < 1e-9, "{mean}");
+    let (dwelt, passed) = (weights(19.5..22.0), weights(40.0..42.5));
+    assert!(dwelt / passed < 0.35 * 200.0 / 12.0, "{dwelt} {passed}");
+}
+
+#[test]
+fn stairs_of_a_degree_become_a_slope() {
+    let (temperatures, rates) = cycle();
+    let stairs: Vec<f64> = temperatures.iter().map(|t| t.round()).collect();
+    let (mut groups, ..) = condition(&stairs, &rates);
+    smooth_stairs(&mut groups, 1.0);
+    let (truth, ..) = condition(&temperatures, &rates);
+    let rms = |groups: &[Group]| {
+        let squares = groups.iter().zip(&truth).map(|(group, truth)| (group.temperature - truth.temperature).powi(2));
+        (squares.sum::<f64>() / truth.len() as f64).sqrt()
+    };
+    let (raw, ..) = condition(&stairs, &rates);
+    assert!(rms(&groups) < 0.8 * rms(&raw), "{} {}", rms(&groups), rms(&raw));
+}

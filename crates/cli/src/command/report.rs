@@ -5,9 +5,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate_cal::calibration::{AxisCalibration, Calibration, FitStatistics, Kind, ResidualOver, sha256_of_file};
+use zerorate_cal::calibration::{
+    AxisCalibration, Calibration, FitStatistics, Kind, ResidualOver, Source, sha256_of_file,
+};
 use zerorate_cal::choose::Model;
-use zerorate_cal::log_fit::{FitOptions, fit_log};
+use zerorate_cal::log::{Sensor, SensorChoice};
+use zerorate_cal::log_fit::{FitOptions, fit_logs};
 use zerorate_cal::report::LogReport;
 use zerorate_cal::table::{Columns, TimeUnit};
 
@@ -86,43 +89,36 @@ impl Report {
                 path.display()
             );
         }
-        let log = self.log(&path, &calibration)?;
+        let logs = self.logs(&path, &calibration)?;
+        let log = &logs[0];
         let out = self.out.clone().unwrap_or_else(|| path.with_file_name(REPORT));
-        output::check("--out", &out, &[&path, &log])?;
-        let busy = Busy::reading(&log);
-        let fit = fit_log(&log, &self.options(&calibration))?;
+        let inputs: Vec<&Path> = logs.iter().map(PathBuf::as_path).collect();
+        output::check("--out", &out, &[&[path.as_path()], &inputs[..]].concat())?;
+        let busy = Busy::reading(log);
+        let fit = fit_logs(&inputs, &self.options(&calibration))?;
         let report = LogReport::from(&fit);
         drop(busy);
         output::write(&out, &report.to_html())?;
         if self.json {
             fit.notes.iter().for_each(|note| screen::note(note));
-            screen::print_json(&Done { schema: 1, out: &out, log: &log })?;
+            screen::print_json(&Done { schema: 1, out: &out, log })?;
         } else {
             let mut page = Page::default();
-            page.sentence("", &format!("Wrote {}, from {}.", out.display(), log.display()));
+            page.sentence("", &format!("Wrote {}, from {}.", out.display(), fit.source));
             fit.notes.iter().for_each(|note| page.sentence("  - ", note));
             page.print()?;
         }
         Ok(Outcome::Done)
     }
 
-    /// The log that the calibration was made from, the same to the byte.
-    fn log(&self, path: &Path, calibration: &Calibration) -> Result<PathBuf> {
-        let source = calibration
-            .sources
-            .first()
-            .with_context(|| format!("{}: the calibration names no log that it was made from", path.display()))?;
-        let log = self.log.clone().unwrap_or_else(|| path.with_file_name(&source.file));
-        let sha256 = sha256_of_file(&log).with_context(|| {
-            format!("{}: cannot be read (the log {} is needed; --log says where it is)", log.display(), source.file)
-        })?;
-        ensure!(
-            sha256 == source.sha256,
-            "{}: not the log that {} was made from (its SHA-256 is another): give that with --log, or fit this one",
-            log.display(),
-            path.display()
-        );
-        Ok(log)
+    /// The logs that the calibration was made from, the first by `--log` and the others beside it.
+    fn logs(&self, path: &Path, calibration: &Calibration) -> Result<Vec<PathBuf>> {
+        let [first, others @ ..] = &calibration.sources[..] else {
+            bail!("{}: the calibration names no log that it was made from", path.display());
+        };
+        let place = self.log.clone().unwrap_or_else(|| path.with_file_name(&first.file));
+        let others = others.iter().map(|source| (place.with_file_name(&source.file), source));
+        std::iter::once((place.clone(), first)).chain(others).map(|(log, source)| same_log(path, log, source)).collect()
     }
 
     /// The options by which the calibration comes out again.
@@ -130,6 +126,7 @@ impl Report {
         let axes = || calibration.axes.values();
         let fits = || axes().filter_map(|axis| axis.fit.as_ref());
         let chosen = fits().any(|fit| fit.candidates.len() > 1);
+        let sensors: Vec<Sensor> = axes().filter_map(|axis| axis.sensor).collect();
         FitOptions {
             columns: Columns {
                 time: self.time.clone(),
@@ -142,7 +139,31 @@ impl Report {
             plain: fits().any(|fit: &FitStatistics| fit.residual_over == ResidualOver::Rows),
             // What was calibrated was allowed.
             allow_narrow: true,
+            sensor: choice(&sensors),
             ..FitOptions::default()
         }
     }
+}
+
+/// The choice that takes these sensors and, of the usual logs, no others.
+fn choice(sensors: &[Sensor]) -> Option<SensorChoice> {
+    let first = sensors.first()?;
+    if sensors.iter().all(|sensor| sensor == first) {
+        return Some(SensorChoice::Instance(first.kind, first.instance));
+    }
+    sensors.iter().all(|sensor| sensor.kind == first.kind).then_some(SensorChoice::Kind(first.kind))
+}
+
+/// A log, if it is the same to the byte.
+fn same_log(path: &Path, log: PathBuf, source: &Source) -> Result<PathBuf> {
+    let sha256 = sha256_of_file(&log).with_context(|| {
+        format!("{}: cannot be read (the log {} is needed; --log says where it is)", log.display(), source.file)
+    })?;
+    ensure!(
+        sha256 == source.sha256,
+        "{}: not the log that {} was made from (its SHA-256 is another): give that with --log, or fit this one",
+        log.display(),
+        path.display()
+    );
+    Ok(log)
 }

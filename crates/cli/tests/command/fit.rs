@@ -45,6 +45,58 @@ fn a_good_log_is_fitted_and_the_next_command_is_told() {
 }
 
 #[test]
+fn a_ulog_alone_gives_verdict_report_and_the_next_command_which_works() {
+    let folder = folder_with("flight.ulg", Log::cycle().ulg());
+    let ran = zerorate(folder.path(), &["fit", "flight.ulg"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    ran.says(&[
+        "flight.ulg: good: fitted",
+        "gyro0.x",
+        "Wrote flight.report.html and flight.calibration.json.",
+        "zerorate export flight.calibration.json --format px4",
+    ]);
+    let exported = zerorate(folder.path(), &["export", "flight.calibration.json", "--format", "px4"]);
+    assert_eq!(exported.code, 0, "{}", exported.err);
+    let info = zerorate(folder.path(), &["info", "flight.ulg"]);
+    info.says(&["flight.ulg: a PX4 ULog, 70.0 min", "gyro0    2621448"]);
+}
+
+#[test]
+fn a_cut_ulog_is_fitted_as_far_as_it_is_whole_and_says_so() {
+    let log = Log::cycle().ulg();
+    let folder = folder_with("cut.bin", &log[..log.len() - 10_003]);
+    let ran = zerorate(folder.path(), &["fit", "cut.bin"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    ran.says(&["cut.bin: warning", "cut off in the middle of a message"]);
+}
+
+#[test]
+fn logs_of_one_unit_make_one_fit_and_of_two_units_none() {
+    let whole = Log::cycle();
+    let folder = folder_with("cold.ulg", whole.rows(0..4000).ulg());
+    fs::write(folder.path().join("warm.ulg"), whole.rows(4000..8400).ulg()).unwrap();
+    let ran = zerorate(folder.path(), &["fit", "cold.ulg", "warm.ulg", "--out", "both.json"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    ran.says(&["cold.ulg + warm.ulg: good", "Drift over -17.0 to 73.0 C"]);
+    let calibration: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path().join("both.json")).unwrap()).unwrap();
+    assert_eq!(calibration["sources"].as_array().unwrap().len(), 2);
+    let mut other = whole.rows(4000..8400).ulg();
+    let id = 2_621_448_u32.to_le_bytes();
+    (0..other.len() - 4).for_each(|at| {
+        if other[at..at + 4] == id {
+            other[at] ^= 1;
+        }
+    });
+    fs::write(folder.path().join("other.ulg"), other).unwrap();
+    zerorate(folder.path(), &["fit", "cold.ulg", "other.ulg"]).is_error(&[
+        "other.ulg: this is another unit's log",
+        "2621448",
+        "2621449",
+    ]);
+}
+
+#[test]
 fn what_was_asked_for_is_written_and_named() {
     let folder = folder_with("my log.csv", Log::cycle().csv());
     let ran = zerorate(

@@ -52,6 +52,31 @@ impl Log {
         text
     }
 
+    /// As a PX4 ULog of one gyro, its third axis still.
+    pub fn ulg(&self) -> Vec<u8> {
+        let message = |kind: u8, body: &[u8]| {
+            let size = u16::try_from(body.len()).unwrap();
+            [&size.to_le_bytes()[..], &[kind], body].concat()
+        };
+        let mut log = [&b"\x55\x4c\x6f\x67\x01\x12\x35\x01"[..], &0_u64.to_le_bytes()].concat();
+        log.extend(message(b'B', &[0; 40]));
+        let fields = "sensor_gyro:uint64_t timestamp;uint32_t device_id;float x;float y;float z;float temperature;";
+        log.extend(message(b'F', fields.as_bytes()));
+        log.extend(message(b'A', &[&[0, 3, 0], &b"sensor_gyro"[..]].concat()));
+        for row in 0..self.time_s.len() {
+            let mut body = 3_u16.to_le_bytes().to_vec();
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            body.extend(((self.time_s[row] * 1e6) as u64).to_le_bytes());
+            body.extend(2_621_448_u32.to_le_bytes());
+            for value in [self.rates[0][row], self.rates[1][row], 0.0, self.temperature_c[row]] {
+                #[allow(clippy::cast_possible_truncation)]
+                body.extend((value as f32).to_le_bytes());
+            }
+            log.extend(message(b'D', &body));
+        }
+        log
+    }
+
     /// The shared recording; `None`, and it is said, where it is not there.
     pub fn real() -> Option<Self> {
         let path = real_file()?;
