@@ -27,7 +27,12 @@ fn mark_start(groups: &[Group], axis: usize, marks: &mut [Option<DropReason>]) {
         return;
     }
     let point = |place: usize| (groups[place].temperature, groups[place].axes[axis].rate);
-    let usable = |place: &usize| groups[*place].axes[axis].rows > 0 && groups[*place].temperature.is_finite();
+    // What settles fast scatters within a group as if it were moved.
+    let moved: Vec<bool> = marks.iter().take(MOST).map(|mark| *mark == Some(DropReason::Rotation)).collect();
+    let usable = |place: &usize| {
+        let kept = groups[*place].axes[axis].rows > 0 || moved.get(*place).is_some_and(|moved| *moved);
+        kept && groups[*place].temperature.is_finite() && groups[*place].axes[axis].rate.is_finite()
+    };
     let later: Vec<f64> = (MOST..groups.len()).filter(usable).map(|place| point(place).1).collect();
     let sigma = noise(&later);
     let mut last = None;
@@ -57,7 +62,7 @@ fn mark_start(groups: &[Group], axis: usize, marks: &mut [Option<DropReason>]) {
     });
     let closer = (0..last).all(|place| off(place).0 > off(place + 1).0);
     if all && closer {
-        marks[..=last].iter_mut().filter(|mark| mark.is_none()).for_each(|mark| *mark = Some(DropReason::StartUp));
+        marks[..=last].fill(Some(DropReason::StartUp));
     }
 }
 

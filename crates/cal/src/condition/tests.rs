@@ -193,11 +193,11 @@ fn each_degree_counts_alike_however_long_the_log_dwelt_on_it() {
 }
 
 #[test]
-fn stairs_of_a_degree_become_a_slope() {
+fn stairs_become_a_slope() {
     let (temperatures, rates) = cycle();
-    let stairs: Vec<f64> = temperatures.iter().map(|t| t.round()).collect();
+    let stairs: Vec<f64> = temperatures.iter().map(|t| 10.0 * (t / 10.0).round()).collect();
     let (mut groups, ..) = condition(&stairs, &rates);
-    smooth_stairs(&mut groups, 1.0);
+    smooth_stairs(&mut groups, 10.0);
     let (truth, ..) = condition(&temperatures, &rates);
     let rms = |groups: &[Group]| {
         let squares = groups.iter().zip(&truth).map(|(group, truth)| (group.temperature - truth.temperature).powi(2));
