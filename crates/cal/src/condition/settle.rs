@@ -9,6 +9,10 @@ const MOST: usize = 8;
 /// Groups behind them that show where the rate settles to.
 const REFERENCE: usize = 12;
 
+/// From group to group what settles comes closer by this factor at least, as with a time constant of 40 s; what is slower is
+/// a drift.
+const DECAY: f64 = 1.3;
+
 /// A group further than this many standard deviations from where the others lead settles.
 const SETTLING_SIGMA: f64 = 10.0;
 
@@ -33,36 +37,20 @@ fn mark_start(groups: &[Group], axis: usize, marks: &mut [Option<DropReason>]) {
         let kept = groups[*place].axes[axis].rows > 0 || moved.get(*place).is_some_and(|moved| *moved);
         kept && groups[*place].temperature.is_finite() && groups[*place].axes[axis].rate.is_finite()
     };
+    let settled: Vec<(f64, f64)> = (MOST..MOST + REFERENCE).filter(usable).map(point).collect();
     let later: Vec<f64> = (MOST..groups.len()).filter(usable).map(|place| point(place).1).collect();
-    let sigma = noise(&later);
-    let mut last = None;
-    // From the settled groups back to the start: each is predicted by those behind it.
-    for place in (0..MOST).rev() {
-        let behind: Vec<(f64, f64)> = (place + 1..).take(REFERENCE).filter(usable).map(point).collect();
-        if behind.len() < REFERENCE / 2 || !usable(&place) {
-            continue;
-        }
-        let (predicted, spread) = extrapolated(&behind, point(place).0);
-        if (point(place).1 - predicted).abs() > SETTLING_SIGMA * sigma.max(spread) {
-            last = last.max(Some(place));
-        } else if last.is_none() {
-            continue;
-        }
+    if settled.len() < REFERENCE / 2 || !(0..MOST).all(|place| usable(&place)) {
+        return;
     }
-    // Only what begins with the log settles, and what settles comes closer to where it settles.
-    let Some(last) = last else { return };
-    let settled: Vec<(f64, f64)> = (last + 1..).take(REFERENCE).filter(usable).map(point).collect();
+    let sigma = noise(&later);
     let off = |place: usize| {
         let (predicted, spread) = extrapolated(&settled, point(place).0);
-        ((point(place).1 - predicted).abs(), spread)
+        ((point(place).1 - predicted).abs(), SETTLING_SIGMA * sigma.max(spread))
     };
-    let all = (0..=last).filter(usable).all(|place| {
-        let (off, spread) = off(place);
-        off > SETTLING_SIGMA * sigma.max(spread)
-    });
-    let closer = (0..last).all(|place| off(place).0 > off(place + 1).0);
-    if all && closer {
-        marks[..=last].fill(Some(DropReason::StartUp));
+    let settling = (0..MOST).take_while(|place| off(*place).0 > off(*place).1).count();
+    let fast = (0..settling).all(|place| off(place).0 > DECAY * off(place + 1).0);
+    if settling > 0 && fast {
+        marks[..settling].fill(Some(DropReason::StartUp));
     }
 }
 
