@@ -48,6 +48,7 @@ pub fn level(groups: &mut [Group], tallies: &mut [Tally], unit: TemperatureUnit,
         mark_settling(groups, axis, &mut marks);
     }
     name_the_groups_of_steps(groups, &steps, &mut marks);
+    take_back_jumps(groups, &rows, &steps, &mut marks);
     leave_out(groups, &marks);
     for ((group, rows), mark) in groups.iter().zip(rows).zip(&marks) {
         for ((tally, rows), part) in tallies.iter_mut().zip(rows).zip(&group.axes) {
@@ -119,6 +120,25 @@ fn name_the_groups_of_steps(groups: &[Group], steps: &[Step], marks: &mut [Optio
         let alone = |place: usize| place == 0 || marks[place - 1].is_none();
         if after > 0 && marks[after - 1] == Some(DropReason::Rotation) && alone(after - 1) {
             marks[after - 1] = Some(DropReason::Step);
+        }
+    }
+}
+
+/// A group that only jumps is left out beside a step; where the jump is none, but a part's own, it is kept.
+fn take_back_jumps(groups: &mut [Group], rows: &[Vec<u32>], steps: &[Step], marks: &mut [Option<DropReason>]) {
+    for place in 0..groups.len() {
+        let stepped = groups.get(place + 1).is_some_and(|next| steps.iter().any(|step| step.row == next.first_row));
+        if marks[place] != Some(DropReason::Step) || stepped {
+            continue;
+        }
+        let around = [place.checked_sub(1), Some(place + 1)].into_iter().flatten();
+        let moved = around.filter_map(|other| *marks.get(other)?).any(|mark| mark == DropReason::Rotation);
+        marks[place] = moved.then_some(DropReason::Rotation);
+        if !moved {
+            for (part, rows) in groups[place].axes.iter_mut().zip(&rows[place]) {
+                part.rows = *rows;
+                part.weight = f64::from(u8::from(*rows > 0));
+            }
         }
     }
 }

@@ -11,6 +11,10 @@ const MOVED_SCATTER: f64 = 5.0;
 /// A group this many standard deviations from the running median was moved.
 const MOVED_SIGMA: f64 = 12.0;
 
+/// A group that scatters by less than this share of what the rate changes by over it jumps: a jump in its middle scatters
+/// by a half.
+const JUMP_SCATTER: f64 = 0.6;
+
 /// And this many times what the rate typically changes by from group to group around it: where a ramp turns, a drift that
 /// goes straight up to the turn and straight back is half of [`NEIGHBOURS`] changes from its running median.
 const CORNER: f64 = 8.0;
@@ -39,8 +43,11 @@ pub(super) fn mark_moved(groups: &[Group], axis: usize, turns: f64, marks: &mut 
         let turned = (rate(&place.group) - middle).abs() > turns;
         let limit = (MOVED_SIGMA * sigma).max(CORNER * place.slope);
         let scatter = groups[place.group].axes[axis].scatter;
-        if place.deviation.abs() > limit || scatter > MOVED_SCATTER * typical || turned {
+        if place.deviation.abs() > limit || turned {
             marks[place.group] = Some(DropReason::Rotation);
+        } else if scatter > MOVED_SCATTER * typical && marks[place.group].is_none() {
+            let jumps = scatter < JUMP_SCATTER * place.jump;
+            marks[place.group] = Some(if jumps { DropReason::Step } else { DropReason::Rotation });
         }
     }
 }
@@ -52,6 +59,8 @@ struct Place {
     deviation: f64,
     /// What the rate typically changes by from group to group around it.
     slope: f64,
+    /// From the group before it to the group after it.
+    jump: f64,
 }
 
 fn places(groups: &[usize], rates: &[f64]) -> Vec<Place> {
@@ -65,7 +74,8 @@ fn places(groups: &[usize], rates: &[f64]) -> Vec<Place> {
             let deviation = rates[place] - median(&mut rates[place - reach..=place + reach].to_vec());
             let around = place.saturating_sub(NEIGHBOURS)..(place + NEIGHBOURS).min(changes.len());
             let slope = if around.is_empty() { 0.0 } else { median(&mut changes[around].to_vec()) };
-            Place { group, deviation, slope }
+            let (before, after) = (place.saturating_sub(1), (place + 1).min(rates.len() - 1));
+            Place { group, deviation, slope, jump: (rates[after] - rates[before]).abs() }
         })
         .collect()
 }

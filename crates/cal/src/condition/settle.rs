@@ -32,7 +32,8 @@ fn mark_start(groups: &[Group], axis: usize, marks: &mut [Option<DropReason>]) {
     }
     let point = |place: usize| (groups[place].temperature, groups[place].axes[axis].rate);
     // What settles fast scatters within a group as if it were moved.
-    let moved: Vec<bool> = marks.iter().take(MOST).map(|mark| *mark == Some(DropReason::Rotation)).collect();
+    let moved: Vec<bool> =
+        marks.iter().take(MOST).map(|mark| matches!(mark, Some(DropReason::Rotation | DropReason::Step))).collect();
     let usable = |place: &usize| {
         let kept = groups[*place].axes[axis].rows > 0 || moved.get(*place).is_some_and(|moved| *moved);
         kept && groups[*place].temperature.is_finite() && groups[*place].axes[axis].rate.is_finite()
