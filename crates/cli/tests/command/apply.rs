@@ -139,6 +139,6 @@ fn rows_without_a_temperature_are_kept_and_counted() {
     let folder = calibrated(&Log::cycle());
     fs::write(folder.path().join("flight.csv"), "temperature_c,x_rad_s,y_rad_s\n,1,2\n20,1,2\n500,1,2\n").unwrap();
     let ran = apply(folder.path(), "flight.csv");
-    ran.says(&["1 rows have no temperature", "1 rows are outside the calibrated -17.0 to 73.0 C"]);
+    ran.says(&["1 rows have no temperature", "1 rows are outside the calibrated -28.2 to 84.2 C"]);
     assert!(fs::read_to_string(folder.path().join("out.csv")).unwrap().contains("\n,1,2,,,,\n"));
 }

@@ -28,7 +28,7 @@ fn a_good_log_is_fitted_and_the_next_command_is_told() {
     assert_eq!((ran.code, ran.err.as_str()), (0, ""));
     ran.says(&[
         "log.csv: good: fitted",
-        "Drift over -17.0 to 73.0 C, in mrad/s",
+        "Drift over -28.2 to 84.2 C, in mrad/s",
         "x_rad_s",
         "poly:2",
         "held out",
