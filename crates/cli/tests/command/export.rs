@@ -40,7 +40,8 @@ fn json_tells_what_was_written() {
     let arguments = ["export", "calibration.json", "--format", "ardupilot", "--out", "tcal.parm", "--json"];
     let json = zerorate(folder.path(), &arguments).json();
     assert_eq!((&json["format"], &json["sensors"][0]["kind"]), (&"ardupilot".into(), &"gyro".into()));
-    assert!(json["sensors"][0]["axes"][0]["loss"]["furthest"].as_f64().unwrap() < 1e-6);
+    // The cubic is fitted by itself beside the parabola that was chosen: apart by the noise, 6e-5 a group.
+    assert!(json["sensors"][0]["axes"][0]["loss"]["furthest"].as_f64().unwrap() < 6e-5);
 }
 
 #[test]
