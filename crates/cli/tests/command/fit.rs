@@ -58,7 +58,7 @@ fn a_ulog_alone_gives_verdict_report_and_the_next_command_which_works() {
     let exported = zerorate(folder.path(), &["export", "flight.calibration.json", "--format", "px4"]);
     assert_eq!(exported.code, 0, "{}", exported.err);
     let info = zerorate(folder.path(), &["info", "flight.ulg"]);
-    info.says(&["flight.ulg: a PX4 ULog, 70.0 min", "gyro0    2621448"]);
+    info.says(&["flight.ulg: a PX4 ULog, 70.0 min", "gyro0     2621448  8400"]);
 }
 
 #[test]
