@@ -34,6 +34,7 @@ SCRIPT = [sys.executable, "-m", "ardupilot_methodic_configurator.tempcal_imu", "
 def run(command, deadline_s=None):
     """Wall time in s, peak resident memory in MB, and whether it came to its end and succeeded."""
     started = time.monotonic()
+    peak_mb = 0.0
     with subprocess.Popen(
         [str(part) for part in command],
         stdout=subprocess.DEVNULL,
@@ -41,22 +42,35 @@ def run(command, deadline_s=None):
         env={**os.environ, "MPLBACKEND": "agg"},
     ) as process:
         while True:
-            pid, status, usage = os.wait4(process.pid, os.WNOHANG)
+            peak_mb = max(peak_mb, high_water_mb(process.pid))
+            pid, status = os.waitpid(process.pid, os.WNOHANG)
             took = time.monotonic() - started
             if pid:
                 break
             if deadline_s and took > deadline_s:
                 os.kill(process.pid, signal.SIGKILL)
-                _, _, usage = os.wait4(process.pid, 0)
+                os.waitpid(process.pid, 0)
                 process.returncode = -signal.SIGKILL
-                return took, usage.ru_maxrss / 1024, False
+                return took, peak_mb, False
             time.sleep(0.002)
         process.returncode = os.waitstatus_to_exitcode(status)
         told = process.stderr.read().decode(errors="replace").strip()
         # zerorate ends with 1 for a log that it warns of in no other way.
         if process.returncode != 0:
             sys.exit(f"{' '.join(map(str, command))} ended with {process.returncode}: {told[-500:]}")
-    return took, usage.ru_maxrss / 1024, True
+    return took, peak_mb, True
+
+
+def high_water_mb(pid):
+    """The most memory that a running process has had; 0 when it is gone.
+
+    What wait4 tells begins with this script's own memory, from before the process became another program.
+    """
+    try:
+        lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    except OSError:
+        return 0.0
+    return next((int(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM:")), 0.0)
 
 
 class Log:
