@@ -80,8 +80,8 @@ pub(in crate::report) fn figure(report: &LogReport, axis: &LogAxis, place: usize
         panel
     };
     let ends = holding(over_time(|p| p.rate).into_iter().map(|point| point.0));
-    let mut curve: Vec<(f64, f64)> = axis.points.iter().map(|p| (p.temperature, p.rate - p.corrected)).collect();
-    curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // In the order of time: with a history the prediction is a loop, and by temperature it would jump to and fro.
+    let curve: Vec<(f64, f64)> = axis.points.iter().map(|p| (p.temperature, p.rate - p.corrected)).collect();
     let name = &axis.name;
     let time_raw = shaded(Panel::new(format!("{name}: rate against time"), &time.name, &raw_name).with_x_range(ends))
         .with(Mark::Dots(Ink::Raw, over_time(|p| p.rate)));
