@@ -1,10 +1,10 @@
 //! `--model auto` on groups: static curve, history and drift in time, chosen on data that were not fitted.
 //!
 //! A fit is a function of groups (time, temperature, rate, weight) and of nothing else. Candidates
-//! ([`candidates`]) are compared on eight contiguous stretches and on the two ends of temperature ([`score`]), the
+//! (`candidates`) are compared on eight contiguous stretches and on the two ends of temperature (`score`), the
 //! simplest that is not worse is taken, and the number that is reported for it comes from an outer split that played no
-//! part in choosing ([`nested`]): for each of eight stretches the whole choice is made anew from the other seven. Every
-//! fit is robust and drawn towards less ([`sample`], [`gram`]).
+//! part in choosing (`nested`): for each of eight stretches the whole choice is made anew from the other seven. Every
+//! fit is robust and drawn towards less (`sample`, `gram`).
 //!
 //! A model with a history is deployed beside the best static cubic, on which it leans while its history is unknown
 //! ([`zerorate_core::drift::History`]).
