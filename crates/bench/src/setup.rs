@@ -29,6 +29,7 @@ pub struct SetUp {
     /// What a unit must pass.
     pub limits: Limits,
     /// What is to stand in every recording besides, by name, as `station` and `operator`.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub labels: BTreeMap<String, String>,
 }
 

@@ -1,5 +1,6 @@
 //! What each field of a set-up is, for the file that `zerorate setup` prints.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use anyhow::{Context, Result};
@@ -87,6 +88,10 @@ const SECTIONS: &[Section] = &[
     ),
 ];
 
+/// The one section whose fields are the user's own.
+const LABELS: &str = "What is to stand in every recording besides, by names of your own: station = \"oven 2\", operator = \
+                      \"A. N.\"";
+
 /// The widest line of a comment.
 const WIDTH: usize = 80;
 
@@ -101,7 +106,14 @@ pub fn commented(setup: &SetUp) -> Result<String> {
             writeln!(text, "{}{field} = {value}", comment(about))?;
         }
     }
+    write!(text, "\n{}{}", comment(LABELS), toml::to_string(&Labels { labels: &setup.labels })?)?;
     Ok(text)
+}
+
+/// The labels as their section of the file.
+#[derive(Serialize)]
+struct Labels<'a> {
+    labels: &'a BTreeMap<String, String>,
 }
 
 /// A field that is not as the paper has it.
@@ -157,7 +169,8 @@ mod tests {
 
     #[test]
     fn the_commented_file_reads_back_as_the_set_up() {
-        for setup in [SetUp::paper(), SetUp::typical()] {
+        let labelled = SetUp { labels: [("station".to_owned(), "oven \"2\"".to_owned())].into(), ..SetUp::paper() };
+        for setup in [SetUp::paper(), SetUp::typical(), labelled] {
             let text = commented(&setup).unwrap();
             assert_eq!(SetUp::parse(&text, "printed").unwrap(), setup);
             assert!(text.lines().filter(|line| line.starts_with('#')).all(|line| line.len() <= WIDTH), "{text}");
