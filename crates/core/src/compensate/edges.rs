@@ -247,8 +247,12 @@ impl Pieces {
     }
 }
 
-/// The first code from `from` to `to` where a condition holds that, once it holds, holds to the end: by bisection.
+/// The first code from `from` to `to` where a condition holds that, where it does not hold at `from`, once it holds, holds to
+/// the end: by bisection. It may hold at `from` and not next to it: behind a turn that just reaches another tap.
 fn first_where(from: u16, to: u16, condition: impl Fn(u16) -> bool) -> Option<u16> {
+    if condition(from) {
+        return Some(from);
+    }
     let (mut low, mut high) = (from, to);
     if !condition(high) {
         return None;

@@ -81,8 +81,8 @@ struct FixedPolynomial {
 /// Straight pieces in integers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct FixedTable {
-    /// The code of the first knot.
-    first: u16,
+    /// Where the first code of the range lies, in pieces from the first knot, Q32.
+    start: i64,
     /// Pieces a code, in Q32.
     pieces_per_code: u32,
     /// Readings in Q16.
@@ -98,7 +98,7 @@ impl FixedDrift {
         let (first, last) = calibrated_codes(drift.valid, scale).ok_or(Unrepresentable::TooNarrow)?;
         let form = match &drift.shape {
             Shape::Polynomial(polynomial) => polynomial_form(polynomial, scale, first, last)?,
-            Shape::Table(table) => table_form(table, scale)?,
+            Shape::Table(table) => table_form(table, scale, first)?,
         };
         Ok(Self { first, span: last - first, form })
     }
@@ -129,7 +129,7 @@ impl FixedDrift {
     pub(super) fn evaluate_here(&self, code: TemperatureCode) -> Q16 {
         match &self.form {
             Form::Polynomial(polynomial) => polynomial.evaluate(self.places(code)),
-            Form::Table(table) => table.evaluate(self.first + self.places(code)),
+            Form::Table(table) => table.evaluate(self.places(code)),
         }
     }
 
@@ -153,10 +153,12 @@ impl FixedPolynomial {
 }
 
 impl FixedTable {
-    /// The reading at a code.
+    /// The reading so many codes from the first of the range.
     #[inline(always)]
-    fn evaluate(&self, code: u16) -> Q16 {
-        let position = u64::from(code.saturating_sub(self.first)) * u64::from(self.pieces_per_code);
+    fn evaluate(&self, places: u16) -> Q16 {
+        // At most 2^48 from a start that `table_form` holds below 2^38.
+        #[allow(clippy::cast_sign_loss)] // never below zero
+        let position = (i64::from(places) * i64::from(self.pieces_per_code) + self.start).max(0) as u64;
         #[allow(clippy::cast_possible_truncation)] // below the number of knots, and the fraction
         let (piece, within) = ((position >> 32) as usize, position as u32);
         match (self.knots.get(piece), self.knots.get(piece + 1)) {
@@ -215,27 +217,27 @@ fn polynomial_form(
     Ok(Form::Polynomial(FixedPolynomial { first_u, u_per_code, to_q16: 1 << (16 - fraction_bits), coefficients }))
 }
 
-fn table_form(table: &Table, scale: TemperatureScale) -> Result<Form, Unrepresentable> {
-    // The knots are laid anew between whole codes, which their own temperatures are within half a code of.
-    let ends = [-1.0, 1.0].map(|x| scale.zero.max(table.scale().temperature(x)));
-    let [Some(first), Some(last)] = ends.map(|temperature| scale.code(temperature)) else {
-        return Err(Unrepresentable::TooNarrow);
-    };
-    let pieces = u32::try_from(table.knots().len() - 1).map_err(|_| Unrepresentable::TooLarge)?;
-    let codes = u32::from(last.0.saturating_sub(first.0));
-    if codes <= pieces {
+/// One in Q32.
+const Q32: f64 = 4_294_967_296.0;
+
+fn table_form(table: &Table, scale: TemperatureScale, first: u16) -> Result<Form, Unrepresentable> {
+    let knots: Option<Vec<i32, MAX_KNOTS>> = table.knots().iter().map(|&knot| to_fixed(knot, 16)).collect();
+    let knots = knots.filter(|knots| knots.windows(2).all(|pair| pair[1].checked_sub(pair[0]).is_some()));
+    let [coldest, hottest] = [-1.0, 1.0].map(|x| table.scale().temperature(x));
+    let pieces_per_unit =
+        f64::from(u16::try_from(table.knots().len() - 1).map_err(|_| Unrepresentable::TooLarge)?) / (hottest - coldest);
+    // A piece is more than a code.
+    let pieces_per_code = pieces_per_unit * scale.step;
+    if !(0.0..1.0).contains(&pieces_per_code) {
         return Err(Unrepresentable::TooNarrow);
     }
-    let pieces_per_code = u32::try_from((u64::from(pieces) << 32) / u64::from(codes));
-    let knot_at = |piece: u32| {
-        let code = f64::from(first.0) + f64::from(codes) * f64::from(piece) / f64::from(pieces);
-        to_fixed(table.evaluate(scale.zero + scale.step * code), 16)
-    };
-    let knots: Option<Vec<i32, MAX_KNOTS>> = (0..=pieces).map(knot_at).collect();
-    let knots = knots.filter(|knots| knots.windows(2).all(|pair| pair[1].checked_sub(pair[0]).is_some()));
+    let start = (scale.temperature(TemperatureCode(first)) - coldest) * pieces_per_unit;
+    // Below the first knot by more pieces than a table has, or above the last: as good as nearer by.
+    let start = start.clamp(-64.0, 64.0);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // bounded above
     Ok(Form::Table(FixedTable {
-        first: first.0,
-        pieces_per_code: pieces_per_code.map_err(|_| Unrepresentable::TooNarrow)?,
+        start: libm::round(start * Q32) as i64,
+        pieces_per_code: libm::round(pieces_per_code * Q32) as u32,
         knots: knots.ok_or(Unrepresentable::TooLarge)?,
     }))
 }
