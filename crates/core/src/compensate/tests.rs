@@ -283,8 +283,8 @@ fn an_empty_group_and_a_missing_calibration_hold_the_wiper() {
 /// Found by chance: knots that lie between codes, and a drift that turns sharply at them.
 #[test]
 fn a_steep_table_whose_knots_lie_between_codes_is_corrected_as_closely_as_any() {
-    let valid = (3544.392_951_456_605, 4044.392_951_456_605);
-    let knots = [8000.0, 8000.0, 8384.305_520_526_714, 8087.200_707_608_347, 8364.232_030_447_734];
+    let valid = (3_544.392_951_456_605, 4_044.392_951_456_605);
+    let knots = [8000.0, 8000.0, 8_384.305_520_526_714, 8_087.200_707_608_347, 8_364.232_030_447_734];
     let shape = Shape::Table(Table::new(Scale::spanning(valid.0, valid.1).unwrap(), &knots).unwrap());
     assert_correction_is_close(&law(shape, valid, 0.0));
 }
@@ -293,7 +293,7 @@ fn a_steep_table_whose_knots_lie_between_codes_is_corrected_as_closely_as_any() 
 #[test]
 fn a_tap_of_a_single_code_at_a_turn_is_in_the_table() {
     let valid = (1000.0, 1500.0);
-    let knots = [8000.0, 8247.080_721_860_155, 8000.0];
+    let knots = [8_000.0, 8_247.080_721_860_155, 8_000.0];
     let shape = Shape::Table(Table::new(Scale::spanning(valid.0, valid.1).unwrap(), &knots).unwrap());
     assert_sweeps_agree(&law(shape, valid, 0.0));
 }
