@@ -133,7 +133,8 @@ mod tests {
         let curve = [12.0, -300.0, 45.0, 7.0, -90.0, 33.0];
         let rows = || (0..2400).map(|k| -1.0 + f64::from(k) / 1199.5).map(|x| (x, at(&curve, x)));
         let found = sums(5, rows()).solve().unwrap();
-        assert!(found.iter().zip(curve).all(|(own, true_)| (own - true_).abs() < 1e-10), "{found:?}");
+        // Ten digits of the largest.
+        assert!(found.iter().zip(curve).all(|(own, true_)| (own - true_).abs() < 1e-10 * 300.0), "{found:?}");
         assert!(sums(5, rows()).squares_of(&curve) < 1e-5);
     }
 
