@@ -4,6 +4,7 @@ use zerorate_core::drift::{Memory, Shape};
 
 use super::ExportError;
 use crate::calibration::{AxisCalibration, Calibration};
+use crate::choose::Model;
 
 /// The step by which the integers' history runs, milliseconds.
 pub(super) const STEP_MS: u32 = 1000;
@@ -125,13 +126,15 @@ impl Term {
     }
 }
 
-/// The model of an axis, its history included.
+/// The model of an axis, its history included: the curve is then the one for when the history is known.
 pub(super) fn model_of(axis: &AxisCalibration) -> String {
-    let curve = axis.model().to_string();
-    match axis.history.as_ref().map(|history| history.terms().len()) {
-        None => curve,
-        Some(1) => format!("{curve} with a term of history"),
-        Some(terms) => format!("{curve} with {terms} terms of history"),
+    let Some(history) = &axis.history else {
+        return axis.model().to_string();
+    };
+    let curve = Model::of_shape(history.curve());
+    match history.terms().len() {
+        1 => format!("{curve} with a term of history"),
+        terms => format!("{curve} with {terms} terms of history"),
     }
 }
 

@@ -160,11 +160,18 @@ impl ExportedAxis {
                     self.model
                 )
             }
-            (Some(chosen), Some(cubic)) => format!(
-                "this cubic leaves {cubic:.3e} {unit} rms held out, the chosen {} {chosen:.3e} ({:+.0} %); it is {furthest:.1e} {unit} from the chosen curve at most",
-                self.model,
-                100.0 * (cubic / chosen - 1.0)
-            ),
+            (Some(chosen), Some(cubic)) => {
+                let costs = format!(
+                    "this cubic leaves {cubic:.3e} {unit} rms held out, the chosen {} {chosen:.3e} ({:+.0} %)",
+                    self.model,
+                    100.0 * (cubic / chosen - 1.0)
+                );
+                // A history leans on the cubic itself: there is no distance to speak of.
+                if furthest < 1e-6 * cubic {
+                    return costs;
+                }
+                format!("{costs}; it is {furthest:.1e} {unit} from the chosen curve at most")
+            }
             _ => format!("this cubic is {furthest:.1e} {unit} from the chosen {} at most", self.model),
         }
     }
