@@ -167,7 +167,7 @@ fn a_run_that_was_ended_goes_on_without_doing_finished_units_again() {
     simulate(&lot, 300, 2, 0.0);
     // The process that fits is killed when it has kept its first batch.
     let mut process = std::process::Command::new(env!("CARGO_BIN_EXE_zerorate-lot"))
-        .args(["fit", &lot.display().to_string(), "--out", &out.display().to_string()])
+        .args(["fit", &lot.display().to_string(), "--out", &out.display().to_string(), "--model", "poly:2"])
         .stdout(std::process::Stdio::null())
         .spawn()
         .unwrap();
