@@ -361,7 +361,7 @@ pub mod flags {
     /// The temperature was above the calibrated range.
     pub const ABOVE: u16 = 2;
     /// The reading was at an end of the converter.
-    pub const SATURATED: u16 = 4;
+    pub const SATURATED: u16 = zerorate_cal::recorded::SATURATED;
     /// The tap changed when the group closed.
     pub const MOVED: u16 = 8;
     /// The temperature did not move by a count for too long, and was not believed.
