@@ -3,6 +3,8 @@
 
 #![allow(clippy::unwrap_used)] // what a test cannot do without
 
+mod paper_record;
+
 use std::cell::Cell;
 use std::rc::Rc;
 
@@ -11,11 +13,9 @@ use zerorate_bench::link::{Link, LinkError};
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
-use zerorate_core::compensate::{EdgeTable, LowPass, Mode};
-use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, ValidRange};
-use zerorate_core::record::{AxisRecord, DeviceRecord, MAX_RECORD_BYTES, UnitSerial};
-use zerorate_core::trim::{TapEffects, Trim, TrimLine};
-use zerorate_core::units::{Counts, Taps, TemperatureScale};
+use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, UnitSerial};
+use zerorate_core::trim::TapEffects;
+use zerorate_core::units::{Counts, Taps};
 
 /// A line that damages bytes, in real time: what is lost is noticed by the clock.
 struct Damaging {
@@ -69,27 +69,9 @@ impl Link for Damaging {
 
 /// A record as a calibration makes it, with every tap of a working range in it.
 fn record(dead_band: f64) -> DeviceRecord {
-    let scale = Scale::spanning(8500.0, 11_900.0).unwrap();
-    let curve = Polynomial::from_raw_coefficients(scale, &[13_435.7, -0.894_782, 0.375_298e-4]).unwrap();
     let effects = (490..=530).map(|tap| Counts(31.25 * (f64::from(tap) - 511.0))).collect::<Vec<_>>();
-    let mut axis = AxisRecord {
-        drift: Drift { shape: Shape::Polynomial(curve), valid: ValidRange::new(8500.0, 11_900.0).unwrap() },
-        trim: Trim {
-            line: TrimLine::new(-0.032, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap(),
-            measured: TapEffects::new(Taps::new(490).unwrap(), &effects),
-        },
-        dead_band,
-        low_pass: LowPass::NONE,
-        start_up_mode: Mode::Hybrid,
-        edges: None,
-        history: None,
-    };
-    axis.edges = Some(EdgeTable::solve(&axis.static_law(TemperatureScale::QUARTER_COUNTS)).unwrap());
-    DeviceRecord {
-        unit: UnitSerial::try_from("ZR-1").unwrap(),
-        temperature_scale: TemperatureScale::QUARTER_COUNTS,
-        axes: [axis.clone(), axis],
-    }
+    let measured = TapEffects::new(Taps::new(490).unwrap(), &effects);
+    paper_record::record([8500.0, 11_900.0], measured, dead_band)
 }
 
 fn bytes(record: &DeviceRecord) -> Vec<u8> {

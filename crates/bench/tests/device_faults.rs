@@ -3,15 +3,16 @@
 
 #![allow(clippy::unwrap_used)] // what a test cannot do without
 
+mod paper_record;
+
 use zerorate_bench::client::{ClientError, DeviceClient};
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
-use zerorate_core::compensate::{EdgeTable, LowPass, Mode};
-use zerorate_core::drift::{Coverage, Drift, Polynomial, Scale, Shape, ValidRange};
-use zerorate_core::record::{AxisRecord, DeviceRecord, UnitSerial};
-use zerorate_core::trim::{Trim, TrimLine};
-use zerorate_core::units::{Axis, Celsius, Counts, Taps, TemperatureCode, TemperatureScale};
+use zerorate_core::compensate::Mode;
+use zerorate_core::drift::Coverage;
+use zerorate_core::record::{DeviceRecord, UnitSerial};
+use zerorate_core::units::{Axis, Celsius, Taps, TemperatureCode, TemperatureScale};
 use zerorate_core::wire::{
     CalibrationState, GroupReport, Refusal, Request, ResetCause, SampleWindow, TemperatureCheck,
 };
@@ -20,25 +21,8 @@ use zerorate_sim::{Fault, SharedPlant};
 /// Scans a group.
 const GROUP: u32 = 500;
 
-/// Eq. (1) and (2) of the paper's X, on both axes, calibrated over a range of temperature readings.
 fn record(valid: [f64; 2]) -> DeviceRecord {
-    let scale = Scale::spanning(8500.0, 11_900.0).unwrap();
-    let curve = Polynomial::from_raw_coefficients(scale, &[13_435.7, -0.894_782, 0.375_298e-4]).unwrap();
-    let mut axis = AxisRecord {
-        drift: Drift { shape: Shape::Polynomial(curve), valid: ValidRange::new(valid[0], valid[1]).unwrap() },
-        trim: Trim { line: TrimLine::new(-0.032, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap(), measured: None },
-        dead_band: 0.05,
-        low_pass: LowPass::NONE,
-        start_up_mode: Mode::Hybrid,
-        edges: None,
-        history: None,
-    };
-    axis.edges = Some(EdgeTable::solve(&axis.static_law(TemperatureScale::QUARTER_COUNTS)).unwrap());
-    DeviceRecord {
-        unit: UnitSerial::try_from("ZR-1").unwrap(),
-        temperature_scale: TemperatureScale::QUARTER_COUNTS,
-        axes: [axis.clone(), axis],
-    }
+    paper_record::record(valid, None, 0.05)
 }
 
 /// A calibrated device at work, X and Y in mode trim.
