@@ -65,6 +65,7 @@ pub fn of_axes(
         sources: vec![source],
         temperature_unit: TemperatureUnit::Counts,
         temperature_scale: Some(TemperatureScale::QUARTER_COUNTS),
+        group_period_s: Some(setup.group_period().0),
         axes: axes.into_iter().map(with_trim).collect(),
         warnings: warnings.into_iter().chain([NO_TRIM.to_owned()]).collect(),
         setup: serde_json::to_value(&setup).ok(),

@@ -51,6 +51,7 @@ fn calibration(run: &Calibrated) -> Calibration {
         sources: run.sources.clone(),
         temperature_unit: TemperatureUnit::Counts,
         temperature_scale: Some(TemperatureScale::QUARTER_COUNTS),
+        group_period_s: Some(run.setup.group_period().0),
         axes: axes.into_iter().collect(),
         warnings: run.character.warnings.clone(),
         setup: serde_json::to_value(&run.setup).ok(),

@@ -81,6 +81,9 @@ pub struct ChamberProfile {
     pub soak_s: f64,
     /// Groups of a ramp that are used (paper: 2400, the first hour).
     pub ramp_groups: u32,
+    /// Whether the full-temperature test records the way back down as well (paper: no); a drift that remembers shows only
+    /// where both directions were seen.
+    pub cooling_ramp: bool,
     /// Groups taken at the end of a soak, before the ramp begins.
     pub soak_groups: u32,
     /// The chamber's limits, degrees C (paper: -60 and +150).
@@ -264,6 +267,7 @@ impl Default for ChamberProfile {
             room_c: 25.0,
             soak_s: 3600.0,
             ramp_groups: 2400,
+            cooling_ramp: false,
             soak_groups: 20,
             limits_c: [-60.0, 150.0],
             soaks_c: (0..=10).map(|k| -40.0 + 10.0 * f64::from(k)).collect(),

@@ -231,13 +231,22 @@ impl<'a> Prepared<'a> {
             .map(|(rate, time)| rate - time_drift.map_or(0.0, |drift| drift.at(*time)))
             .collect();
         let timeless = Series { rate: &timeless, ..*self.series };
-        let cubic = (1..=3).rev().find_map(|order| self.fit_curve(&timeless, Model::Poly(order), 0.0, &keep));
-        let (drift, solution) = match (&history, spec.model) {
-            (Some(_), _) => cubic.clone()?,
-            (None, Model::Poly(order)) if cubic.as_ref().is_some_and(|(_, s)| s.basis == Basis::Powers(order)) => {
+        // A curve alone is what was fitted already.
+        let bare = spec.memories.is_empty() && !spec.terms.time;
+        let curve = if bare { Some(self.curve(spec, &sample, &beta)?) } else { None };
+        let cubic = match &curve {
+            Some(curve) if spec.model == Model::Poly(3) => Some(curve.clone()),
+            _ => (1..=3).rev().find_map(|order| self.fit_curve(&timeless, Model::Poly(order), 0.0, &keep)),
+        };
+        let (drift, solution) = match (&history, curve, spec.model) {
+            (Some(_), _, _) => cubic.clone()?,
+            (None, Some(curve), _) => curve,
+            (None, None, Model::Poly(order))
+                if cubic.as_ref().is_some_and(|(_, s)| s.basis == Basis::Powers(order)) =>
+            {
                 cubic.clone()?
             }
-            (None, model) => self.fit_curve(&timeless, model, spec.smooth, &keep)?,
+            (None, None, model) => self.fit_curve(&timeless, model, spec.smooth, &keep)?,
         };
         let fitted = Fitted { drift, history, time_drift };
         Some(Made { fitted, cubic: cubic.map(|(drift, _)| drift), solution })
@@ -254,12 +263,15 @@ impl<'a> Prepared<'a> {
         let spec = Spec { smooth, ..Spec::new(&self.features, model, &[], false, 0.0) };
         let mut sample = Sample::new(timeless, &self.directions, keep);
         let beta = sample.fit_robustly(&self.features, &spec.penalised())?;
-        let shape = fitted::curve(&self.features, model, &beta, sample.mean)?;
+        self.curve(&spec, &sample, &beta)
+    }
+
+    /// The static curve of a fit without other terms.
+    fn curve(&self, spec: &Spec, sample: &Sample<'_>, beta: &[f64]) -> Option<(Drift, Solution)> {
+        let shape = fitted::curve(&self.features, spec.model, beta, sample.mean)?;
         // A table is held at its end knots whatever the range says.
-        let valid = if let Model::Table(_) = model { self.features.measured } else { self.features.valid };
-        let drift = Drift { shape, valid };
-        let solution = self.solution(&spec, &sample, &beta)?;
-        Some((drift, solution))
+        let valid = if let Model::Table(_) = spec.model { self.features.measured } else { self.features.valid };
+        Some((Drift { shape, valid }, self.solution(spec, sample, beta)?))
     }
 
     /// The coefficients as they are deployed, with their covariance.

@@ -71,6 +71,9 @@ pub struct Calibration {
     /// What a temperature code stands for on the board, in the temperature's unit; `None` for a log.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub temperature_scale: Option<TemperatureScale>,
+    /// The time from group to group on the board, seconds, by which a history runs there; `None` for a log.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group_period_s: Option<f64>,
     /// The axes by name: `x` and `y` of a board, the rate columns of a table, `gyro0.x` of a
     /// log that tells of sensors.
     pub axes: BTreeMap<String, AxisCalibration>,
@@ -118,6 +121,7 @@ impl Calibration {
             sources,
             temperature_unit: first.temperature_unit,
             temperature_scale: None,
+            group_period_s: None,
             axes: fit.axes.iter().map(|axis| (axis.name.clone(), AxisCalibration::of_log_axis(axis, over))).collect(),
             warnings: reasons().collect(),
             setup: None,

@@ -64,23 +64,8 @@ pub enum DriftFitError {
 /// # Errors
 /// [`DriftFitError`], when a mean is not a number, or the groups do not settle the model.
 pub fn fit_drift(temperatures: &[f64], readings: &[f64], model: Model) -> Result<DriftFit, DriftFitError> {
-    if temperatures.len() != readings.len() {
-        return Err(DriftFitError::Lengths { temperatures: temperatures.len(), readings: readings.len() });
-    }
-    for (values, what) in [(temperatures, "temperature"), (readings, "reading")] {
-        if let Some(place) = values.iter().position(|value| !value.is_finite()) {
-            return Err(DriftFitError::NotFinite { place, what });
-        }
-    }
+    let (scale, valid) = span(temperatures, readings, model)?;
     let groups = temperatures.len() as u64;
-    let coefficients = model.least_coefficients();
-    if groups < coefficients as u64 {
-        return Err(FitError::TooFewRows { rows: groups, coefficients }.into());
-    }
-    let min = temperatures.iter().copied().fold(f64::INFINITY, f64::min);
-    let max = temperatures.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let stuck = DriftFitError::Stuck { temperature: min };
-    let (scale, valid) = Scale::spanning(min, max).zip(ValidRange::new(min, max)).ok_or(stuck)?;
     let rows = || (0..groups).zip(temperatures.iter().zip(readings));
     let mut stretches = Stretches::new(scale, model, groups);
     for (row, (temperature, reading)) in rows() {
@@ -89,14 +74,34 @@ pub fn fit_drift(temperatures: &[f64], readings: &[f64], model: Model) -> Result
     }
     let choice = stretches.choose(model)?;
     // The bases that can be asked for are those that core has shapes for.
-    let shape = choice.solution.shape().ok_or(FitError::Undetermined { coefficients })?;
-    let drift = Drift { shape, valid };
+    let undetermined = FitError::Undetermined { coefficients: model.least_coefficients() };
+    let drift = Drift { shape: choice.solution.shape().ok_or(undetermined)?, valid };
     let mut residuals = Residuals::new(&choice, &drift, groups);
     for (row, (temperature, reading)) in rows() {
         residuals.push(row, stretches.of_row(row).0, row as f64, *temperature, *reading);
     }
     let (in_sample, held_out, trace) = residuals.finish();
     Ok(DriftFit { drift, choice, in_sample, held_out, groups, trace })
+}
+
+/// The scale and the valid range of group means, once it is known that a model could be fitted to them.
+pub(crate) fn span(temperatures: &[f64], readings: &[f64], model: Model) -> Result<(Scale, ValidRange), DriftFitError> {
+    if temperatures.len() != readings.len() {
+        return Err(DriftFitError::Lengths { temperatures: temperatures.len(), readings: readings.len() });
+    }
+    for (values, what) in [(temperatures, "temperature"), (readings, "reading")] {
+        if let Some(place) = values.iter().position(|value| !value.is_finite()) {
+            return Err(DriftFitError::NotFinite { place, what });
+        }
+    }
+    let (groups, coefficients) = (temperatures.len() as u64, model.least_coefficients());
+    if groups < coefficients as u64 {
+        return Err(FitError::TooFewRows { rows: groups, coefficients }.into());
+    }
+    let min = temperatures.iter().copied().fold(f64::INFINITY, f64::min);
+    let max = temperatures.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let stuck = DriftFitError::Stuck { temperature: min };
+    Scale::spanning(min, max).zip(ValidRange::new(min, max)).ok_or(stuck)
 }
 
 #[cfg(test)]

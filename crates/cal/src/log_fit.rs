@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use zerorate_core::drift::{Drift, History, Scale, ValidRange};
 
+use crate::auto::AutoFit;
 use crate::calibration::{BandPoint, HeldOut, StaticCubic, TimeDrift};
 use crate::choose::{Choice, Model, Stretches};
 use crate::condition::{Rejected, Stretch};
@@ -26,7 +27,7 @@ use crate::quality::{Judgement, Reason, ReasonKind, TemperatureUnit, Verdict};
 use crate::recorded::fit_recording;
 use crate::recording::{Recording, RecordingError};
 use crate::table::{Columns, RateUnit};
-pub(crate) use residual::Residuals;
+pub(crate) use residual::{Residuals, trace};
 
 /// Points in a trace, at most: more than a figure can show.
 const TRACE_POINTS: u64 = 2000;
@@ -142,6 +143,41 @@ pub struct AxisFit {
 }
 
 impl AxisFit {
+    /// The axis of a fit of groups ([`crate::auto`]), before anything is said of what they are groups of.
+    pub(crate) fn of_auto(
+        name: &str,
+        (rate_unit, temperature_unit): (RateUnit, TemperatureUnit),
+        auto: AutoFit,
+        trace: Vec<TracePoint>,
+    ) -> Self {
+        let choice = Choice {
+            model: Model::of_shape(&auto.drift.shape),
+            solution: auto.solution,
+            without: Vec::new(),
+            candidates: auto.candidates,
+        };
+        Self {
+            name: name.to_owned(),
+            sensor: None,
+            verdict: Verdict::Good,
+            rate_unit,
+            temperature_unit,
+            reference_temperature: None,
+            drift: auto.drift,
+            history: auto.history,
+            time_drift: auto.time_drift,
+            static_cubic: auto.static_cubic,
+            band: auto.band,
+            nested: Some(auto.nested),
+            choice,
+            in_sample: auto.in_sample,
+            held_out: auto.held_out,
+            samples_used: 0,
+            samples_rejected: Vec::new(),
+            trace,
+        }
+    }
+
     /// The model chosen: `poly:3`, or `poly:3 + 3 plays + time`.
     #[must_use]
     pub fn model(&self) -> String {

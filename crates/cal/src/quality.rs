@@ -78,6 +78,8 @@ pub enum ReasonKind {
     Outliers,
     /// Rejected: groups at an end of the converter.
     Saturated,
+    /// Rejected: the wiper moved during the ramp.
+    WiperMoved,
     /// Rejected: the recording has no serial, or another than its file's name.
     WrongSerial,
     /// Rejected: another recording has the same serial.
@@ -118,6 +120,7 @@ impl ReasonKind {
             | Self::StuckReading
             | Self::Outliers
             | Self::Saturated
+            | Self::WiperMoved
             | Self::WrongSerial
             | Self::DuplicateSerial => Verdict::Rejected,
             Self::MissingValues

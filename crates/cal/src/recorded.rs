@@ -13,15 +13,39 @@ use zerorate_core::units::Axis;
 pub use judge::{judge_residual, judge_survey};
 pub use survey::{AxisSurvey, ResidualSurvey, StretchSurvey, stretch_of};
 
-use crate::drift_fit::{DriftFit, DriftFitError, fit_drift};
+use crate::auto::{self, Series};
+use crate::choose::Model;
+use crate::drift_fit::{DriftFitError, fit_drift, span};
 use crate::fit::FitError;
-use crate::log_fit::{AxisFit, AxisVerdict, FitOptions, LogFit};
+use crate::log_fit::{AxisFit, AxisVerdict, FitOptions, LogFit, TracePoint, trace};
 use crate::quality::{Judgement, Reason, ReasonKind, TemperatureUnit, Verdict};
 use crate::recording::{GroupRow, Recording};
 use crate::table::RateUnit;
 
 /// The phases whose groups a drift is fitted to.
 pub const RAMPS: [&str; 2] = ["heating", "cooling"];
+
+/// The bit of a recording's flags that says that the reading was at an end of the converter.
+pub const SATURATED: u16 = 4;
+
+/// One axis of one group of a ramp.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RampGroup {
+    /// The group's number.
+    pub group: u32,
+    /// Seconds from the recording's first group.
+    pub time_s: f64,
+    /// Mean temperature, counts.
+    pub temperature: f64,
+    /// Mean zero-rate reading, counts.
+    pub reading: f64,
+    /// Samples in it.
+    pub samples: u32,
+    /// The device's flags.
+    pub flags: u16,
+    /// The wiper's position, taps.
+    pub tap: u16,
+}
 
 /// The groups of one axis's ramps, in the order in which they were taken; those without a sample are left out.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -38,10 +62,9 @@ pub struct RampMeans {
     pub samples: u64,
     /// Groups at an end of the converter.
     pub saturated: u64,
+    /// The lowest and the highest tap, where there is a group.
+    pub taps: Option<(u16, u16)>,
 }
-
-/// The bit of a recording's flags that says that the reading was at an end of the converter.
-pub const SATURATED: u16 = 4;
 
 impl RampMeans {
     /// The ramps of an axis of a recording.
@@ -50,29 +73,38 @@ impl RampMeans {
         let mut means = Self::default();
         let ramps = |row: &&GroupRow| row.axis == axis && RAMPS.contains(&row.phase.as_str());
         for row in recording.rows.iter().filter(ramps) {
-            let (temperature, reading) = (row.sums.mean_temperature().0, row.sums.mean_zro().0);
-            means.push(row.group, row.t_s, (temperature, reading), row.sums.n, row.flags);
+            means.push(&RampGroup {
+                group: row.group,
+                time_s: row.t_s,
+                temperature: row.sums.mean_temperature().0,
+                reading: row.sums.mean_zro().0,
+                samples: row.sums.n,
+                flags: row.flags,
+                tap: row.tap,
+            });
         }
         means
     }
 
-    /// Takes in one group: its number, its time in seconds, its mean temperature and reading in counts, its samples and
-    /// the device's flags. A group without samples is left out.
-    pub fn push(&mut self, group: u32, t_s: f64, (temperature, reading): (f64, f64), samples: u32, flags: u16) {
-        if samples == 0 {
+    /// Takes in one group; one without samples is left out.
+    pub fn push(&mut self, group: &RampGroup) {
+        if group.samples == 0 {
             return;
         }
-        self.groups.push(group);
-        self.times_s.push(t_s);
-        self.temperatures.push(temperature);
-        self.readings.push(reading);
-        self.samples += u64::from(samples);
-        self.saturated += u64::from(flags & SATURATED != 0);
+        self.groups.push(group.group);
+        self.times_s.push(group.time_s);
+        self.temperatures.push(group.temperature);
+        self.readings.push(group.reading);
+        self.samples += u64::from(group.samples);
+        self.saturated += u64::from(group.flags & SATURATED != 0);
+        let (lowest, highest) = self.taps.unwrap_or((group.tap, group.tap));
+        self.taps = Some((lowest.min(group.tap), highest.max(group.tap)));
     }
 }
 
-/// Fits the ramps of a recording, each axis by itself. Group means are fitted as they are, each counted once: they are
-/// what conditioning makes of a log.
+/// Fits the ramps of a recording, each axis by itself. Group means are fitted as they are: they are what conditioning
+/// makes of a log. `auto` chooses among all models, history included, and believes wild groups less; a model asked for is
+/// fitted by ordinary least squares, each group counted once.
 #[must_use]
 pub fn fit_recording(recording: &Recording, path: &Path, options: &FitOptions) -> LogFit {
     let mut fit = LogFit {
@@ -123,20 +155,29 @@ pub fn fit_axis(
 ) -> Option<AxisFit> {
     let mut own = Judgement::default();
     judge_survey(&mut own, name, &AxisSurvey::of(means), expected, options);
-    let fit = if own.rejected() { None } else { fit(name, means, options, &mut own) };
-    if let Some(fit) = &fit {
-        judge_residual(&mut own, name, &residual_survey(means, fit));
+    let fitted = if own.rejected() { None } else { fit(name, means, options, &mut own) };
+    if let Some((_, residuals)) = &fitted {
+        judge_residual(&mut own, name, residuals);
     }
     let verdict = own.verdict;
     for reason in own.reasons {
         judgement.add_as(verdict_of(&reason, options.allow_narrow), reason);
     }
-    fit.map(|fit| AxisFit { verdict, ..fit })
+    fitted.map(|(fit, _)| AxisFit { verdict, ..fit })
 }
 
-fn fit(name: &str, means: &RampMeans, options: &FitOptions, judgement: &mut Judgement) -> Option<AxisFit> {
-    match fit_drift(&means.temperatures, &means.readings, options.model) {
-        Ok(fit) => Some(axis_fit(name, means, fit)),
+fn fit(
+    name: &str,
+    means: &RampMeans,
+    options: &FitOptions,
+    judgement: &mut Judgement,
+) -> Option<(AxisFit, ResidualSurvey)> {
+    let fitted = match options.model {
+        Model::Auto => fit_chosen(name, means),
+        model => fit_asked(name, means, model),
+    };
+    match fitted {
+        Ok(fitted) => Some(fitted),
         Err(error) => {
             let kind = match &error {
                 DriftFitError::Stuck { .. } => ReasonKind::StuckTemperature,
@@ -149,13 +190,46 @@ fn fit(name: &str, means: &RampMeans, options: &FitOptions, judgement: &mut Judg
     }
 }
 
-fn axis_fit(name: &str, means: &RampMeans, fit: DriftFit) -> AxisFit {
+/// The fit by `auto`: robust, its order and terms chosen by held-out error, with a history where the recording holds both
+/// directions of the ramp.
+fn fit_chosen(name: &str, means: &RampMeans) -> Result<(AxisFit, ResidualSurvey), DriftFitError> {
+    let (_, measured) = span(&means.temperatures, &means.readings, Model::Auto)?;
+    let groups = means.readings.len();
+    let (weight, log) = (vec![1.0; groups], vec![0; groups]);
+    let series = Series {
+        time_s: &means.times_s,
+        temperature: &means.temperatures,
+        rate: &means.readings,
+        weight: &weight,
+        log: &log,
+    };
+    let auto = auto::fit(&series, measured, Model::Auto)?;
+    let mut survey = ResidualSurvey::default();
+    auto.residuals.iter().for_each(|residual| survey.push(*residual));
+    let points = (0..groups).map(|group| TracePoint {
+        time_s: means.times_s[group],
+        temperature: means.temperatures[group],
+        rate: means.readings[group],
+        residual: auto.residuals[group],
+    });
+    let trace = trace(points);
+    let units = (RateUnit::Counts, TemperatureUnit::Counts);
+    Ok((AxisFit { samples_used: means.samples, ..AxisFit::of_auto(name, units, auto, trace) }, survey))
+}
+
+/// The fit of the model asked for: ordinary least squares.
+fn fit_asked(name: &str, means: &RampMeans, model: Model) -> Result<(AxisFit, ResidualSurvey), DriftFitError> {
+    let fit = fit_drift(&means.temperatures, &means.readings, model)?;
+    let mut survey = ResidualSurvey::default();
+    for (temperature, reading) in means.temperatures.iter().zip(&means.readings) {
+        survey.push(reading - fit.drift.evaluate(*temperature).0);
+    }
     let mut trace = fit.trace;
     // A place among the groups becomes its time.
     for point in &mut trace {
         point.time_s = at(&means.times_s, point.time_s);
     }
-    AxisFit {
+    let axis = AxisFit {
         name: name.to_owned(),
         sensor: None,
         verdict: Verdict::Good,
@@ -174,7 +248,8 @@ fn axis_fit(name: &str, means: &RampMeans, fit: DriftFit) -> AxisFit {
         samples_used: means.samples,
         samples_rejected: Vec::new(),
         trace,
-    }
+    };
+    Ok((axis, survey))
 }
 
 /// The value at a place that may lie between two of them.
@@ -184,14 +259,6 @@ fn at(values: &[f64], place: f64) -> f64 {
     let (below, part) = (place.floor(), place.fract());
     let value = |place: f64| values.get(place as usize).or(values.last()).copied().unwrap_or(f64::NAN);
     value(below) + part * (value(below + 1.0) - value(below))
-}
-
-fn residual_survey(means: &RampMeans, fit: &AxisFit) -> ResidualSurvey {
-    let mut survey = ResidualSurvey::default();
-    for (temperature, reading) in means.temperatures.iter().zip(&means.readings) {
-        survey.push(reading - fit.drift.evaluate(*temperature).0);
-    }
-    survey
 }
 
 #[cfg(test)]

@@ -39,11 +39,15 @@ pub struct RecordingInfo {
 }
 
 impl RecordingInfo {
-    /// The groups that a whole ramp has by the set-up (`chamber.ramp_groups`); `None` where it does not say.
+    /// The groups that the ramps of a whole full-temperature test have by the set-up (`chamber.ramp_groups`, twice with
+    /// `chamber.cooling_ramp`); `None` where it does not say.
     #[must_use]
     pub fn ramp_groups(&self) -> Option<u64> {
         let set_up: toml::Table = self.set_up.parse().ok()?;
-        set_up.get("chamber")?.get("ramp_groups")?.as_integer()?.try_into().ok()
+        let chamber = set_up.get("chamber")?;
+        let ramps = if chamber.get("cooling_ramp").and_then(toml::Value::as_bool) == Some(true) { 2 } else { 1 };
+        let groups: u64 = chamber.get("ramp_groups")?.as_integer()?.try_into().ok()?;
+        groups.checked_mul(ramps)
     }
 }
 

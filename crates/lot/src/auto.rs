@@ -8,7 +8,7 @@ use zerorate_cal::calibration::{AxisCalibration, ResidualOver};
 use zerorate_cal::choose::Model;
 use zerorate_cal::log_fit::FitOptions;
 use zerorate_cal::quality::Judgement;
-use zerorate_cal::recorded::{RampMeans, fit_axis};
+use zerorate_cal::recorded::{RampGroup, RampMeans, fit_axis};
 use zerorate_core::units::Axis;
 
 use crate::dataset::{Found, Place, columns};
@@ -20,28 +20,18 @@ use crate::table::Files;
 const SQL: &str = "
 SELECT file, CASE WHEN axis = 'y' THEN 1 ELSE 0 END AS y, CAST(\"group\" AS BIGINT) AS g, t_s,
        temperature_counts AS t, zro_counts AS z, CAST(n AS BIGINT) AS n, CAST(flags AS BIGINT) AS flags,
+       CAST(tap AS BIGINT) AS tap,
        CASE WHEN phase IN ('heating', 'cooling') AND n > 0 THEN 1 ELSE 0 END AS used,
        CASE WHEN n > 0 AND (temperature_counts <> CAST(temperature_sum AS DOUBLE) / n
                             OR zro_counts <> CAST(zro_sum AS DOUBLE) / n) THEN 1 ELSE 0 END AS inconsistent
 FROM files";
-
-/// One group of one axis.
-#[derive(Debug, Clone, Copy)]
-struct Row {
-    group: u32,
-    t_s: f64,
-    temperature: f64,
-    reading: f64,
-    samples: u32,
-    flags: u16,
-}
 
 /// What came of one file.
 #[derive(Debug, Clone, Default)]
 struct Unit {
     rows: u64,
     inconsistent: u64,
-    axes: [Vec<Row>; 2],
+    axes: [Vec<RampGroup>; 2],
 }
 
 /// Fits some files.
@@ -60,7 +50,7 @@ pub async fn fit(
     Ok(tokio::task::block_in_place(|| solve(&units, files, &options)))
 }
 
-// Group numbers, counts and flags fit their types in the file.
+// Group numbers, counts, flags and taps fit their types in the file.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 async fn gather(engine: &Engine, place: &Place, files: &[&Found]) -> Result<Vec<Unit>, EngineError> {
     let table = files.iter().map(|file| (file.meta.clone(), Vec::new())).collect();
@@ -69,20 +59,21 @@ async fn gather(engine: &Engine, place: &Place, files: &[&Found]) -> Result<Vec<
     for batch in &batches {
         let get = |name| column(batch, name);
         let (file, y, group, t_s) = (get("file")?, get("y")?, get("g")?, get("t_s")?);
-        let (t, z, n, flags) = (get("t")?, get("z")?, get("n")?, get("flags")?);
+        let (t, z, n, flags, tap) = (get("t")?, get("z")?, get("n")?, get("flags")?, get("tap")?);
         let (used, inconsistent) = (get("used")?, get("inconsistent")?);
         for row in 0..batch.num_rows() {
             let unit = &mut units[file[row] as usize];
             unit.rows += 1;
             unit.inconsistent += count(inconsistent[row]);
             if used[row] > 0.5 {
-                unit.axes[usize::from(y[row] > 0.5)].push(Row {
+                unit.axes[usize::from(y[row] > 0.5)].push(RampGroup {
                     group: group[row] as u32,
-                    t_s: t_s[row],
+                    time_s: t_s[row],
                     temperature: t[row],
                     reading: z[row],
                     samples: n[row] as u32,
                     flags: flags[row] as u16,
+                    tap: tap[row] as u16,
                 });
             }
         }
@@ -127,7 +118,7 @@ fn fit_unit(unit: &Unit, expected: Option<u64>, options: &FitOptions) -> Fitted 
     for (axis, rows) in Axis::BOTH.into_iter().zip(&unit.axes) {
         let mut means = RampMeans::default();
         for row in rows {
-            means.push(row.group, row.t_s, (row.temperature, row.reading), row.samples, row.flags);
+            means.push(row);
         }
         if let Some(fit) = fit_axis(axis.name(), &means, expected, options, &mut judgement) {
             let calibration = AxisCalibration::of_log_axis(&fit, ResidualOver::Groups);

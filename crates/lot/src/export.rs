@@ -150,7 +150,9 @@ fn distance(row: &ModelRow, fit: &LogFit) -> f64 {
     let (min, max) = (own.drift.valid.min(), own.drift.valid.max());
     let at = |step: i32| min + (max - min) * f64::from(step) / 100.0;
     let off = |step| (own.drift.evaluate(at(step)).0 - again.drift.evaluate(at(step)).0).abs();
-    (0..=100).map(off).fold(0.0, f64::max) / own.drift.peak_to_peak()
+    let curves = (0..=100).map(off).fold(0.0, f64::max) / own.drift.peak_to_peak();
+    // Rows are written to the last bit, and so are their histories.
+    if own.history == again.history { curves } else { f64::INFINITY }
 }
 
 fn write(calibration: &Calibration, out: &Path) -> Result<(PathBuf, PathBuf), ExportError> {

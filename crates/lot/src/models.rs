@@ -49,7 +49,7 @@ pub struct ModelRow {
     pub file_modified: String,
     /// The model asked for.
     pub model_asked: String,
-    /// The model fitted; empty without a fit.
+    /// The model fitted, terms beside the curve included; empty without a fit.
     pub model: String,
     /// `good`, `warning` or `rejected`, of the unit.
     pub verdict: String,
@@ -159,7 +159,7 @@ impl ModelRow {
             Shape::Table(table) => (Scale::spanning(valid.min(), valid.max()), table.knots().to_vec()),
         };
         self.calibration = serde_json::to_string(axis).unwrap_or_default();
-        self.model = axis.model().to_string();
+        self.model = axis.chosen_model();
         (self.temperature_min, self.temperature_max) = (valid.min(), valid.max());
         if let Some(scale) = scale {
             (self.temperature_centre, self.temperature_half_span) = (scale.centre(), scale.half_span());

@@ -127,6 +127,7 @@ fn survey(extent: Option<&Extent>, moments: Option<&Moments>) -> AxisSurvey {
     if let (Some(extent), Some(moments)) = (extent, moments) {
         survey.span = extent.span;
         survey.saturated = extent.saturated;
+        survey.taps = Some(extent.taps);
         survey.stretches = moments.stretches;
     }
     survey

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use zerorate_bench::error::BenchError;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::procedure::full_temperature;
-use zerorate_bench::run::{Recorder, Session, Silent, Taken, row};
+use zerorate_bench::run::{Phase, Recorder, Session, Silent, Taken, row};
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
 use zerorate_cal::recording::{GroupRow, RecordingError, RecordingInfo, RecordingWriter};
@@ -44,6 +44,8 @@ pub struct Simulation {
     pub out: PathBuf,
     /// The part of the units that are bad, 0 to 1.
     pub bad: f64,
+    /// Whether the way back down is recorded too.
+    pub cooling: bool,
 }
 
 /// The truth about a lot.
@@ -150,7 +152,7 @@ impl Simulation {
     fn unit(&self, number: u32, truth: &Truth) -> Result<(), SimulateError> {
         let unit = &truth.units[number as usize];
         let failed = |source| SimulateError::Bench { serial: unit.serial.clone(), source };
-        let setup = set_up(number);
+        let setup = set_up(number, self.cooling);
         let mut rows = record(unit.seed, &setup, &unit.serial).map_err(failed)?;
         let mut info = RecordingInfo {
             unit_serial: unit.serial.clone(),
@@ -177,8 +179,9 @@ fn serial(number: u32) -> String {
 }
 
 /// The set-up of a station of the line.
-fn set_up(number: u32) -> SetUp {
+fn set_up(number: u32, cooling: bool) -> SetUp {
     let mut setup = SetUp::typical();
+    setup.chamber.cooling_ramp = cooling;
     setup.acquisition.group_length = 20;
     setup.acquisition.sample_period_us = 75_000;
     setup.labels = [
@@ -190,17 +193,21 @@ fn set_up(number: u32) -> SetUp {
     setup
 }
 
-/// The ramp of one unit.
+/// The ramps of one unit.
 fn record(seed: u64, setup: &SetUp, serial: &str) -> Result<Vec<GroupRow>, BenchError> {
     let unit: UnitSerial = serial.chars().take(32).collect();
     let mut bench = simulated::bench(PlantKind::Typical.build(seed), setup, &unit);
     let mut silent = Silent;
     let mut session = Session::new(&mut bench, setup, &mut silent);
     let ramp = full_temperature::run(&mut session, &mut Recorder::discarding())?;
-    let hot = Celsius(setup.chamber.hot_c);
+    let [cold, hot] = setup.ends();
+    let set = |taken: &Taken| if taken.phase == Phase::Cooling { cold } else { hot };
     let air = |taken: &Taken| Celsius(taken.truth.as_ref().map_or(f64::NAN, |truth| truth.chamber_c));
     let group = |taken: &Taken| (taken.report.group.0, taken.time.0);
-    Ok(ramp.iter().flat_map(|taken| Axis::BOTH.map(|axis| row(taken, axis, group(taken), hot, air(taken)))).collect())
+    Ok(ramp
+        .iter()
+        .flat_map(|taken| Axis::BOTH.map(|axis| row(taken, axis, group(taken), set(taken), air(taken))))
+        .collect())
 }
 
 /// A time as `2026-01-05T06:00:00Z` (RFC 3339); the days by Howard Hinnant's algorithm.
@@ -231,7 +238,7 @@ mod tests {
 
     #[test]
     fn the_truth_repeats_by_its_seed_and_plants_every_kind_of_defect() {
-        let lot = |seed| Simulation { units: 500, seed, out: PathBuf::new(), bad: 0.05 }.truth();
+        let lot = |seed| Simulation { units: 500, seed, out: PathBuf::new(), bad: 0.05, cooling: false }.truth();
         assert_eq!(lot(7), lot(7));
         assert_ne!(lot(7), lot(8));
         let bad = |defect| lot(7).units.iter().filter(|unit| unit.defect == Some(defect)).count();

@@ -140,7 +140,7 @@ fn assert_same(rows: &[ModelRow], expected: &[ModelRow]) {
 fn a_cluster_gives_the_embedded_numbers_and_survives_the_loss_of_an_executor() {
     let folder = tempfile::tempdir().unwrap();
     let lot = folder.path().join("lot");
-    Simulation { units: 60, seed: 6, out: lot.clone(), bad: 0.1 }.run(&|| ()).unwrap();
+    Simulation { units: 60, seed: 6, out: lot.clone(), bad: 0.1, cooling: false }.run(&|| ()).unwrap();
     let out = folder.path().join("models.parquet");
     let expected = fit(&lot, &out, "poly:2", Engine::embedded()).unwrap();
     let mut nodes = Nodes::start(folder.path());

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::choose::Model;
@@ -11,6 +12,7 @@ use zerorate_cal::log_fit::{FitOptions, fit_log};
 use zerorate_cal::quality::ReasonKind;
 use zerorate_cal::recorded::RampMeans;
 use zerorate_cal::recording::Recording;
+use zerorate_core::record::DeviceRecord;
 use zerorate_core::units::Axis;
 use zerorate_lot::engine::Engine;
 use zerorate_lot::export::{ExportError, export};
@@ -20,7 +22,18 @@ use zerorate_lot::simulate::{Defect, Simulation, Truth};
 use zerorate_lot::{raw, report};
 
 fn simulate(folder: &Path, units: u32, seed: u64, bad: f64) -> Truth {
-    Simulation { units, seed, out: folder.to_owned(), bad }.run(&|| ()).unwrap()
+    Simulation { units, seed, out: folder.to_owned(), bad, cooling: false }.run(&|| ()).unwrap()
+}
+
+/// A lot of a thousand units, some of them bad, made once and shared; it stays in the target folder.
+fn thousand() -> &'static (PathBuf, Truth) {
+    static LOT: OnceLock<(PathBuf, Truth)> = OnceLock::new();
+    LOT.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("lot-of-a-thousand");
+        _ = fs::remove_dir_all(&folder);
+        let truth = simulate(&folder, 1000, 11, 0.03);
+        (folder, truth)
+    })
 }
 
 fn job(dataset: &Path, out: &Path, model: &str) -> FitRun {
@@ -88,8 +101,7 @@ fn polynomials_agree_with_the_plain_fit_of_the_group_means() {
 #[test]
 fn every_planted_bad_unit_is_rejected_with_its_reason_and_no_good_one_is() {
     let folder = tempfile::tempdir().unwrap();
-    let lot = folder.path().join("lot");
-    let truth = simulate(&lot, 120, 11, 0.2);
+    let (lot, truth) = thousand();
     let expected = |defect| match defect {
         Defect::StuckTemperature => ReasonKind::StuckTemperature,
         Defect::StuckReading => ReasonKind::StuckReading,
@@ -98,7 +110,7 @@ fn every_planted_bad_unit_is_rejected_with_its_reason_and_no_good_one_is() {
         Defect::Outliers => ReasonKind::Outliers,
     };
     for model in ["poly:2", "auto"] {
-        let (summary, _) = run(&job(&lot, &folder.path().join(format!("{model}.parquet")), model)).unwrap();
+        let (summary, _) = run(&job(lot, &folder.path().join(format!("{model}.parquet")), model)).unwrap();
         let rejected: BTreeMap<&str, Vec<ReasonKind>> = summary
             .rejected
             .iter()
@@ -118,10 +130,17 @@ fn every_planted_bad_unit_is_rejected_with_its_reason_and_no_good_one_is() {
 }
 
 #[test]
-fn files_that_are_damaged_empty_or_foreign_are_named_and_the_rest_is_fitted() {
+fn files_among_a_thousand_that_are_damaged_empty_or_foreign_are_named_and_the_rest_is_fitted() {
     let folder = tempfile::tempdir().unwrap();
     let lot = folder.path().join("lot");
-    simulate(&lot, 20, 5, 0.0);
+    let (shared, truth) = thousand();
+    fs::create_dir(&lot).unwrap();
+    for unit in &truth.units {
+        fs::copy(shared.join(&unit.file), lot.join(&unit.file)).unwrap();
+    }
+    let planted = truth.units.iter().filter(|unit| unit.defect.is_some()).count();
+    let spoilt = ["ZR-000003.parquet", "ZR-000007.parquet", "ZR-000009.parquet"];
+    assert!(truth.units.iter().all(|unit| unit.defect.is_none() || !spoilt.contains(&unit.file.as_str())));
     fs::write(lot.join("empty.parquet"), "").unwrap();
     fs::write(lot.join("notes.txt"), "the chamber's door was open on Monday").unwrap();
     fs::write(lot.join("foreign.parquet"), b"PAR1 and nothing of the kind, PAR1").unwrap();
@@ -138,11 +157,11 @@ fn files_that_are_damaged_empty_or_foreign_are_named_and_the_rest_is_fitted() {
         let expected = ["ZR-000003.parquet", "ZR-000007.parquet", "empty.parquet", "foreign.parquet", "notes.txt"];
         assert_eq!(skipped, expected, "{:?}", summary.skipped);
         assert!(summary.skipped[2].reason.contains("no bytes") && summary.skipped[4].reason.contains("not a Parquet"));
-        assert_eq!((summary.units, rows.len()), (19, 38));
+        assert_eq!((summary.units, rows.len(), summary.rejected.len()), (999, 1998, planted + 2));
         // Both are named after the serial, and which is the unit's cannot be told.
-        let twice: Vec<&str> = summary.rejected.iter().map(|unit| unit.file.as_str()).collect();
-        assert_eq!(twice, ["ZR-000009.parquet", "copy-of-ZR-000009.parquet"]);
-        assert!(summary.rejected.iter().all(|unit| unit.reasons[0].kind == ReasonKind::DuplicateSerial));
+        let twice = summary.rejected.iter().filter(|unit| unit.file.contains("ZR-000009"));
+        assert!(twice.clone().all(|unit| unit.reasons[0].kind == ReasonKind::DuplicateSerial));
+        assert_eq!(twice.map(|unit| unit.file.as_str()).collect::<Vec<_>>(), [spoilt[2], "copy-of-ZR-000009.parquet"]);
     }
 }
 
@@ -199,6 +218,34 @@ fn a_run_that_was_ended_goes_on_without_doing_finished_units_again() {
     // Another model is another fit.
     let other = FitRun { model: Model::Poly(3), ..job };
     assert_eq!(run(&other).unwrap().0.reused, 0);
+}
+
+#[test]
+fn auto_tells_hysteresis_where_both_directions_were_recorded_and_export_puts_it_on_the_device() {
+    let folder = tempfile::tempdir().unwrap();
+    let lot = folder.path().join("lot");
+    Simulation { units: 8, seed: 12, out: lot.clone(), bad: 0.0, cooling: true }.run(&|| ()).unwrap();
+    let fitted = |model: &str| {
+        let (summary, rows) = run(&job(&lot, &folder.path().join(format!("{model}.parquet")), model)).unwrap();
+        assert_eq!((summary.units, summary.rejected.len()), (8, 0), "{:?}", summary.rejected);
+        rows
+    };
+    let (auto, cubic) = (fitted("auto"), fitted("poly:3"));
+    let remembering: Vec<&ModelRow> =
+        auto.iter().filter(|row| row.axis_calibration().unwrap().history.is_some()).collect();
+    assert!(remembering.len() >= 8, "{}", remembering.len());
+    assert!(remembering.iter().all(|row| row.model.contains("lags") || row.model.contains("plays")));
+    // Held out, auto's with the choice made anew for each eighth.
+    let held_out = |rows: &[ModelRow]| rows.iter().map(|row| row.held_out_rms).sum::<f64>() / rows.len() as f64;
+    assert!(held_out(&auto) < 0.85 * held_out(&cubic), "{} {}", held_out(&auto), held_out(&cubic));
+    let unit = &remembering[0].unit_serial;
+    let exported = wait(export(&folder.path().join("auto.parquet"), None, unit, &folder.path().join("unit"))).unwrap();
+    let record = DeviceRecord::decode(&fs::read(exported.record).unwrap()).unwrap();
+    let calibration = Calibration::read(&exported.calibration).unwrap();
+    for axis in Axis::BOTH {
+        let own = record.axis(axis).history.as_ref().map(|record| &record.history);
+        assert_eq!(own, calibration.axes[axis.name()].history.as_ref());
+    }
 }
 
 fn read(path: PathBuf) -> Vec<u8> {

@@ -26,9 +26,7 @@ pub fn lint(workspace: &Workspace) -> Result<Outcome> {
 
 /// The documentation of our own crates builds, and no link in it is broken.
 pub fn document(workspace: &Workspace) -> Result<Outcome> {
-    println!("    with RUSTDOCFLAGS='-D warnings'");
-    let arguments = [&["doc"], &EVERY_CRATE[..], &["--no-deps"]].concat();
-    run_with(command(workspace).env("RUSTDOCFLAGS", "-D warnings"), &arguments)
+    run_documentation(workspace, &[&["doc"], &EVERY_CRATE[..], &["--no-deps"]].concat())
 }
 
 /// All tests pass.
@@ -50,6 +48,12 @@ pub fn build_command(workspace: &Workspace) -> Result<Outcome> {
 /// Runs a cargo command, its output left as it is.
 pub fn run(workspace: &Workspace, arguments: &[&str]) -> Result<Outcome> {
     run_with(&mut command(workspace), arguments)
+}
+
+/// Runs a cargo command that documents; a warning is an error.
+pub fn run_documentation(workspace: &Workspace, arguments: &[&str]) -> Result<Outcome> {
+    println!("    with RUSTDOCFLAGS='-D warnings'");
+    run_with(command(workspace).env("RUSTDOCFLAGS", "-D warnings"), arguments)
 }
 
 fn run_with(command: &mut Command, arguments: &[&str]) -> Result<Outcome> {

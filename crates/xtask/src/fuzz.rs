@@ -35,7 +35,7 @@ pub fn steps<'a>(workspace: &'a Workspace, seconds: u32, only: &[String]) -> Res
         Step::new(name, remedy, move || fuzz(workspace, name, longest, seconds))
     };
     let mut steps = vec![Step::new("build", "mend the build", || build(workspace))];
-    steps.extend(chosen(TARGETS.map(run).into(), only)?);
+    steps.extend(chosen(TARGETS.map(run).into(), only, &[])?);
     Ok(steps)
 }
 

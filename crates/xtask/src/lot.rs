@@ -1,5 +1,5 @@
-//! The chores of zerorate-lot, which the ordinary checks leave out: its query engine takes longer to build than everything
-//! else together.
+//! The chores of zerorate-lot, apart from the other crates': its query engine takes longer to build than everything else
+//! together.
 
 use std::env;
 use std::fs;
@@ -18,9 +18,13 @@ use crate::workspace::Workspace;
 /// Rows of raw samples that are compared.
 const ROWS: &str = "100000000";
 
-/// Builds it and runs its tests, cluster and all, in one profile, so that the engine is built once.
+/// Its lints, documentation and tests, cluster and all, in one profile, and always with what its tests need: then cargo
+/// chooses the same features of the engine each time, checks it once and builds it once.
 pub fn check(workspace: &Workspace) -> Result<Outcome> {
-    cargo::run(workspace, &["test", "--release", "--package", "zerorate-lot"])
+    let of_lot = ["--release", "--package", "zerorate-lot"];
+    cargo::run(workspace, &[&["clippy"], &of_lot[..], &["--all-targets", "--", "-D", "warnings"]].concat())?;
+    cargo::run_documentation(workspace, &[&["doc"], &of_lot[..], &["--lib", "--examples", "--no-deps"]].concat())?;
+    cargo::run(workspace, &[&["test"], &of_lot[..]].concat())
 }
 
 /// The speed of the raw stage beside DuckDB's and a plain loop's, on the same hundred million rows.

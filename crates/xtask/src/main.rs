@@ -40,17 +40,21 @@ enum Chore {
     ///
     /// Formatting, lints, documentation and tests by cargo; the rules of ARCHITECTURE.md by reading the sources; then
     /// the built command against numpy and against damaged recordings; the circuit in ngspice and the gateware by the FPGA
-    /// tools, the firmware in QEMU, as the chores `circuit`, `gateware` and `firmware` do; last the report in a headless browser. What that needs is
+    /// tools, the firmware in QEMU, as the chores `circuit`, `gateware` and `firmware` do; the report in a headless browser;
+    /// last zerorate-lot, whose query engine takes longer to build than everything else together. What that needs is
     /// installed if this runs as root on Debian, and named if it does not.
     ///
     /// Recordings are looked for in ../shared/data, or in the folder that the variable ZERORATE_DATA names.
     Test {
-        /// Leave out what needs Python, ngspice, the FPGA tools or a browser
+        /// Leave out what needs Python, ngspice, the FPGA tools or a browser, and whole lots
         #[arg(long)]
         fast: bool,
-        /// Whole lots too: builds zerorate-lot with its query engine and runs its tests, some twenty minutes on two cores
-        #[arg(long, conflicts_with = "fast")]
+        /// Every step, as without options
+        #[arg(long, conflicts_with_all = ["fast", "without", "only"])]
         all: bool,
+        /// Leave out this step; `--without lot` saves some twenty-five minutes, for its query engine is long to build
+        #[arg(long, value_name = "STEP")]
+        without: Vec<String>,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, arrows, house, build, numpy, damage, circuit,
         /// gateware, firmware, report, lot
         #[arg(value_name = "STEP")]
@@ -114,10 +118,8 @@ fn main() -> Result<ExitCode> {
     let chore = Arguments::parse().chore;
     let workspace = Workspace::of_this_run()?;
     Ok(match chore {
-        Chore::Test { fast, all, only } => {
-            // A step that is named is meant.
-            let lots = all || only.iter().any(|step| step == "lot");
-            steps::run(&steps::chosen(checks(&workspace, fast, lots), &only)?)
+        Chore::Test { fast, all: _, without, only } => {
+            steps::run(&steps::chosen(checks(&workspace, fast), &only, &without)?)
         }
         Chore::CompareLot { rows } => {
             steps::run(&[Step::new("compare-lot", "see crates/xtask/python/compare_lot.py", || {
@@ -141,7 +143,7 @@ fn circuit(workspace: &Workspace) -> Step<'_> {
 }
 
 /// Every check: cargo's, which say the most, then those that read, then those that need the built command.
-fn checks(workspace: &Workspace, fast: bool, lots: bool) -> Vec<Step<'_>> {
+fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
     let within = |check: fn(&Workspace) -> Result<Outcome>| move || check(workspace);
     vec![
         Step::new("format", "run `cargo fmt`", within(cargo::format)),
@@ -168,6 +170,6 @@ fn checks(workspace: &Workspace, fast: bool, lots: bool) -> Vec<Step<'_>> {
         .skipped_if(fast, "--fast"),
         Step::new("report", "look at target/report-screenshots", within(report::check)).skipped_if(fast, "--fast"),
         Step::new("lot", "`cargo test --release -p zerorate-lot NAME` runs one", within(lot::check))
-            .skipped_if(!lots, "--all runs it"),
+            .skipped_if(fast, "--fast"),
     ]
 }

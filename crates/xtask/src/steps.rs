@@ -37,12 +37,13 @@ impl<'a> Step<'a> {
     }
 }
 
-/// The steps of the given names, in their own order; all of them if no name is given.
-pub fn chosen<'a>(steps: Vec<Step<'a>>, names: &[String]) -> Result<Vec<Step<'a>>> {
-    if let Some(unknown) = names.iter().find(|name| steps.iter().all(|step| step.name != **name)) {
+/// The steps of the given names, in their own order, all of them if no name is given; less those `without`.
+pub fn chosen<'a>(steps: Vec<Step<'a>>, names: &[String], without: &[String]) -> Result<Vec<Step<'a>>> {
+    if let Some(unknown) = names.iter().chain(without).find(|name| steps.iter().all(|step| step.name != **name)) {
         bail!("there is no step `{unknown}`: `cargo xtask help test` lists them");
     }
-    let is_chosen = |step: &Step| names.is_empty() || names.iter().any(|name| name == step.name);
+    let named = |step: &Step, names: &[String]| names.iter().any(|name| name == step.name);
+    let is_chosen = |step: &Step| (names.is_empty() || named(step, names)) && !named(step, without);
     Ok(steps.into_iter().filter(is_chosen).collect())
 }
 
@@ -93,13 +94,16 @@ mod tests {
     #[test]
     fn steps_are_chosen_by_name_and_keep_their_order() {
         let steps = || ["format", "clippy", "tests"].map(|name| Step::new(name, "", || Ok(Outcome::Passed))).into();
-        let names = |only: &[&str]| -> Result<Vec<&str>> {
-            let only: Vec<String> = only.iter().map(|&name| name.to_owned()).collect();
-            Ok(chosen(steps(), &only)?.iter().map(|step| step.name).collect())
+        let owned = |names: &[&str]| -> Vec<String> { names.iter().map(|&name| name.to_owned()).collect() };
+        let names = |only: &[&str], without: &[&str]| -> Result<Vec<&str>> {
+            Ok(chosen(steps(), &owned(only), &owned(without))?.iter().map(|step| step.name).collect())
         };
-        assert_eq!(names(&[]).unwrap(), ["format", "clippy", "tests"]);
-        assert_eq!(names(&["tests", "format"]).unwrap(), ["format", "tests"]);
-        assert!(names(&["lint"]).unwrap_err().to_string().contains("`lint`"));
+        assert_eq!(names(&[], &[]).unwrap(), ["format", "clippy", "tests"]);
+        assert_eq!(names(&["tests", "format"], &[]).unwrap(), ["format", "tests"]);
+        assert_eq!(names(&[], &["clippy"]).unwrap(), ["format", "tests"]);
+        for (only, without) in [(["lint"].as_slice(), [].as_slice()), (&[], &["lint"])] {
+            assert!(names(only, without).unwrap_err().to_string().contains("`lint`"));
+        }
     }
 
     #[test]

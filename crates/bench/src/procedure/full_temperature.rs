@@ -1,6 +1,7 @@
 //! The full-temperature test (paper, S6): one heating ramp, both wipers at the middle tap.
 //!
-//! Soak an hour at the cold end, send the chamber to the hot end, record; the model is made from the first hour.
+//! Soak an hour at the cold end, send the chamber to the hot end, record; the model is made from the first hour. Where the
+//! set-up asks for it, the way back down is recorded as well, as long.
 
 use zerorate_core::units::{Axis, Seconds};
 use zerorate_core::wire::SampleWindow;
@@ -8,7 +9,7 @@ use zerorate_core::wire::SampleWindow;
 use crate::error::BenchError;
 use crate::run::{Phase, Recorder, Session, Taken};
 
-/// Runs the test and returns the groups of the ramp; the end of the soak is in the recording only.
+/// Runs the test and returns the groups of its ramps; the end of the soak is in the recording only.
 ///
 /// # Errors
 /// [`BenchError`].
@@ -21,7 +22,11 @@ pub fn run(session: &mut Session<'_>, recorder: &mut Recorder) -> Result<Vec<Tak
     session.start(SampleWindow::NONE)?;
     session.phase("full-temperature ramp", ramp_groups);
     session.until(soak_groups, Phase::Soak, recorder)?;
-    let ramp = session.ramp(hot, ramp_groups, Phase::Heating, recorder)?;
+    let mut ramp = session.ramp(hot, ramp_groups, Phase::Heating, recorder)?;
+    if chamber.cooling_ramp {
+        session.phase("full-temperature ramp, cooling", ramp_groups);
+        ramp.extend(session.ramp(cold, ramp_groups, Phase::Cooling, recorder)?);
+    }
     session.stop()?;
     for axis in Axis::BOTH {
         if let Some(taken) = ramp.iter().find(|taken| taken.report.axes[axis.index()].saturated) {

@@ -22,32 +22,29 @@ impl Gram {
     pub(super) fn push(&mut self, row: &[f64], rate: f64, weight: f64) {
         self.weight += weight;
         let last = self.size - 1;
-        for i in 0..last {
+        for (i, entries) in self.entries.chunks_exact_mut(self.size).take(last).enumerate() {
             let scaled = weight * row[i];
             if scaled == 0.0 {
                 continue;
             }
-            let entries = &mut self.entries[i * self.size..];
-            for j in i..last {
-                entries[j] += scaled * row[j];
-            }
+            entries[i..last].iter_mut().zip(&row[i..]).for_each(|(entry, value)| *entry += scaled * value);
             entries[last] += scaled * rate;
         }
         self.entries[last * self.size + last] += weight * rate * rate;
     }
 
-    /// Takes in a row of which only some columns are wanted; the others' sums stay as they are.
-    pub(super) fn push_some(&mut self, row: &[f64], columns: &[usize], rate: f64, weight: f64) {
-        self.weight += weight;
-        let last = self.size - 1;
-        for (place, &i) in columns.iter().enumerate() {
-            let scaled = weight * row[i];
-            for &j in &columns[place..] {
-                self.entries[i.min(j) * self.size + i.max(j)] += scaled * row[j];
+    /// The same sums as those of `columns` among more of them; the others' are nothing.
+    pub(super) fn among(&self, columns: &[usize], of: usize) -> Self {
+        let mut whole = Self { weight: self.weight, ..Self::new(of) };
+        let own = self.size - 1;
+        for (i, &row) in columns.iter().enumerate() {
+            for (j, &column) in columns.iter().enumerate().skip(i) {
+                whole.entries[row.min(column) * whole.size + row.max(column)] = self.entries[i * self.size + j];
             }
-            self.entries[i * self.size + last] += scaled * rate;
+            whole.entries[row * whole.size + of] = self.entries[i * self.size + own];
         }
-        self.entries[last * self.size + last] += weight * rate * rate;
+        whole.entries[of * whole.size + of] = self.entries[own * self.size + own];
+        whole
     }
 
     pub(super) fn add(&mut self, other: &Self, sign: f64) {

@@ -58,11 +58,18 @@ impl<'a> Sample<'a> {
 
     /// The sums of some columns.
     pub(super) fn gram(&self, features: &Features, columns: &[usize]) -> Gram {
-        let mut gram = Gram::new(features.columns);
+        self.sums(features, columns).among(columns, features.columns)
+    }
+
+    /// The sums of some columns, those side by side.
+    fn sums(&self, features: &Features, columns: &[usize]) -> Gram {
+        let mut sums = Gram::new(columns.len());
+        let mut row = vec![0.0; columns.len()];
         for &group in &self.used {
-            gram.push_some(features.row(group), columns, self.rate(group), self.weights[group]);
+            pick(features.row(group), columns, &mut row);
+            sums.push(&row, self.rate(group), self.weights[group]);
         }
-        gram
+        sums
     }
 
     /// The residuals of a fit, a used group each.
@@ -75,8 +82,10 @@ impl<'a> Sample<'a> {
     /// do not settle it.
     pub(super) fn fit_robustly(&mut self, features: &Features, fit: &Penalised<'_>) -> Option<Vec<f64>> {
         let mut space = Workspace::default();
+        let mut sums = self.sums(features, fit.columns);
+        let mut row = vec![0.0; fit.columns.len()];
         for _ in 0..ROUNDS {
-            if !space.solve(&self.gram(features, fit.columns), fit) {
+            if !space.solve(&sums.among(fit.columns, features.columns), fit) {
                 return None;
             }
             let residuals = self.residuals(features, fit.columns, &space.beta);
@@ -87,11 +96,22 @@ impl<'a> Sample<'a> {
             }
             for (&group, residual) in self.used.iter().zip(&residuals) {
                 let believed = (HUBER * sigma / residual.abs()).min(1.0);
-                self.weights[group] = self.series.weight[group] * believed;
+                let change = self.series.weight[group] * believed - self.weights[group];
+                // Most are believed as before.
+                if change != 0.0 {
+                    pick(features.row(group), fit.columns, &mut row);
+                    sums.push(&row, self.rate(group), change);
+                    self.weights[group] += change;
+                }
             }
         }
-        space.solve(&self.gram(features, fit.columns), fit).then_some(space.beta)
+        space.solve(&sums.among(fit.columns, features.columns), fit).then_some(space.beta)
     }
+}
+
+/// The wanted columns of a row.
+fn pick(row: &[f64], columns: &[usize], wanted: &mut [f64]) {
+    wanted.iter_mut().zip(columns).for_each(|(wanted, &column)| *wanted = row[column]);
 }
 
 /// The median; the upper one of an even number; NaN of none.

@@ -173,6 +173,14 @@ impl AxisCalibration {
     pub fn model(&self) -> Model {
         Model::of_shape(&self.drift.shape)
     }
+
+    /// The model that was chosen, terms beside the curve included: `poly:3`, or `poly:3 + 3 plays + time`.
+    #[must_use]
+    pub fn chosen_model(&self) -> String {
+        let candidates = self.fit.iter().flat_map(|fit| &fit.candidates);
+        let chosen = candidates.into_iter().find(|candidate| candidate.chosen);
+        chosen.map_or_else(|| self.model().to_string(), |candidate| candidate.model.clone())
+    }
 }
 
 impl CandidateStatistics {

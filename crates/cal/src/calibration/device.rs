@@ -1,7 +1,7 @@
 //! From a board's calibration to the record that its device takes.
 
 use thiserror::Error;
-use zerorate_core::record::{AxisRecord, DeviceRecord};
+use zerorate_core::record::{AxisRecord, DeviceRecord, HistoryRecord};
 use zerorate_core::units::{Axis, TemperatureScale};
 
 use super::{Calibration, Kind};
@@ -29,6 +29,14 @@ pub enum NoDeviceRecord {
     /// The temperature's code is missing.
     #[error("the calibration does not say what a temperature code stands for (temperature_scale)")]
     NoTemperatureScale,
+    /// An axis has a history, and nothing says what time it runs by.
+    #[error(
+        "axis {axis} has a history, and the calibration does not say the time from group to group (group_period_s)"
+    )]
+    NoGroupPeriod {
+        /// The axis's name.
+        axis: &'static str,
+    },
     /// An axis is missing.
     #[error("the calibration has no axis {axis}: a board has x and y")]
     NoAxis {
@@ -101,6 +109,11 @@ impl Calibration {
         )
         .map_err(|reason| NoDeviceRecord::Axis { axis: name, reason })?;
         digital_only.extend(composed.digital_only.map(|why| (axis, why)));
-        Ok(composed.record)
+        let timed = |history| {
+            let group_period_s = self.group_period_s.ok_or(NoDeviceRecord::NoGroupPeriod { axis: name })?;
+            Ok::<_, NoDeviceRecord>(HistoryRecord { history, group_period_s })
+        };
+        let history = calibration.history.clone().map(timed).transpose()?;
+        Ok(AxisRecord { history, ..composed.record })
     }
 }

@@ -65,6 +65,7 @@ fn board() -> Calibration {
         sources: vec![source],
         temperature_unit: TemperatureUnit::Counts,
         temperature_scale: Some(TemperatureScale::QUARTER_COUNTS),
+        group_period_s: Some(1.5),
         axes: [("x".to_owned(), board_axis(0.0)), ("y".to_owned(), board_axis(17.3))].into(),
         warnings: vec!["look at this".to_owned()],
         setup: Some(serde_json::json!({ "group": { "samples": 500 } })),
@@ -284,17 +285,35 @@ proptest! {
     }
 }
 
-/// A history, a drift in time, a static cubic and a band read back to the same bits.
-#[test]
-fn a_calibration_with_a_history_reads_back_as_it_was_written() {
+/// A play and a lag on the curve of an axis.
+fn with_history(axis: &mut AxisCalibration) {
     use zerorate_core::drift::{History, Memory, Term};
-    let mut calibration = board();
-    let axis = calibration.axes.get_mut("x").unwrap();
     let terms = [
         Term { memory: Memory::Play { half_width: 123.4 }, weight: 0.0117, share: 0.6 },
         Term { memory: Memory::Lag { time_constant_s: 240.0 }, weight: -0.3, share: 0.4 },
     ];
     axis.history = History::new(axis.drift.shape.clone(), &terms);
+}
+
+/// The board's record carries an axis's history and the time it runs by, and is refused where that is not known.
+#[test]
+fn a_boards_history_stands_in_its_record() {
+    let mut calibration = board();
+    with_history(calibration.axes.get_mut("x").unwrap());
+    let [x, y] = calibration.to_device_record().unwrap().record.axes;
+    let history = x.history.unwrap();
+    assert_eq!((Some(&history.history), history.group_period_s), (calibration.axes["x"].history.as_ref(), 1.5));
+    assert_eq!(y.history, None);
+    calibration.group_period_s = None;
+    assert_eq!(calibration.to_device_record(), Err(NoDeviceRecord::NoGroupPeriod { axis: "x" }));
+}
+
+/// A history, a drift in time, a static cubic and a band read back to the same bits.
+#[test]
+fn a_calibration_with_a_history_reads_back_as_it_was_written() {
+    let mut calibration = board();
+    let axis = calibration.axes.get_mut("x").unwrap();
+    with_history(axis);
     axis.time_drift = Some(TimeDrift { per_second: 1e-3, origin_s: 2122.25 });
     axis.band = vec![BandPoint { temperature: 8500.0, half_width: 1.0 / 3.0 }];
     let spread = crate::log_fit::Spread { rms: 0.1, pp: 0.7 };

@@ -6,9 +6,8 @@ use zerorate_core::drift::Scale;
 
 use super::gather::{Gathered, gather, is_accelerometer};
 use super::residual::trace;
-use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, words};
+use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, TracePoint, admit, words};
 use crate::auto::{self, Series};
-use crate::choose::{Choice, Model};
 use crate::condition::{DropReason, Group, Levels, Stretch, leave_out_times, level, smooth_stairs, weigh};
 use crate::fit::{Basis, Fit};
 use crate::quality::{Judgement, Reason, ReasonKind};
@@ -134,32 +133,20 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
             return None;
         }
     };
-    let trace = trace(groups, axis, &auto.residuals);
-    let choice = Choice {
-        model: Model::of_shape(&auto.drift.shape),
-        solution: auto.solution,
-        without: Vec::new(),
-        candidates: auto.candidates,
+    let point = |(group, residual): (&Group, &f64)| TracePoint {
+        time_s: group.time_s,
+        temperature: group.temperature,
+        rate: group.axes[axis].rate,
+        residual: *residual,
     };
+    let trace = trace(groups.iter().zip(&auto.residuals).map(point));
     Some(AxisFit {
-        name: name.clone(),
         sensor: stream.sensor,
         verdict: judgement.verdict,
-        rate_unit: stream.unit,
-        temperature_unit: stream.temperature_unit,
         reference_temperature: is_accelerometer(stream).then_some(f64::midpoint(valid.min(), valid.max())),
-        drift: auto.drift,
-        history: auto.history,
-        time_drift: auto.time_drift,
-        static_cubic: auto.static_cubic,
-        band: auto.band,
-        nested: Some(auto.nested),
-        choice,
-        in_sample: auto.in_sample,
-        held_out: auto.held_out,
         samples_used: used().map(|(_, group)| u64::from(group.axes[axis].rows)).sum(),
         samples_rejected: sensor.tallies[axis].rejected(),
-        trace,
+        ..AxisFit::of_auto(name, (stream.unit, stream.temperature_unit), auto, trace)
     })
 }
 

@@ -4,7 +4,6 @@ use zerorate_core::drift::{Drift, Shape};
 
 use super::{Spread, TRACE_POINTS, TracePoint};
 use crate::choose::Choice;
-use crate::condition::Group;
 
 /// A running sum of squares and extremes.
 #[derive(Debug, Clone, Copy)]
@@ -94,20 +93,15 @@ fn evaluate(shape: &Shape, temperature: f64) -> f64 {
     }
 }
 
-/// The trace of an axis's groups, from their residuals; NaN is a group that was not fitted.
+/// The trace of some groups, in order of time; one whose residual is NaN was not fitted, and is left out.
 // A bin's number is below 2000.
 #[allow(clippy::cast_possible_truncation)]
-pub(super) fn trace(groups: &[Group], axis: usize, residuals: &[f64]) -> Vec<TracePoint> {
+pub(crate) fn trace(groups: impl ExactSizeIterator<Item = TracePoint>) -> Vec<TracePoint> {
     let rows = groups.len() as u64;
     let mut bins = vec![Bin::default(); rows.clamp(1, TRACE_POINTS) as usize];
     let count = bins.len() as u64;
-    for ((row, group), residual) in (0_u64..).zip(groups).zip(residuals).filter(|(_, residual)| residual.is_finite()) {
-        bins[(row * count / rows.max(1)).min(count - 1) as usize].add(TracePoint {
-            time_s: group.time_s,
-            temperature: group.temperature,
-            rate: group.axes[axis].rate,
-            residual: *residual,
-        });
+    for (row, point) in (0_u64..).zip(groups).filter(|(_, point)| point.residual.is_finite()) {
+        bins[(row * count / rows.max(1)).min(count - 1) as usize].add(point);
     }
     bins.iter().filter(|bin| bin.count > 0).map(Bin::mean).collect()
 }

@@ -53,6 +53,12 @@ pub fn judge_survey(
         let text = format!("{axis}: {} of {groups} groups are at an end of the converter", survey.saturated);
         judgement.add(Reason::new(ReasonKind::Saturated, text));
     }
+    if let Some((lowest, highest)) = survey.taps.filter(|(lowest, highest)| lowest < highest) {
+        let text = format!(
+            "{axis}: the wiper moved between taps {lowest} and {highest}, so the reading is not the gyro's drift alone: fit the recording of the full-temperature test, in which it stays"
+        );
+        judgement.add(Reason::new(ReasonKind::WiperMoved, text));
+    }
     let taken = survey.span.1 - survey.span.0 + 1;
     if let Some(expected) = expected.filter(|expected| taken < *expected) {
         let text = format!("the recording ends after {taken} of its ramp's {expected} groups: the run was cut");

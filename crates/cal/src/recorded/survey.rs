@@ -39,6 +39,8 @@ pub struct AxisSurvey {
     pub stretches: [StretchSurvey; STRETCHES],
     /// Groups at an end of the converter.
     pub saturated: u64,
+    /// The lowest and the highest tap, where there is a group.
+    pub taps: Option<(u16, u16)>,
 }
 
 impl AxisSurvey {
@@ -47,7 +49,8 @@ impl AxisSurvey {
     pub fn of(means: &RampMeans) -> Self {
         let number = |group: Option<&u32>| group.copied().map_or(0, u64::from);
         let span = (number(means.groups.first()), number(means.groups.last()));
-        let mut survey = Self { span, stretches: [StretchSurvey::EMPTY; STRETCHES], saturated: means.saturated };
+        let stretches = [StretchSurvey::EMPTY; STRETCHES];
+        let mut survey = Self { span, stretches, saturated: means.saturated, taps: means.taps };
         for ((group, temperature), reading) in means.groups.iter().zip(&means.temperatures).zip(&means.readings) {
             survey.stretches[stretch_of(u64::from(*group), span)].push(*temperature, *reading);
         }

@@ -1,19 +1,18 @@
 use super::*;
 use crate::choose::Model;
 
+fn group_of(group: u32, temperature: f64, reading: f64) -> RampGroup {
+    RampGroup { group, time_s: f64::from(group) * 1.5, temperature, reading, samples: 500, flags: 0, tap: 511 }
+}
+
 /// A ramp of 2400 groups with a quadratic drift and a noise of +-1 count.
 fn ramp() -> RampMeans {
     let mut means = RampMeans::default();
     for group in 0..2400_u32 {
         let t = 8500.0 + 3400.0 * f64::from(group) / 2399.0;
         let noise = f64::from((group * 7919) % 1000) / 500.0 - 1.0;
-        means.push(
-            20 + group,
-            f64::from(group) * 1.5,
-            (t, 13_435.7 - 0.894_782 * t + 0.375_298e-4 * t * t + noise),
-            500,
-            0,
-        );
+        let reading = 13_435.7 - 0.894_782 * t + 0.375_298e-4 * t * t + noise;
+        means.push(&group_of(20 + group, t, reading));
     }
     means
 }
@@ -60,10 +59,64 @@ fn a_few_wild_groups_are_outliers_and_the_fit_can_be_looked_at() {
 #[test]
 fn a_group_at_the_converters_end_is_told_and_one_without_samples_left_out() {
     let mut means = ramp();
-    means.push(2420, 3600.0, (12_000.0, 16_383.0), 500, SATURATED);
-    means.push(2421, 3601.5, (f64::NAN, f64::NAN), 0, 0);
+    means.push(&RampGroup { flags: SATURATED, ..group_of(2420, 12_000.0, 16_383.0) });
+    means.push(&RampGroup { samples: 0, ..group_of(2421, f64::NAN, f64::NAN) });
     assert_eq!(means.groups.len(), 2401);
     assert_eq!(kinds(&means, None), (vec![ReasonKind::Saturated], false));
+}
+
+/// A ramp up and down again whose reading follows a die some seconds behind the sensor.
+fn up_and_down(die_behind_s: f64) -> RampMeans {
+    let mut means = RampMeans::default();
+    let mut die = 8500.0;
+    for group in 0..4800_u32 {
+        let place = f64::from(group) / 2400.0;
+        // An hour to come near each end, as a chamber does.
+        let t = if place < 1.0 { 8500.0 } else { 11_900.0 }
+            + if place < 1.0 { 3400.0 } else { -3400.0 } * (1.0 - (-4.0 * place.fract()).exp());
+        die += (t - die) * (1.0 - (-1.5 / die_behind_s).exp());
+        let noise = f64::from((group * 7919) % 1000) / 500.0 - 1.0;
+        means.push(&group_of(group, t, 8200.0 + 0.1 * (die - 10_200.0) + noise));
+    }
+    means
+}
+
+#[test]
+fn auto_sees_hysteresis_in_both_directions_of_a_ramp_and_a_model_asked_for_does_not() {
+    let means = up_and_down(12.0);
+    let fit = |model| {
+        let options = FitOptions { model, ..FitOptions::default() };
+        let mut judgement = Judgement::default();
+        let fit = fit_axis("x", &means, None, &options, &mut judgement).unwrap();
+        assert_eq!(judgement.reasons, []);
+        fit
+    };
+    let (auto, cubic) = (fit(Model::Auto), fit(Model::Poly(3)));
+    assert!(auto.history.is_some() && cubic.history.is_none(), "{}", auto.model());
+    // The noise alone is 0.577 rms.
+    assert!(auto.held_out.rms < 0.65 && cubic.held_out.rms > 1.5, "{:?} {:?}", auto.held_out, cubic.held_out);
+    assert!(auto.samples_used == 4800 * 500 && auto.trace.len() == 2000);
+}
+
+#[test]
+fn a_few_wild_groups_move_autos_curve_by_little_and_reject_the_unit_all_the_same() {
+    let mut wild = ramp();
+    for group in (5..2400).step_by(120) {
+        wild.readings[group] += 400.0;
+    }
+    let mut judgement = Judgement::default();
+    let fit = fit_axis("x", &wild, None, &FitOptions::default(), &mut judgement).unwrap();
+    assert_eq!(judgement.reasons.iter().map(|reason| reason.kind).collect::<Vec<_>>(), [ReasonKind::Outliers]);
+    let clean = fit_axis("x", &ramp(), None, &FitOptions::default(), &mut Judgement::default()).unwrap();
+    let off = |t: f64| (fit.drift.evaluate(t).0 - clean.drift.evaluate(t).0).abs();
+    assert!((0..=34).all(|k| off(8500.0 + 100.0 * f64::from(k)) < 0.3));
+}
+
+#[test]
+fn readings_of_a_wiper_that_moved_are_no_drift() {
+    let mut means = ramp();
+    means.push(&RampGroup { tap: 512, ..group_of(2420, 11_901.0, 8200.0) });
+    assert_eq!(kinds(&means, None), (vec![ReasonKind::WiperMoved], false));
 }
 
 #[test]

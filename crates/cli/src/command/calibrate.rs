@@ -194,8 +194,9 @@ struct Bar {
 
 impl Bar {
     fn new(setup: &SetUp) -> Self {
-        // Groups are what takes time: a ramp each for the fit, six for the tests, and the soaks' minutes.
-        let ramps = u64::from(setup.chamber.ramp_groups) * 7 + u64::from(setup.chamber.soak_groups) * 5;
+        // Groups are what takes time: a ramp or two for the fit, six for the tests, and the soaks' minutes.
+        let of_fit = if setup.chamber.cooling_ramp { 2 } else { 1 };
+        let ramps = u64::from(setup.chamber.ramp_groups) * (of_fit + 6) + u64::from(setup.chamber.soak_groups) * 5;
         let bar = ProgressBar::new(ramps + 40 * setup.chamber.soaks_c.len() as u64);
         // A template that does not parse would be ours, and the plain bar is one too.
         if let Ok(style) = ProgressStyle::with_template("{msg:44} {bar:24} {elapsed} gone, {eta} left") {

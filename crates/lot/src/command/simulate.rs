@@ -26,6 +26,10 @@ pub struct Simulate {
     #[arg(long, value_name = "PART", default_value_t = 0.03)]
     bad: f64,
 
+    /// Record the way back down too, as long again: what `--model auto` needs to see hysteresis
+    #[arg(long)]
+    cooling: bool,
+
     /// Write the recordings into this folder; it is made
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -35,7 +39,13 @@ impl Simulate {
     pub fn run(&self) -> Result<Outcome> {
         anyhow::ensure!((0.0..=1.0).contains(&self.bad), "--bad {}: give a part from 0 to 1", self.bad);
         let bar = bar(u64::from(self.units));
-        let simulation = Simulation { units: self.units, seed: self.seed, out: self.out.clone(), bad: self.bad };
+        let simulation = Simulation {
+            units: self.units,
+            seed: self.seed,
+            out: self.out.clone(),
+            bad: self.bad,
+            cooling: self.cooling,
+        };
         let truth = simulation.run(&|| bar.inc(1))?;
         bar.finish_and_clear();
         let bad = truth.units.iter().filter(|unit| unit.defect.is_some()).count();

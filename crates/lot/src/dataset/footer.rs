@@ -65,6 +65,7 @@ pub(crate) fn columns() -> Vec<(&'static str, DataType)> {
         ("zro_sum", DataType::UInt64),
         ("temperature_counts", DataType::Float64),
         ("zro_counts", DataType::Float64),
+        ("tap", DataType::UInt16),
         ("flags", DataType::UInt16),
     ]
 }

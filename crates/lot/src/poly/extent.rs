@@ -24,6 +24,8 @@ pub(super) struct Extent {
     pub reading: (f64, f64),
     /// Groups at an end of the converter.
     pub saturated: u64,
+    /// The lowest and the highest tap.
+    pub taps: (u16, u16),
     /// Groups whose means are not those of their sums.
     pub inconsistent: u64,
 }
@@ -45,7 +47,7 @@ WITH rows AS (
   SELECT file, CASE WHEN axis = 'y' THEN 1 ELSE 0 END AS y,
          phase IN ('heating', 'cooling') AND n > 0 AS used,
          CAST(\"group\" AS BIGINT) AS g, CAST(n AS BIGINT) AS n, CAST(flags AS BIGINT) AS flags,
-         temperature_counts AS t, zro_counts AS z,
+         CAST(tap AS BIGINT) AS tap, temperature_counts AS t, zro_counts AS z,
          CAST(temperature_sum AS DOUBLE) AS t_sum, CAST(zro_sum AS DOUBLE) AS z_sum
   FROM files)
 SELECT file, y, count(*) AS all_rows,
@@ -54,11 +56,14 @@ SELECT file, y, count(*) AS all_rows,
        min(CASE WHEN used THEN g END) AS first, max(CASE WHEN used THEN g END) AS last,
        min(CASE WHEN used THEN t END) AS t_min, max(CASE WHEN used THEN t END) AS t_max,
        min(CASE WHEN used THEN z END) AS z_min, max(CASE WHEN used THEN z END) AS z_max,
+       min(CASE WHEN used THEN tap END) AS tap_min, max(CASE WHEN used THEN tap END) AS tap_max,
        sum(CASE WHEN used AND (flags / 4) % 2 = 1 THEN 1 ELSE 0 END) AS saturated,
        sum(CASE WHEN used AND (t <> t_sum / n OR z <> z_sum / n) THEN 1 ELSE 0 END) AS inconsistent
 FROM rows GROUP BY file, y";
 
 /// Asks for the extents. An axis without groups in its ramps has none.
+// Taps fit their type in the file.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 pub(super) async fn query(
     engine: &Engine,
     place: &Place,
@@ -73,6 +78,7 @@ pub(super) async fn query(
         let (all_rows, groups, samples) = (get("all_rows")?, get("groups")?, get("samples")?);
         let (first, last) = (get("first")?, get("last")?);
         let (t_min, t_max, z_min, z_max) = (get("t_min")?, get("t_max")?, get("z_min")?, get("z_max")?);
+        let (tap_min, tap_max) = (get("tap_min")?, get("tap_max")?);
         let (saturated, inconsistent) = (get("saturated")?, get("inconsistent")?);
         for (row, key) in keys(batch)?.into_iter().enumerate() {
             rows[key.0] += count(all_rows[row]);
@@ -84,6 +90,7 @@ pub(super) async fn query(
                     temperature: (t_min[row], t_max[row]),
                     reading: (z_min[row], z_max[row]),
                     saturated: count(saturated[row]),
+                    taps: (tap_min[row] as u16, tap_max[row] as u16),
                     inconsistent: count(inconsistent[row]),
                 };
                 extents.insert(key, extent);

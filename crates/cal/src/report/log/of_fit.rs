@@ -122,6 +122,9 @@ fn advice_for(kind: ReasonKind) -> &'static str {
         ReasonKind::CutRun => "Look why the run ended before its ramp did, and record it again whole.",
         ReasonKind::StuckReading => "Check the gyro's supply and its line to the converter.",
         ReasonKind::Outliers => "Look for a loose connection or a disturbed bench, and record again.",
+        ReasonKind::WiperMoved => {
+            "Fit the recording of the full-temperature test: there the wiper stays at the middle tap."
+        }
         ReasonKind::WrongSerial | ReasonKind::DuplicateSerial => {
             "Find out which unit was recorded, and record it again."
         }

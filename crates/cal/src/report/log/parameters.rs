@@ -28,6 +28,7 @@ pub(super) fn of(fit: &LogFit) -> Vec<Parameters> {
         sources: Vec::new(),
         temperature_unit: first.temperature_unit,
         temperature_scale: None,
+        group_period_s: None,
         axes: fit
             .axes
             .iter()

@@ -49,6 +49,10 @@ const SECTIONS: &[Section] = &[
             ("room_c", "Room temperature, at which the trim is measured, degrees C."),
             ("soak_s", "How long the chamber is held before a ramp once it is at its set point, seconds."),
             ("ramp_groups", "Groups of a ramp that are used, from its beginning: 2400 are its first hour."),
+            (
+                "cooling_ramp",
+                "Whether the full-temperature test records the way back down too: a history shows only in both directions.",
+            ),
             ("soak_groups", "Groups taken at the end of a soak, before the ramp begins."),
             ("limits_c", "The least and the greatest temperature that the chamber may be sent to, degrees C."),
             ("soaks_c", "The soaks of the traditional test to compare with, degrees C."),

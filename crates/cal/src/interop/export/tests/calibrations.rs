@@ -41,6 +41,7 @@ pub fn calibration(axes: Vec<(&str, AxisCalibration)>) -> Calibration {
         sources: vec![Source { content: "log".to_owned(), file: "log.ulg".to_owned(), sha256: "ab".repeat(32) }],
         temperature_unit: TemperatureUnit::C,
         temperature_scale: None,
+        group_period_s: None,
         axes: axes.into_iter().map(|(name, axis)| (name.to_owned(), axis)).collect(),
         warnings: Vec::new(),
         setup: None,
