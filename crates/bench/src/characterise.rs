@@ -1,13 +1,15 @@
 //! From an unknown unit to its law: the ramp and its fit, the trim experiment and its fit, the two composed.
 
 use zerorate_cal::compose::{Composed, chatter_warning, compose, compose_axis, steepest_slope_taps};
-use zerorate_cal::drift_fit::{DriftFit, fit_drift};
-use zerorate_cal::quality::{Judgement, TemperatureUnit};
+use zerorate_cal::log_fit::{AxisFit, FitOptions};
+use zerorate_cal::quality::Judgement;
+use zerorate_cal::recorded::{RampGroup, RampMeans, fit_axis};
 use zerorate_cal::trim_fit::{TrimFit, fit_trim, tap_effects};
 use zerorate_core::compensate::Mode;
+use zerorate_core::drift::{HistoryState, evaluate_dynamic};
 use zerorate_core::record::DeviceRecord;
 use zerorate_core::trim::TapEffects;
-use zerorate_core::units::{Axis, Counts, Seconds, Taps, TemperatureScale};
+use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps, TemperatureScale};
 use zerorate_core::wire::Request;
 
 use crate::error::BenchError;
@@ -15,13 +17,15 @@ use crate::evaluate::drift_pp;
 use crate::instruments::Witness;
 use crate::kept::Kept;
 use crate::procedure::{full_temperature, trim_experiment};
-use crate::run::{Recorder, Session, Taken};
+use crate::run::{Recorder, Session, Taken, row};
 
 /// What is known of one axis before it is compensated.
 #[derive(Debug, Clone)]
 pub struct AxisCharacter {
     /// The drift and how well it holds.
-    pub drift: DriftFit,
+    pub drift: AxisFit,
+    /// What the device would take off at each group of the ramp, had it begun with the first, counts.
+    pub predicted: Vec<f64>,
     /// The trim part's line, both ways.
     pub trim: TrimFit,
     /// What each tap of the working range does.
@@ -122,7 +126,8 @@ pub fn characterise_once(
         let dead_band = setup.trim.dead_band_taps;
         let scale = TemperatureScale::QUARTER_COUNTS;
         let composed = compose_axis(drift.drift.clone(), model, dead_band, setup.low_pass(), Mode::Hybrid, scale)
-            .map_err(|error| failed(error.to_string()))?;
+            .map_err(|error| failed(error.to_string()))?
+            .with_history(drift.history.clone(), setup.group_period().0);
         let name = axis.name().to_uppercase();
         if let Some(digital_only) = &composed.digital_only {
             warnings.push(format!("axis {name}: {digital_only}"));
@@ -134,6 +139,7 @@ pub fn characterise_once(
         }
         axes.push(AxisCharacter {
             drift_pp_counts: drift_pp(&ramp, axis),
+            predicted: predictions(&drift, ramp.iter().map(|taken| (taken.time.0, taken.temperature(axis).0))),
             curve_error_counts: curve_error(&ramp, axis, &drift),
             plant_slope_taps_per_count: session.bench.witness.as_deref().map(|w| plant_slope(w, axis, &trim)),
             drift,
@@ -150,23 +156,37 @@ pub fn characterise_once(
     Ok(Character { ramp, ramp_time, axes, record, warnings })
 }
 
-fn fit_ramp(session: &Session<'_>, ramp: &[Taken], axis: Axis) -> Result<DriftFit, BenchError> {
-    let temperatures: Vec<f64> = ramp.iter().map(|taken| taken.temperature(axis).0).collect();
-    let readings: Vec<f64> = ramp.iter().map(|taken| taken.zro(axis).0).collect();
-    let fit = fit_drift(&temperatures, &readings, session.setup.model())
-        .map_err(|error| BenchError::Fit { axis, reason: error.to_string() })?;
-    let mut judgement = Judgement::default();
-    judgement.span(fit.drift.valid.min(), fit.drift.valid.max(), TemperatureUnit::Counts, false);
-    match judgement.reasons.into_iter().next() {
-        Some(reason) if judgement.verdict == zerorate_cal::quality::Verdict::Rejected => {
-            Err(BenchError::Fit { axis, reason: reason.text })
-        }
-        _ => Ok(fit),
+/// The fit of a ramp, judged as `zerorate fit` judges its recording.
+fn fit_ramp(session: &Session<'_>, ramp: &[Taken], axis: Axis) -> Result<AxisFit, BenchError> {
+    let mut means = RampMeans::default();
+    for taken in ramp {
+        let unknown = Celsius(f64::NAN);
+        means.push(&RampGroup::from(&row(taken, axis, (taken.report.group.0, taken.time.0), unknown, unknown)));
     }
+    let options = FitOptions { model: session.setup.model(), ..FitOptions::default() };
+    let mut judgement = Judgement::default();
+    let fit = fit_axis(axis.name(), &means, None, &options, &mut judgement);
+    fit.filter(|_| !judgement.rejected()).ok_or_else(|| {
+        let reasons: Vec<String> = judgement.reasons.into_iter().map(|reason| reason.text).collect();
+        BenchError::Rejected { reasons: reasons.join("; ") }
+    })
+}
+
+/// What the device would take off at each of some times, seconds, and temperatures, counts, had it begun with the first.
+fn predictions(fit: &AxisFit, groups: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
+    let (mut state, mut before) = (HistoryState::default(), f64::NAN);
+    let predict = |(time_s, temperature): (f64, f64)| {
+        if let Some(history) = &fit.history {
+            history.advance(&fit.drift, &mut state, temperature, time_s - before);
+            before = time_s;
+        }
+        evaluate_dynamic(&fit.drift, fit.history.as_ref(), &state, temperature).0
+    };
+    groups.map(predict).collect()
 }
 
 /// The lowest and the highest reading of a drift.
-fn extremes(fit: &DriftFit) -> [Counts; 2] {
+fn extremes(fit: &AxisFit) -> [Counts; 2] {
     let valid = fit.drift.valid;
     let ends = [valid.min(), valid.max()].into_iter().chain(fit.drift.turning_points());
     let readings = ends.map(|temperature| fit.drift.evaluate(temperature).0);
@@ -185,12 +205,13 @@ fn temperature_noise(ramp: &[Taken], axis: Axis) -> f64 {
     (ramp.iter().map(variance_of_mean).sum::<f64>() / n).sqrt()
 }
 
-fn curve_error(ramp: &[Taken], axis: Axis, fit: &DriftFit) -> Option<f64> {
-    let distance = |taken: &Taken| {
-        let truth = &taken.truth.as_ref()?.axes[axis.index()];
-        Some((fit.drift.evaluate(truth.temperature_counts).0 - truth.drift_counts).abs())
-    };
-    ramp.iter().map(distance).try_fold(0.0, |most: f64, distance| Some(most.max(distance?)))
+fn curve_error(ramp: &[Taken], axis: Axis, fit: &AxisFit) -> Option<f64> {
+    let truths: Option<Vec<_>> =
+        ramp.iter().map(|taken| Some((taken.time.0, taken.truth.as_ref()?.axes[axis.index()].clone()))).collect();
+    let truths = truths?;
+    let predicted = predictions(fit, truths.iter().map(|(time_s, truth)| (*time_s, truth.temperature_counts)));
+    let off = predicted.iter().zip(&truths).map(|(predicted, (_, truth))| (predicted - truth.drift_counts).abs());
+    Some(off.fold(0.0, f64::max))
 }
 
 /// The slope of the plant's own taps over those that the experiment ended at, by least squares.

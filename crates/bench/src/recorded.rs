@@ -38,8 +38,7 @@ pub fn calibration(recording: &Path, fit: &LogFit) -> Result<Calibration, BenchE
         let reasons: Vec<&str> = fit.judgement.reasons.iter().map(|reason| reason.text.as_str()).collect();
         return Err(BenchError::Rejected { reasons: reasons.join("; ") });
     }
-    let axes =
-        fit.axes.iter().map(|axis| (axis.name.clone(), AxisCalibration::of_log_axis(axis, ResidualOver::Groups)));
+    let axes = fit.axes.iter().map(|axis| (axis.name.clone(), AxisCalibration::of_fit(axis, ResidualOver::Groups)));
     let warnings = fit.judgement.reasons.iter().map(|reason| reason.text.clone()).collect();
     of_axes(&info, axes.collect(), source, warnings)
 }

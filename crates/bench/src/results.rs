@@ -1,6 +1,6 @@
 //! The files of a run: calibration, device record, report, summary.
 
-use zerorate_cal::calibration::{AxisCalibration, CREATED_BY, Calibration, Kind, TrimCalibration};
+use zerorate_cal::calibration::{AxisCalibration, CREATED_BY, Calibration, Kind, ResidualOver, TrimCalibration};
 use zerorate_cal::quality::TemperatureUnit;
 use zerorate_core::record::MAX_RECORD_BYTES;
 use zerorate_core::units::{Axis, TemperatureScale};
@@ -41,8 +41,8 @@ fn calibration(run: &Calibrated) -> Calibration {
             low_pass: record.low_pass,
             start_up_mode: record.start_up_mode,
         };
-        let samples = character.drift.groups * u64::from(run.setup.acquisition.group_length);
-        (axis.name().to_owned(), AxisCalibration::of_board_axis(&character.drift, samples, Some(trim)))
+        let drift = AxisCalibration::of_fit(&character.drift, ResidualOver::Groups);
+        (axis.name().to_owned(), AxisCalibration { trim: Some(trim), ..drift })
     });
     Calibration {
         kind: Kind::AnalogueBoard,

@@ -48,11 +48,11 @@ fn unit(run: &Calibrated) -> UnitFacts {
 fn calibrated_axis(run: &Calibrated, axis: Axis) -> CalibratedAxis {
     let character = &run.character.axes[axis.index()];
     let began = run.character.ramp.first().map_or(0.0, |taken| taken.time.0);
-    let ramp = run.character.ramp.iter().map(|taken| RampPoint {
+    let ramp = run.character.ramp.iter().zip(&character.predicted).map(|(taken, predicted)| RampPoint {
         elapsed_s: taken.time.0 - began,
         temperature_counts: taken.temperature(axis).0,
         zro_counts: taken.zro(axis).0,
-        fitted_counts: character.drift.drift.evaluate(taken.temperature(axis).0).0,
+        fitted_counts: *predicted,
     });
     CalibratedAxis {
         name: axis.name().to_uppercase(),
@@ -66,14 +66,14 @@ fn drift_facts(character: &AxisCharacter) -> DriftFacts {
     let drift = &character.drift;
     let is_polynomial = matches!(drift.drift.shape, zerorate_core::drift::Shape::Polynomial(_));
     let candidates = drift.choice.candidates.iter().map(|candidate| CandidateRow {
-        model: candidate.model.to_string(),
+        model: candidate.to_string(),
         in_sample_rms: candidate.in_sample_rms,
         held_out_rms: candidate.held_out_rms,
         standard_error: candidate.standard_error,
-        chosen: candidate.model == drift.choice.model,
+        chosen: candidate.chosen,
     });
     DriftFacts {
-        model: drift.choice.model.to_string(),
+        model: drift.model(),
         raw_coefficients: if is_polynomial { drift.choice.solution.raw_coefficients() } else { Vec::new() },
         temperature_counts: [drift.drift.valid.min(), drift.drift.valid.max()],
         drift_pp_counts: character.drift_pp_counts,

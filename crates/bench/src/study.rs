@@ -71,7 +71,7 @@ pub fn unit(number: u32, plant: PlantKind, seed: u64, setup: &SetUp) -> Result<U
         trim_residual_pp_counts: trim,
         hybrid_residual_pp_counts: hybrid,
         floor_pp_counts: floor,
-        model: drift.drift.choice.model.to_string(),
+        model: drift.drift.model(),
         warnings: character.warnings,
     })
 }

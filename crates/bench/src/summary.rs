@@ -99,7 +99,7 @@ impl AxisSummary {
     fn of(axis: &AxisCharacter) -> Self {
         let AxisCharacter { drift, trim, .. } = axis;
         Self {
-            model: drift.choice.model.to_string(),
+            model: drift.model(),
             drift_raw_coefficients: drift.choice.solution.raw_coefficients(),
             drift_pp_counts: axis.drift_pp_counts,
             v0_counts: trim.better.centre_counts,

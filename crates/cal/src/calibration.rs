@@ -122,7 +122,7 @@ impl Calibration {
             temperature_unit: first.temperature_unit,
             temperature_scale: None,
             group_period_s: None,
-            axes: fit.axes.iter().map(|axis| (axis.name.clone(), AxisCalibration::of_log_axis(axis, over))).collect(),
+            axes: fit.axes.iter().map(|axis| (axis.name.clone(), AxisCalibration::of_fit(axis, over))).collect(),
             warnings: reasons().collect(),
             setup: None,
         })

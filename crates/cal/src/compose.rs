@@ -6,8 +6,8 @@ use std::fmt;
 
 use thiserror::Error;
 use zerorate_core::compensate::{EdgeError, EdgeTable, LawRefused, LowPass, Mode, StaticLaw, Unrepresentable};
-use zerorate_core::drift::Drift;
-use zerorate_core::record::{AxisRecord, DeviceRecord, MAX_RECORD_BYTES, UnitSerial};
+use zerorate_core::drift::{Drift, History};
+use zerorate_core::record::{AxisRecord, DeviceRecord, HistoryRecord, MAX_RECORD_BYTES, UnitSerial};
 use zerorate_core::trim::Trim;
 use zerorate_core::units::{Axis, TemperatureScale};
 
@@ -103,6 +103,16 @@ pub struct Composed {
     pub record: AxisRecord,
     /// Set where the wiper cannot follow: the record is without edges.
     pub digital_only: Option<DigitalOnly>,
+}
+
+impl Composed {
+    /// The same law with what the drift remembers, which modes digital and hybrid follow; `group_period_s` is the time
+    /// from group to group on the device, seconds. [`compose`] checks that the device would accept it.
+    #[must_use]
+    pub fn with_history(mut self, history: Option<History>, group_period_s: f64) -> Self {
+        self.record.history = history.map(|history| HistoryRecord { history, group_period_s });
+        self
+    }
 }
 
 /// Composes one axis: solves eq. (6) for its table of edges and checks that the device would accept the law.

@@ -47,6 +47,20 @@ pub struct RampGroup {
     pub tap: u16,
 }
 
+impl From<&GroupRow> for RampGroup {
+    fn from(row: &GroupRow) -> Self {
+        Self {
+            group: row.group,
+            time_s: row.t_s,
+            temperature: row.sums.mean_temperature().0,
+            reading: row.sums.mean_zro().0,
+            samples: row.sums.n,
+            flags: row.flags,
+            tap: row.tap,
+        }
+    }
+}
+
 /// The groups of one axis's ramps, in the order in which they were taken; those without a sample are left out.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RampMeans {
@@ -73,15 +87,7 @@ impl RampMeans {
         let mut means = Self::default();
         let ramps = |row: &&GroupRow| row.axis == axis && RAMPS.contains(&row.phase.as_str());
         for row in recording.rows.iter().filter(ramps) {
-            means.push(&RampGroup {
-                group: row.group,
-                time_s: row.t_s,
-                temperature: row.sums.mean_temperature().0,
-                reading: row.sums.mean_zro().0,
-                samples: row.sums.n,
-                flags: row.flags,
-                tap: row.tap,
-            });
+            means.push(&RampGroup::from(row));
         }
         means
     }

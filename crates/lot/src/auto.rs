@@ -121,7 +121,7 @@ fn fit_unit(unit: &Unit, expected: Option<u64>, options: &FitOptions) -> Fitted 
             means.push(row);
         }
         if let Some(fit) = fit_axis(axis.name(), &means, expected, options, &mut judgement) {
-            let calibration = AxisCalibration::of_log_axis(&fit, ResidualOver::Groups);
+            let calibration = AxisCalibration::of_fit(&fit, ResidualOver::Groups);
             axes.push(AxisRow { axis: axis.name().to_owned(), calibration });
         }
     }

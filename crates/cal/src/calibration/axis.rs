@@ -8,7 +8,6 @@ use zerorate_core::trim::Trim;
 use super::form::{AxisForm, TrimForm};
 use super::model::{BandPoint, HeldOut, StaticCubic, TimeDrift};
 use crate::choose::{Candidate, Choice, Model, STRETCHES};
-use crate::drift_fit::DriftFit;
 use crate::log::Sensor;
 use crate::log_fit::{AxisFit, Spread};
 use crate::table::RateUnit;
@@ -127,9 +126,9 @@ pub struct TrimCalibration {
 }
 
 impl AxisCalibration {
-    /// The axis of a log.
+    /// The axis of a log or of a recording, without a trim; `over` says what the fit was of.
     #[must_use]
-    pub fn of_log_axis(axis: &AxisFit, over: ResidualOver) -> Self {
+    pub fn of_fit(axis: &AxisFit, over: ResidualOver) -> Self {
         Self {
             drift: axis.drift.clone(),
             history: axis.history.clone(),
@@ -144,26 +143,6 @@ impl AxisCalibration {
                 ..FitStatistics::new(&axis.choice, over, axis.samples_used, axis.in_sample, axis.held_out)
             }),
             trim: None,
-            warnings: Vec::new(),
-        }
-    }
-
-    /// The axis of an analogue board, in counts; `samples_used` are those in all groups.
-    #[must_use]
-    pub fn of_board_axis(fit: &DriftFit, samples_used: u64, trim: Option<TrimCalibration>) -> Self {
-        let statistics =
-            FitStatistics::new(&fit.choice, ResidualOver::Groups, samples_used, fit.in_sample, fit.held_out);
-        Self {
-            drift: fit.drift.clone(),
-            history: None,
-            time_drift: None,
-            static_cubic: None,
-            band: Vec::new(),
-            rate_unit: RateUnit::Counts,
-            sensor: None,
-            reference_temperature: None,
-            fit: Some(statistics),
-            trim,
             warnings: Vec::new(),
         }
     }

@@ -1,7 +1,7 @@
 //! From a board's calibration to the record that its device takes.
 
 use thiserror::Error;
-use zerorate_core::record::{AxisRecord, DeviceRecord, HistoryRecord};
+use zerorate_core::record::{AxisRecord, DeviceRecord};
 use zerorate_core::units::{Axis, TemperatureScale};
 
 use super::{Calibration, Kind};
@@ -109,11 +109,10 @@ impl Calibration {
         )
         .map_err(|reason| NoDeviceRecord::Axis { axis: name, reason })?;
         digital_only.extend(composed.digital_only.map(|why| (axis, why)));
-        let timed = |history| {
-            let group_period_s = self.group_period_s.ok_or(NoDeviceRecord::NoGroupPeriod { axis: name })?;
-            Ok::<_, NoDeviceRecord>(HistoryRecord { history, group_period_s })
-        };
-        let history = calibration.history.clone().map(timed).transpose()?;
-        Ok(AxisRecord { history, ..composed.record })
+        match (&calibration.history, self.group_period_s) {
+            (None, _) => Ok(composed.record),
+            (Some(_), None) => Err(NoDeviceRecord::NoGroupPeriod { axis: name }),
+            (history, Some(period_s)) => Ok(composed.with_history(history.clone(), period_s).record),
+        }
     }
 }

@@ -32,7 +32,7 @@ pub(super) fn of(fit: &LogFit) -> Vec<Parameters> {
         axes: fit
             .axes
             .iter()
-            .map(|axis| (axis.name.clone(), AxisCalibration::of_log_axis(axis, ResidualOver::Groups)))
+            .map(|axis| (axis.name.clone(), AxisCalibration::of_fit(axis, ResidualOver::Groups)))
             .collect(),
         warnings: Vec::new(),
         setup: None,
