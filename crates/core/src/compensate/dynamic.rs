@@ -230,11 +230,12 @@ fn play(half_width: i32, ahead: i32, rise: i32, least: u16, most: u16, now: u16)
 }
 
 /// A lag's m - T after a straight run of `rise` codes: `ahead kept - rise follows`, both Q32.
+///
+/// A memory lies between the least and the most code seen, so `ahead` is below 2^30, and each product below 2^62.
 fn lag(kept: u64, follows: u64, ahead: i32, rise: i32) -> i32 {
-    let moved = i128::from(ahead) * i128::from(kept) - ((i128::from(rise) * i128::from(follows)) << CODE_BITS);
+    let moved = i64::from(ahead) * q32_signed(kept) - ((i64::from(rise) * q32_signed(follows)) << CODE_BITS);
     // Rounded, not cut: a cut of half a step every group would add up over a time constant.
-    let rounded = (moved + (1 << 31)) >> 32;
-    i32::try_from(rounded).unwrap_or(if rounded > 0 { i32::MAX } else { i32::MIN })
+    saturate(moved.saturating_add(1 << 31) >> 32)
 }
 
 /// `exp(-n x)` and `(1 - exp(-n x)) / (n x)` from `exp(-x)` and x, Q32: the power by squaring.
@@ -247,15 +248,25 @@ fn over_groups(kept: u64, part: u64, groups: u32) -> (u64, u64) {
         square = q32_product(square, square);
         left >>= 1;
     }
-    let whole = u128::from(part) * u128::from(groups);
-    let follows = (u128::from(ONE_Q32 - power) << 32) / whole;
-    (power, u64::try_from(follows).unwrap_or(ONE_Q32).min(ONE_Q32))
+    // A whole beyond 2^64 is so many time constants that nothing of the rise is left behind.
+    let follows = part.checked_mul(u64::from(groups)).map_or(0, |whole| shifted_quotient(ONE_Q32 - power, whole));
+    (power, follows.min(ONE_Q32))
 }
 
-/// Both at most 1.
+/// `2^32 a / b` for an `a` of at most 1 in Q32; where that is 1, less one step in 2^64.
+fn shifted_quotient(a: u64, b: u64) -> u64 {
+    a.checked_mul(ONE_Q32).unwrap_or(u64::MAX) / b
+}
+
+/// Both at most 1, rounded.
 fn q32_product(a: u64, b: u64) -> u64 {
-    let product = (u128::from(a) * u128::from(b) + (1 << 31)) >> 32;
-    u64::try_from(product).unwrap_or(ONE_Q32)
+    // Only 1 times 1 does not fit.
+    a.checked_mul(b).map_or(ONE_Q32, |product| product.saturating_add(1 << 31) >> 32)
+}
+
+/// A number of at most 1 in Q32.
+fn q32_signed(part: u64) -> i64 {
+    i64::try_from(part.min(ONE_Q32)).unwrap_or(0)
 }
 
 /// [`crate::drift::belief`] in Q16.
