@@ -65,7 +65,7 @@ fn decode(bytes: &[u8]) {
     let again = DeviceRecord::decode(&encoded).unwrap();
     assert_eq!(again.encode(&mut room).unwrap(), encoded);
     for axis in [Axis::X, Axis::Y] {
-        let _ = record.axis(axis).law(record.temperature_scale);
+        let _ = record.axis(axis).law();
     }
 }
 

@@ -133,7 +133,7 @@ pub fn characterise_once(
             warnings.push(format!("axis {name}: {digital_only}"));
         }
         let noise = temperature_noise(&ramp, axis);
-        let law = &composed.record;
+        let law = &composed.model;
         if let Some(warning) = chatter_warning(noise, steepest_slope_taps(&law.drift, &law.trim.line), dead_band) {
             warnings.push(format!("axis {name}: {warning}"));
         }
@@ -150,8 +150,8 @@ pub fn characterise_once(
     }
     let axes: [AxisCharacter; 2] =
         axes.try_into().map_err(|_| BenchError::Fit { axis: Axis::X, reason: "an axis is missing".into() })?;
-    let records = [axes[0].composed.record.clone(), axes[1].composed.record.clone()];
-    let record = compose(serial, TemperatureScale::QUARTER_COUNTS, records)
+    let models = [axes[0].composed.model.clone(), axes[1].composed.model.clone()];
+    let record = compose(serial, TemperatureScale::QUARTER_COUNTS, &models)
         .map_err(|error| BenchError::Compose(error.to_string()))?;
     Ok(Character { ramp, ramp_time, axes, record, warnings })
 }

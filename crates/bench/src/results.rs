@@ -32,14 +32,14 @@ pub fn write(run: &Calibrated, summary: &Summary, output: &mut OutputFolder) -> 
 fn calibration(run: &Calibrated) -> Calibration {
     let axes = Axis::BOTH.map(|axis| {
         let character = &run.character.axes[axis.index()];
-        let record = &character.composed.record;
+        let model = &character.composed.model;
         let trim = TrimCalibration {
-            trim: record.trim.clone(),
+            trim: model.trim.clone(),
             better: Some(character.trim.better),
             paper: Some(character.trim.paper),
-            dead_band_taps: record.dead_band,
-            low_pass: record.low_pass,
-            start_up_mode: record.start_up_mode,
+            dead_band_taps: model.dead_band,
+            low_pass: model.low_pass,
+            start_up_mode: model.start_up_mode,
         };
         let drift = AxisCalibration::of_fit(&character.drift, ResidualOver::Groups);
         (axis.name().to_owned(), AxisCalibration { trim: Some(trim), ..drift })

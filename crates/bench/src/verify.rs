@@ -52,7 +52,7 @@ pub fn test(
 #[must_use]
 pub fn evaluated(run: TestRun, character: &Character) -> Verification {
     let axis = run.axis;
-    let law = character.record.axis(axis).static_law(character.record.temperature_scale);
+    let law = character.axes[axis.index()].composed.model.static_law(character.record.temperature_scale);
     let results = evaluate(&run, &law);
     Verification { run, results }
 }

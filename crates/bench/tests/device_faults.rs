@@ -9,7 +9,7 @@ use zerorate_bench::client::{ClientError, DeviceClient};
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
-use zerorate_core::compensate::Mode;
+use zerorate_core::compensate::{Mode, StaticLaw};
 use zerorate_core::drift::Coverage;
 use zerorate_core::record::{DeviceRecord, UnitSerial};
 use zerorate_core::units::{Axis, Celsius, Taps, TemperatureCode, TemperatureScale};
@@ -29,7 +29,8 @@ fn record(valid: [f64; 2]) -> DeviceRecord {
 struct Rig {
     device: DeviceClient,
     plant: SharedPlant,
-    record: DeviceRecord,
+    /// The law of both axes.
+    law: StaticLaw,
 }
 
 impl Rig {
@@ -40,9 +41,10 @@ impl Rig {
     fn calibrated_over(valid: [f64; 2]) -> Self {
         let unit = UnitSerial::try_from("ZR-1").unwrap();
         let (link, plant) = simulated::bare_device(PlantKind::Paper.build(1), &SetUp::paper(), &unit);
-        let mut rig = Self { device: DeviceClient::new(link), plant, record: record(valid) };
+        let law = paper_record::model(valid, None, 0.05).static_law(TemperatureScale::QUARTER_COUNTS);
+        let mut rig = Self { device: DeviceClient::new(link), plant, law };
         rig.device.identify().unwrap();
-        rig.device.deploy(&rig.record).unwrap();
+        rig.device.deploy(&record(valid)).unwrap();
         for axis in Axis::BOTH {
             rig.device.order(Request::SetMode { axis, mode: Mode::Trim }).unwrap();
         }
@@ -70,7 +72,7 @@ impl Rig {
     /// The tap that the model asks for at a group's own temperature.
     fn asked(&self, group: &GroupReport, axis: Axis) -> Taps {
         let code = group.axes[axis.index()].sums.temperature_code().unwrap();
-        self.record.axis(axis).static_law(TemperatureScale::QUARTER_COUNTS).tap(code).unwrap()
+        self.law.tap(code).unwrap()
     }
 
     fn wiper(&self, axis: Axis) -> u16 {
@@ -157,8 +159,7 @@ fn outside_the_calibrated_range_the_temperature_is_clamped_and_it_is_said() {
     // The room is at 10 710 counts.
     let mut rig = Rig::calibrated_over([8500.0, 10_000.0]);
     let groups = rig.groups(5);
-    let law = rig.record.axis(Axis::X).static_law(TemperatureScale::QUARTER_COUNTS);
-    let at_the_end = law.tap(TemperatureCode(40_000)).unwrap();
+    let at_the_end = rig.law.tap(TemperatureCode(40_000)).unwrap();
     for group in &groups[1..] {
         assert_eq!((group.axes[0].coverage, group.axes[0].tap), (Coverage::Above, at_the_end));
     }

@@ -4,6 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use thiserror::Error;
+use zerorate_core::compensate::CurveNumbers;
 use zerorate_core::drift::{MAX_KNOTS, MAX_ORDER, Scale, Shape};
 
 use crate::fit::{Basis, Fit, FitError, Solution};
@@ -82,6 +83,15 @@ impl Model {
         match shape {
             Shape::Polynomial(polynomial) => Self::Poly(polynomial.order()),
             Shape::Table(table) => Self::Table(table.knots().len() - 1),
+        }
+    }
+
+    /// The model that a device's curve was rounded from.
+    #[must_use]
+    pub fn of_numbers(curve: &CurveNumbers) -> Self {
+        match curve {
+            CurveNumbers::Polynomial(polynomial) => Self::Poly(polynomial.coefficients.len().saturating_sub(1)),
+            CurveNumbers::Table(table) => Self::Table(table.knots.len().saturating_sub(1)),
         }
     }
 

@@ -7,9 +7,9 @@ use std::fmt;
 use thiserror::Error;
 use zerorate_core::compensate::{EdgeError, EdgeTable, LawRefused, LowPass, Mode, StaticLaw, Unrepresentable};
 use zerorate_core::drift::{Drift, History};
-use zerorate_core::record::{AxisRecord, DeviceRecord, HistoryRecord, MAX_RECORD_BYTES, UnitSerial};
+use zerorate_core::record::{AxisModel, DeviceRecord, HistoryModel, MAX_RECORD_BYTES, UnitSerial};
 use zerorate_core::trim::Trim;
-use zerorate_core::units::{Axis, TemperatureScale};
+use zerorate_core::units::TemperatureScale;
 
 pub use chatter::{ChatterWarning, QUIET_SIGMAS, chatter_warning, steepest_slope_taps};
 
@@ -46,9 +46,9 @@ pub enum ComposeError {
     /// The law's numbers do not fit the device.
     #[error(transparent)]
     Unrepresentable(Unrepresentable),
-    /// The law and its own table of edges do not agree: a fault of this program.
-    #[error("the table of edges does not fit the law it was solved for ({0}): please report this")]
-    Inconsistent(EdgeError),
+    /// A device would refuse the law, though it was composed for one: a fault of this program.
+    #[error("a device would refuse the law ({0}): please report this")]
+    Inconsistent(LawRefused),
     /// An axis's law is refused.
     #[error("axis {axis}: {refused}")]
     Axis {
@@ -72,7 +72,7 @@ impl From<LawRefused> for ComposeError {
     fn from(refused: LawRefused) -> Self {
         match refused {
             LawRefused::Unrepresentable(reason) => Self::Unrepresentable(reason),
-            LawRefused::Edges(reason) => Self::Inconsistent(reason),
+            LawRefused::Edges(_) | LawRefused::Senseless(_) => Self::Inconsistent(refused),
         }
     }
 }
@@ -99,9 +99,9 @@ impl fmt::Display for DigitalOnly {
 /// A composed axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Composed {
-    /// The axis's part of a device record.
-    pub record: AxisRecord,
-    /// Set where the wiper cannot follow: the record is without edges.
+    /// What the axis's part of a device record is made of.
+    pub model: AxisModel,
+    /// Set where the wiper cannot follow: the model is without edges.
     pub digital_only: Option<DigitalOnly>,
 }
 
@@ -110,7 +110,7 @@ impl Composed {
     /// from group to group on the device, seconds. [`compose`] checks that the device would accept it.
     #[must_use]
     pub fn with_history(mut self, history: Option<History>, group_period_s: f64) -> Self {
-        self.record.history = history.map(|history| HistoryRecord { history, group_period_s });
+        self.model.history = history.map(|history| HistoryModel { history, group_period_s });
         self
     }
 }
@@ -118,7 +118,7 @@ impl Composed {
 /// Composes one axis: solves eq. (6) for its table of edges and checks that the device would accept the law.
 ///
 /// `dead_band` is in taps: the wiper moves when the position is more than half a tap and this away from it. A drift
-/// that needs more taps than the part has, or more edges than the table holds, is no error: the record then runs the
+/// that needs more taps than the part has, or more edges than the table holds, is no error: the axis then runs the
 /// digital mode, and says why.
 ///
 /// # Errors
@@ -141,9 +141,9 @@ pub fn compose_axis(
         reason.map(|reason| DigitalOnly { reason, instead_of: start_up_mode.moves_wiper().then_some(start_up_mode) });
     let starts = digital_only.and_then(|digital_only| digital_only.instead_of).map_or(start_up_mode, |_| Mode::Digital);
     let StaticLaw { drift, trim, .. } = law;
-    let record = AxisRecord { drift, trim, dead_band, low_pass, start_up_mode: starts, edges, history: None };
-    record.law(temperature_scale)?;
-    Ok(Composed { record, digital_only })
+    let model = AxisModel { drift, trim, dead_band, low_pass, start_up_mode: starts, edges, history: None };
+    model.record(temperature_scale)?;
+    Ok(Composed { model, digital_only })
 }
 
 /// Puts two axes, X then Y, together to a unit's record, and checks that a device would take it.
@@ -153,15 +153,12 @@ pub fn compose_axis(
 pub fn compose(
     unit_serial: &str,
     temperature_scale: TemperatureScale,
-    axes: [AxisRecord; 2],
+    axes: &[AxisModel; 2],
 ) -> Result<DeviceRecord, ComposeError> {
     let unit = UnitSerial::try_from(unit_serial)
         .map_err(|_| ComposeError::SerialTooLong { serial: unit_serial.to_owned() })?;
-    let record = DeviceRecord { unit, temperature_scale, axes };
-    for axis in Axis::BOTH {
-        let law = record.axis(axis).law(temperature_scale);
-        law.map_err(|refused| ComposeError::Axis { axis: axis.name(), refused })?;
-    }
+    let record = DeviceRecord::new(unit, temperature_scale, axes)
+        .map_err(|(axis, refused)| ComposeError::Axis { axis: axis.name(), refused })?;
     record.encode(&mut [0; MAX_RECORD_BYTES]).map_err(|_| ComposeError::TooLong)?;
     Ok(record)
 }

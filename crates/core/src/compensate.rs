@@ -1,8 +1,13 @@
 //! Compensation: temperature in; a wiper request and a digital correction out.
 //!
 //! The same law exists twice. [`StaticLaw`] is the f64 law, written as the paper writes it (eq. 6). The device runs
-//! [`EdgeTable`] and [`FixedDrift`]: integers only, made from the f64 law by the host, and compared with it at all
-//! 65 536 temperature codes in the tests. Coefficients ([`AxisLaw`]) are kept apart from state ([`AxisCompensation`]).
+//! [`EdgeTable`] and [`FixedDrift`]: integers only, made from the f64 law by the host ([`LawNumbers::new`]), and compared
+//! with it at all 65 536 temperature codes in the tests. Coefficients ([`AxisLaw`]) are kept apart from state
+//! ([`AxisCompensation`]).
+//!
+//! A record carries the integers ([`LawNumbers`]), and a device does no floating point. The host, which has both forms,
+//! holds each against the other before a record leaves it; the device, which has the integers alone, believes none of them
+//! unchecked ([`AxisLaw::from_numbers`]).
 //!
 //! A drift with history ([`crate::drift::History`]) has no table of edges: the device evaluates it ([`FixedHistory`]) and
 //! compares it with the middles between taps, in counts. Mode trim stays with the static table.
@@ -11,19 +16,29 @@
 //! `V(T) + effect(N) - V0`, so that the corrected reading is the centre `V0` at rest.
 
 mod axis;
+mod axis_law;
 mod dynamic;
 mod edges;
+mod effects;
 mod fixed;
 mod law;
+mod numbers;
+mod rounding;
 mod settling;
 
 use serde::{Deserialize, Serialize};
 
-pub use axis::{AxisCompensation, AxisLaw, GroupOutcome, LawRefused};
+pub use axis::{AxisCompensation, GroupOutcome};
+pub use axis_law::{AxisLaw, LawRefused, Part};
 pub use dynamic::{FixedHistory, FixedHistoryState};
 pub use edges::{EdgeError, EdgeTable, Interval, MAX_INTERVALS};
-pub use fixed::{FixedDrift, Q16, Unrepresentable};
+pub use fixed::{FixedDrift, Q16};
 pub use law::StaticLaw;
+pub use numbers::{
+    CurveNumbers, DriftNumbers, HistoryNumbers, LawNumbers, LowPassNumbers, MemoryNumbers, PolynomialNumbers,
+    TableNumbers, TermNumbers, TrimNumbers,
+};
+pub use rounding::{ACCURACY_COUNTS, Unrepresentable};
 pub use settling::{LowPass, Settling};
 
 /// What an axis does with its calibration.

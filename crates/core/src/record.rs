@@ -1,22 +1,26 @@
-//! The stored calibration as the device takes it: the models with identity, version and CRC.
+//! The stored calibration as the device takes it: the laws in integers, with identity, version and CRC.
 //!
 //! On the wire and in flash a record is `"ZRCR"`, the version (u16, little-endian), the body in postcard, and a
 //! CRC-32 (IEEE) of all before it. The version changes when the body's meaning does; a device refuses one it does
 //! not know, and runs uncompensated.
+//!
+//! The host makes it from models in f64 ([`AxisModel`]).
+
+mod model;
 
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
 use crate::checksum::CRC_32;
-use crate::compensate::{AxisLaw, EdgeTable, LawRefused, LowPass, Mode, StaticLaw};
-use crate::drift::{Drift, History};
-use crate::trim::Trim;
+use crate::compensate::{AxisLaw, LawNumbers, LawRefused, Mode};
 use crate::units::{Axis, TemperatureScale};
+
+pub use model::{AxisModel, HistoryModel};
 
 /// The version of the body that this code reads and writes.
 ///
-/// 1: static laws. 2: each axis may carry a history with its group period.
-pub const RECORD_VERSION: u16 = 2;
+/// 1: static laws. 2: each axis may carry a history with its group period. 3: laws in integers, no models in f64.
+pub const RECORD_VERSION: u16 = 3;
 /// More bytes than any record takes.
 pub const MAX_RECORD_BYTES: usize = 6144;
 
@@ -26,52 +30,21 @@ const MAGIC: [u8; 4] = *b"ZRCR";
 pub type UnitSerial = String<32>;
 
 /// One axis's part of a record.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AxisRecord {
-    /// Zero-rate output at the middle tap over temperature, counts.
-    pub drift: Drift,
-    /// The trim part's model.
-    pub trim: Trim,
-    /// Dead band, taps.
-    pub dead_band: f64,
-    /// The circuit's low-pass at the board's sampling.
-    pub low_pass: LowPass,
+    /// The law, as it was read: [`law`](Self::law) checks it.
+    pub law: LawNumbers,
     /// What the axis does when the board starts.
     pub start_up_mode: Mode,
-    /// The law solved for its edges; `None` where it has none and only the digital mode can run.
-    pub edges: Option<EdgeTable>,
-    /// What the drift remembers of its temperatures; `None` where it is a function of temperature alone. With one,
-    /// `drift` is the curve for when the history is unknown, and the law of mode trim.
-    pub history: Option<HistoryRecord>,
-}
-
-/// A history and the time step that it runs by.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct HistoryRecord {
-    /// The terms and their curve, in counts.
-    pub history: History,
-    /// The time from group to group, seconds.
-    pub group_period_s: f64,
 }
 
 impl AxisRecord {
-    /// The law in f64.
-    #[must_use]
-    pub fn static_law(&self, temperature_scale: TemperatureScale) -> StaticLaw {
-        StaticLaw { drift: self.drift.clone(), trim: self.trim.clone(), dead_band: self.dead_band, temperature_scale }
-    }
-
     /// The law as the device runs it, checked.
     ///
     /// # Errors
-    /// [`LawRefused`], when its numbers do not fit or its table of edges disagrees with it.
-    pub fn law(&self, temperature_scale: TemperatureScale) -> Result<AxisLaw, LawRefused> {
-        let law = self.static_law(temperature_scale);
-        let fixed = AxisLaw::new(&law, self.edges.as_ref(), self.low_pass)?;
-        match &self.history {
-            None => Ok(fixed),
-            Some(record) => fixed.with_history(&record.history, &law, record.group_period_s),
-        }
+    /// [`LawRefused`], with the part of it that cannot be run.
+    pub fn law(&self) -> Result<AxisLaw, LawRefused> {
+        AxisLaw::from_numbers(&self.law)
     }
 }
 
@@ -122,6 +95,19 @@ impl core::fmt::Display for RecordError {
 impl core::error::Error for RecordError {}
 
 impl DeviceRecord {
+    /// The record of a unit, from the models of its axes, X then Y.
+    ///
+    /// # Errors
+    /// [`LawRefused`] and the axis, when its law is none that a device would run.
+    pub fn new(
+        unit: UnitSerial,
+        temperature_scale: TemperatureScale,
+        axes: &[AxisModel; 2],
+    ) -> Result<Self, (Axis, LawRefused)> {
+        let record = |axis: Axis| axes[axis.index()].record(temperature_scale).map_err(|refused| (axis, refused));
+        Ok(Self { unit, temperature_scale, axes: [record(Axis::X)?, record(Axis::Y)?] })
+    }
+
     /// One axis's part.
     #[must_use]
     pub const fn axis(&self, axis: Axis) -> &AxisRecord {

@@ -325,7 +325,7 @@ fn laws_of(bytes: &[u8], unit: &UnitSerial) -> Result<Laws, Refusal> {
     if !unit.is_empty() && record.unit != *unit {
         return Err(Refusal::OtherUnit);
     }
-    let law = |axis| record.axis(axis).law(record.temperature_scale).map_err(|_| Refusal::LawRefused);
+    let law = |axis| record.axis(axis).law().map_err(|_| Refusal::LawRefused);
     let laws = [law(Axis::X)?, law(Axis::Y)?];
     Ok((laws, Axis::BOTH.map(|axis| record.axis(axis).start_up_mode)))
 }

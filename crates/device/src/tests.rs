@@ -8,7 +8,7 @@ use std::vec::Vec;
 use zerorate_core::compensate::{EdgeTable, LowPass, Mode};
 use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, ValidRange};
 use zerorate_core::group::GroupSums;
-use zerorate_core::record::{AxisRecord, DeviceRecord, UnitSerial};
+use zerorate_core::record::{AxisModel, DeviceRecord, UnitSerial};
 use zerorate_core::trim::{Trim, TrimLine};
 use zerorate_core::units::{Axis, Counts, Taps, TemperatureScale};
 
@@ -79,7 +79,7 @@ impl TrimPart for Part {
 pub fn record(unit: &str) -> DeviceRecord {
     let scale = Scale::spanning(8500.0, 11_900.0).unwrap();
     let curve = Polynomial::from_raw_coefficients(scale, &[13_435.7, -0.894_782, 0.375_298e-4]).unwrap();
-    let mut axis = AxisRecord {
+    let mut axis = AxisModel {
         drift: Drift { shape: Shape::Polynomial(curve), valid: ValidRange::new(8500.0, 11_900.0).unwrap() },
         trim: Trim { line: TrimLine::new(-0.032, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap(), measured: None },
         dead_band: 0.05,
@@ -89,9 +89,6 @@ pub fn record(unit: &str) -> DeviceRecord {
         history: None,
     };
     axis.edges = Some(EdgeTable::solve(&axis.static_law(TemperatureScale::QUARTER_COUNTS)).unwrap());
-    DeviceRecord {
-        unit: UnitSerial::try_from(unit).unwrap(),
-        temperature_scale: TemperatureScale::QUARTER_COUNTS,
-        axes: [axis.clone(), axis],
-    }
+    let unit = UnitSerial::try_from(unit).unwrap();
+    DeviceRecord::new(unit, TemperatureScale::QUARTER_COUNTS, &[axis.clone(), axis]).unwrap()
 }

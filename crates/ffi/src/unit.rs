@@ -69,7 +69,7 @@ impl Unit {
         if serial.is_some_and(|serial| serial != record.unit.as_bytes()) {
             return Err(Refused::OtherUnit);
         }
-        let law = |axis: Axis| record.axis(axis).law(record.temperature_scale).map_err(|_| Refused::Law);
+        let law = |axis: Axis| record.axis(axis).law().map_err(|_| Refused::Law);
         let laws = [law(Axis::X)?, law(Axis::Y)?];
         let axes = Axis::BOTH.map(|axis| {
             let mut state = AxisCompensation::new(Some(&laws[axis.index()]), Taps::MIDDLE);

@@ -9,7 +9,7 @@ use std::process::{Command, Output, Stdio};
 use zerorate_core::compensate::{AxisCompensation, EdgeTable, LowPass, Mode};
 use zerorate_core::drift::{Coverage, Drift, History, Knowledge, Memory, Polynomial, Scale, Shape, Term, ValidRange};
 use zerorate_core::group::GroupSums;
-use zerorate_core::record::{AxisRecord, DeviceRecord, HistoryRecord, MAX_RECORD_BYTES, UnitSerial};
+use zerorate_core::record::{AxisModel, DeviceRecord, HistoryModel, MAX_RECORD_BYTES, UnitSerial};
 use zerorate_core::trim::{TapEffects, Trim, TrimLine};
 use zerorate_core::units::{Axis, Counts, Taps, TemperatureScale};
 
@@ -35,7 +35,7 @@ fn the_header_is_what_the_sources_say() {
 }
 
 /// X as in the paper; Y turns round inside its range and has its taps measured.
-fn record() -> DeviceRecord {
+fn models() -> [AxisModel; 2] {
     let scale = Scale::spanning(8500.0, 11_900.0).unwrap();
     let valid = ValidRange::new(8500.0, 11_900.0).unwrap();
     let line = TrimLine::new(-0.031_990_6, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap();
@@ -45,7 +45,7 @@ fn record() -> DeviceRecord {
     let effects: Vec<Counts> = (495..=527).map(|tap| Counts(uneven(tap).0 - at_middle)).collect();
     let measured = TapEffects::new(Taps::new(495).unwrap(), &effects).unwrap();
     let axis = |shape: Shape, measured: Option<TapEffects>| {
-        let mut axis = AxisRecord {
+        let mut axis = AxisModel {
             drift: Drift { shape, valid },
             trim: Trim { line, measured },
             dead_band: 0.05,
@@ -57,27 +57,31 @@ fn record() -> DeviceRecord {
         axis.edges = Some(EdgeTable::solve(&axis.static_law(TemperatureScale::QUARTER_COUNTS)).unwrap());
         axis
     };
-    DeviceRecord {
-        unit: UnitSerial::try_from(SERIAL).unwrap(),
-        temperature_scale: TemperatureScale::QUARTER_COUNTS,
-        axes: [
-            axis(polynomial(&[13_435.7, -0.894_782, 0.375_298e-4]), None),
-            axis(polynomial(&[19_000.0, -2.15, 1.04e-4]), Some(measured)),
-        ],
-    }
+    [
+        axis(polynomial(&[13_435.7, -0.894_782, 0.375_298e-4]), None),
+        axis(polynomial(&[19_000.0, -2.15, 1.04e-4]), Some(measured)),
+    ]
+}
+
+fn record_of(axes: &[AxisModel; 2]) -> DeviceRecord {
+    DeviceRecord::new(UnitSerial::try_from(SERIAL).unwrap(), TemperatureScale::QUARTER_COUNTS, axes).unwrap()
+}
+
+fn record() -> DeviceRecord {
+    record_of(&models())
 }
 
 /// The same unit with a play and a lag in X.
 fn record_with_history() -> DeviceRecord {
-    let mut record = record();
-    let axis = &mut record.axes[0];
+    let mut models = models();
+    let axis = &mut models[0];
     let terms = [
         Term { memory: Memory::Play { half_width: 300.0 }, weight: 0.03, share: 0.6 },
         Term { memory: Memory::Lag { time_constant_s: 400.0 }, weight: -0.02, share: 0.4 },
     ];
     let history = History::new(axis.drift.shape.clone(), &terms).unwrap();
-    axis.history = Some(HistoryRecord { history, group_period_s: 5.0 });
-    record
+    axis.history = Some(HistoryModel { history, group_period_s: 5.0 });
+    record_of(&models)
 }
 
 fn bytes(record: &DeviceRecord) -> Vec<u8> {
@@ -152,7 +156,7 @@ fn groups() -> Vec<GroupSums> {
 }
 
 fn in_rust(record: &DeviceRecord, axis: Axis, mode: Mode) -> String {
-    let law = record.axis(axis).law(record.temperature_scale).unwrap();
+    let law = record.axis(axis).law().unwrap();
     let mut state = AxisCompensation::new(Some(&law), Taps::MIDDLE);
     state.set_mode(mode);
     let (mut lines, mut writes) = (String::new(), 0);
@@ -202,7 +206,7 @@ fn c_gives_the_taps_and_readings_of_rust_at_all_codes() {
             assert_eq!(seen(0).len() > 5, mode.moves_wiper(), "the comparison saw {} taps", seen(0).len());
             assert_eq!(
                 seen(3).len() == 2,
-                record.axis(axis).history.is_some(),
+                record.axis(axis).law.history.is_some(),
                 "a history is unknown first, then known"
             );
         }
@@ -225,7 +229,7 @@ fn c_is_told_why_a_record_is_refused() {
     assert!(refusal(&good, "ZR-0002", 0).contains("zerorate_init: refused with 6"));
     assert!(refusal(&good, SERIAL, 4).contains("zerorate_set_mode: refused with 3"));
     let mut still = record();
-    still.axes[0].edges = None;
+    still.axes[0].law.edges = None;
     let mut buffer = [0; MAX_RECORD_BYTES];
     let without_edges = still.encode(&mut buffer).unwrap();
     assert!(refusal(without_edges, SERIAL, 3).contains("zerorate_set_mode: refused with 8"));

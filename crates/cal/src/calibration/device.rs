@@ -1,7 +1,7 @@
 //! From a board's calibration to the record that its device takes.
 
 use thiserror::Error;
-use zerorate_core::record::{AxisRecord, DeviceRecord};
+use zerorate_core::record::{AxisModel, DeviceRecord};
 use zerorate_core::units::{Axis, TemperatureScale};
 
 use super::{Calibration, Kind};
@@ -82,17 +82,17 @@ impl Calibration {
         let serial = self.unit_serial.as_deref().ok_or(NoDeviceRecord::NoSerial)?;
         let scale = self.temperature_scale.ok_or(NoDeviceRecord::NoTemperatureScale)?;
         let mut digital_only = Vec::new();
-        let mut axis = |axis| self.axis_record(axis, scale, &mut digital_only);
+        let mut axis = |axis| self.axis_model(axis, scale, &mut digital_only);
         let axes = [axis(Axis::X)?, axis(Axis::Y)?];
-        Ok(MadeRecord { record: compose(serial, scale, axes)?, digital_only })
+        Ok(MadeRecord { record: compose(serial, scale, &axes)?, digital_only })
     }
 
-    fn axis_record(
+    fn axis_model(
         &self,
         axis: Axis,
         scale: TemperatureScale,
         digital_only: &mut Vec<(Axis, DigitalOnly)>,
-    ) -> Result<AxisRecord, NoDeviceRecord> {
+    ) -> Result<AxisModel, NoDeviceRecord> {
         let name = axis.name();
         let calibration = self.axes.get(name).ok_or(NoDeviceRecord::NoAxis { axis: name })?;
         if calibration.rate_unit != RateUnit::Counts {
@@ -110,9 +110,9 @@ impl Calibration {
         .map_err(|reason| NoDeviceRecord::Axis { axis: name, reason })?;
         digital_only.extend(composed.digital_only.map(|why| (axis, why)));
         match (&calibration.history, self.group_period_s) {
-            (None, _) => Ok(composed.record),
+            (None, _) => Ok(composed.model),
             (Some(_), None) => Err(NoDeviceRecord::NoGroupPeriod { axis: name }),
-            (history, Some(period_s)) => Ok(composed.with_history(history.clone(), period_s).record),
+            (history, Some(period_s)) => Ok(composed.with_history(history.clone(), period_s).model),
         }
     }
 }

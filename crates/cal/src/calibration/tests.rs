@@ -1,7 +1,7 @@
 use std::fs;
 
 use proptest::prelude::*;
-use zerorate_core::compensate::{LowPass, Mode};
+use zerorate_core::compensate::{HistoryNumbers, LowPass, Mode};
 use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, Table, ValidRange};
 use zerorate_core::record::MAX_RECORD_BYTES;
 use zerorate_core::trim::{TapEffects, Trim, TrimLine};
@@ -266,7 +266,7 @@ fn an_axis_whose_wiper_cannot_follow_is_named_and_runs_digitally() {
     let made = board.to_device_record().unwrap();
     assert_eq!(made.digital_only.iter().map(|(axis, _)| *axis).collect::<Vec<_>>(), [Axis::Y]);
     assert_eq!(made.record.axis(Axis::Y).start_up_mode, Mode::Digital);
-    assert!(made.record.axis(Axis::X).edges.is_some());
+    assert!(made.record.axis(Axis::X).law.edges.is_some());
 }
 
 fn drifts() -> impl Strategy<Value = Drift> {
@@ -308,9 +308,10 @@ fn a_boards_history_stands_in_its_record() {
     let mut calibration = board();
     with_history(calibration.axes.get_mut("x").unwrap());
     let [x, y] = calibration.to_device_record().unwrap().record.axes;
-    let history = x.history.unwrap();
-    assert_eq!((Some(&history.history), history.group_period_s), (calibration.axes["x"].history.as_ref(), 1.5));
-    assert_eq!(y.history, None);
+    // Rounded to the device's integers: a group of 1.5 s.
+    let (axis, scale) = (&calibration.axes["x"], calibration.temperature_scale.unwrap());
+    let rounded = HistoryNumbers::new(axis.history.as_ref().unwrap(), &axis.drift, scale, 1.5).unwrap();
+    assert_eq!((x.law.history, y.law.history), (Some(rounded), None));
     calibration.group_period_s = None;
     assert_eq!(calibration.to_device_record(), Err(NoDeviceRecord::NoGroupPeriod { axis: "x" }));
 }

@@ -27,11 +27,11 @@ fn composed(factor: f64, mode: Mode) -> Composed {
 /// N = 511 - 0.0319906 * 10.224 - 0.274587 = 510.398.
 #[test]
 fn the_composed_law_is_the_papers() {
-    let record = composed(1.0, Mode::Hybrid).record;
-    let law = record.static_law(SCALE);
+    let model = composed(1.0, Mode::Hybrid).model;
+    let law = model.static_law(SCALE);
     let code = SCALE.code(10_200.0).unwrap();
     assert!((law.position(code) - 510.398_3).abs() < 1e-3);
-    let edges = record.edges.as_ref().unwrap();
+    let edges = model.edges.as_ref().unwrap();
     assert_eq!(edges.intervals()[edges.find(code)].tap.get(), 510);
     // About 440 counts of drift at 31.26 a tap: 14 crossings, 15 intervals.
     assert_eq!(edges.intervals().len(), 15);
@@ -41,7 +41,7 @@ fn the_composed_law_is_the_papers() {
 fn a_unit_of_two_axes_is_a_record_that_a_device_reads_back() {
     let axis = composed(1.0, Mode::Trim);
     assert_eq!(axis.digital_only, None);
-    let record = compose("ZR-0001", SCALE, [axis.record.clone(), axis.record]).unwrap();
+    let record = compose("ZR-0001", SCALE, &[axis.model.clone(), axis.model]).unwrap();
     let mut buffer = [0; MAX_RECORD_BYTES];
     assert_eq!(DeviceRecord::decode(record.encode(&mut buffer).unwrap()).unwrap(), record);
 }
@@ -52,14 +52,14 @@ fn a_drift_too_large_for_the_wiper_is_left_to_the_digital_mode() {
         let composed = composed(factor, mode);
         let why = composed.digital_only.unwrap();
         assert!(matches!(why.reason, EdgeError::TooManyIntervals { .. }));
-        assert_eq!((composed.record.start_up_mode, composed.record.edges), (Mode::Digital, None));
+        assert_eq!((composed.model.start_up_mode, composed.model.edges), (Mode::Digital, None));
         assert!(why.to_string().ends_with(&format!("in mode digital instead of {}", mode.name())), "{why}");
     }
     let far = Trim { line: TrimLine::new(-0.6, 0.0, Counts(7100.0), Taps::MIDDLE).unwrap(), measured: None };
     let composed = compose_axis(drift(1.0), far, 0.0, LowPass::NONE, Mode::Off, SCALE).unwrap();
     let why = composed.digital_only.unwrap();
     assert!(matches!(why.reason, EdgeError::OutOfTaps { .. }) && why.instead_of.is_none());
-    assert_eq!(composed.record.start_up_mode, Mode::Off);
+    assert_eq!(composed.model.start_up_mode, Mode::Off);
 }
 
 #[test]
@@ -80,17 +80,17 @@ fn parameters_that_make_no_sense_are_refused() {
     let flat = TemperatureScale { zero: 0.0, step: 0.0 };
     let refused = compose_axis(drift(1.0), trim(), 0.1, LowPass::NONE, Mode::Trim, flat);
     assert!(matches!(refused, Err(ComposeError::TemperatureScale { .. })));
-    let axis = composed(1.0, Mode::Trim).record;
+    let axis = composed(1.0, Mode::Trim).model;
     let long = "x".repeat(33);
-    assert_eq!(compose(&long, SCALE, [axis.clone(), axis]), Err(ComposeError::SerialTooLong { serial: long }));
+    assert_eq!(compose(&long, SCALE, &[axis.clone(), axis]), Err(ComposeError::SerialTooLong { serial: long }));
 }
 
 #[test]
 fn an_axis_changed_after_it_was_composed_is_named() {
-    let good = composed(1.0, Mode::Trim).record;
+    let good = composed(1.0, Mode::Trim).model;
     let mut changed = good.clone();
     changed.dead_band = 0.05;
-    let refused = compose("ZR-0001", SCALE, [good, changed]).unwrap_err();
+    let refused = compose("ZR-0001", SCALE, &[good, changed]).unwrap_err();
     assert!(refused.to_string().starts_with("axis y: "), "{refused}");
 }
 
@@ -111,7 +111,7 @@ fn a_dead_band_within_the_noise_is_warned_of() {
 fn a_quiet_dead_band_writes_once_a_tap() {
     let writes = |dead_band: f64| {
         let composed = compose_axis(drift(1.0), trim(), dead_band, LowPass::NONE, Mode::Trim, SCALE).unwrap();
-        let edges = composed.record.edges.unwrap();
+        let edges = composed.model.edges.unwrap();
         let code = |group: i32| {
             // Uniform over +-8.66 counts: 5 counts rms.
             let noise = (f64::from((group * 617) % 1000) / 500.0 - 1.0) * 8.66;

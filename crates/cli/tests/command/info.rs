@@ -62,7 +62,7 @@ fn a_device_record_is_told_and_a_damaged_one_refused() {
     ran.says(&["a device record, whole", "ZR-0042", "8500 to 11900", "hybrid"]);
     let json = zerorate(folder.path(), &["info", "device-record.bin", "--json"]).json();
     let found = &json["files"][0];
-    assert_eq!((&found["version"], &found["axes"][0]["refused"]), (&2.into(), &serde_json::Value::Null));
+    assert_eq!((&found["version"], &found["axes"][0]["refused"]), (&3.into(), &serde_json::Value::Null));
     // The drift of 400 counts crosses a tap every 31.
     assert!((10..16).contains(&found["axes"][0]["edges"].as_u64().unwrap()), "{found}");
 
@@ -75,7 +75,7 @@ fn a_device_record_is_told_and_a_damaged_one_refused() {
     };
     damaged(&|bytes| bytes[40] ^= 1).is_error(&["device-record.bin: the device record is damaged", "CRC-32"]);
     damaged(&|bytes| bytes.truncate(100)).is_error(&["device-record.bin: the device record is damaged"]);
-    damaged(&|bytes| bytes[4] = 9).is_error(&["version 9", "this program knows version 2", "make the record anew"]);
+    damaged(&|bytes| bytes[4] = 9).is_error(&["version 9", "this program knows version 3", "make the record anew"]);
     damaged(&|bytes| bytes[0] = b'X').is_error(&["this is not a device record"]);
     damaged(&Vec::clear).is_error(&["this is not a device record"]);
 }

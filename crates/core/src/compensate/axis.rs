@@ -1,180 +1,15 @@
-//! One axis at work: the law's coefficients as the device runs them, and the state that they move.
-
-use heapless::Vec;
+//! One axis at work: the state that its law moves.
 
 use super::Mode;
+use super::axis_law::AxisLaw;
 use super::dynamic::{FixedHistory, FixedHistoryState};
-use super::edges::{EdgeError, EdgeTable, Interval};
-use super::fixed::{FixedDrift, Q16, Unrepresentable};
-use super::law::StaticLaw;
-use super::settling::{LowPass, Settling};
-use crate::drift::{Coverage, History, Knowledge};
+use super::edges::Interval;
+use super::fixed::Q16;
+use super::numbers::LowPassNumbers;
+use super::settling::Settling;
+use crate::drift::{Coverage, Knowledge};
 use crate::group::GroupSums;
-use crate::trim::{MAX_TAP_OFFSETS, Trim};
 use crate::units::{Taps, TemperatureCode};
-
-/// An axis's law in the form that the device runs: integers and a table. It does not change while it is in use.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AxisLaw {
-    drift: FixedDrift,
-    edges: Option<EdgeTable>,
-    effects: FixedEffects,
-    centre: Q16,
-    low_pass: LowPass,
-    /// What makes the law dynamic; `None` where the drift is a function of temperature alone.
-    history: Option<FixedHistory>,
-}
-
-/// Why a law cannot be run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LawRefused {
-    /// Its numbers do not fit the fixed-point form.
-    Unrepresentable(Unrepresentable),
-    /// Its table of edges is not to be believed.
-    Edges(EdgeError),
-}
-
-impl core::fmt::Display for LawRefused {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Unrepresentable(reason) => reason.fmt(f),
-            Self::Edges(reason) => reason.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for LawRefused {}
-
-impl AxisLaw {
-    /// The device's form of a law. `edges` is the table that travelled with it, `None` where the law has none and
-    /// the wiper is to stay (mode digital); it is checked against the law before it is believed.
-    ///
-    /// # Errors
-    /// [`LawRefused`], when the numbers do not fit or the table is wrong.
-    pub fn new(law: &StaticLaw, edges: Option<&EdgeTable>, low_pass: LowPass) -> Result<Self, LawRefused> {
-        let drift = FixedDrift::new(&law.drift, law.temperature_scale).map_err(LawRefused::Unrepresentable)?;
-        if let Some(edges) = edges {
-            edges.check(law).map_err(LawRefused::Edges)?;
-        }
-        let too_large = LawRefused::Unrepresentable(Unrepresentable::TooLarge);
-        Ok(Self {
-            drift,
-            edges: edges.cloned(),
-            effects: FixedEffects::new(&law.trim).ok_or(too_large)?,
-            centre: Q16::from_counts(law.trim.line.centre().0).ok_or(too_large)?,
-            low_pass,
-            history: None,
-        })
-    }
-
-    /// The same law with a history ([`crate::drift::History`]), which modes digital and hybrid follow; mode trim stays
-    /// with the static drift. `group_period_s` is the time from group to group, seconds.
-    ///
-    /// # Errors
-    /// [`LawRefused::Unrepresentable`], when the history's numbers do not fit.
-    pub fn with_history(mut self, history: &History, law: &StaticLaw, group_period_s: f64) -> Result<Self, LawRefused> {
-        let fixed = FixedHistory::new(history, &law.drift, law.temperature_scale, group_period_s, law.dead_band);
-        self.history = Some(fixed.map_err(LawRefused::Unrepresentable)?);
-        Ok(self)
-    }
-
-    /// Whether the drift has a history.
-    #[must_use]
-    pub const fn is_dynamic(&self) -> bool {
-        self.history.is_some()
-    }
-
-    /// Whether the law can move the wiper.
-    #[must_use]
-    pub const fn moves_wiper(&self) -> bool {
-        self.edges.is_some()
-    }
-
-    /// What is to be subtracted from a settled reading: `V(T) + effect(N) - V0`, in integers.
-    #[must_use]
-    #[inline]
-    pub fn correction(&self, code: TemperatureCode, tap: Taps) -> Q16 {
-        // What is there most often needs no call, and so no stack.
-        match (self.drift.polynomial(code), self.effects.measured(tap)) {
-            (Some(drift), Some(effect)) => Q16(drift.0.wrapping_sub(self.centre.0).wrapping_add(effect)),
-            _ => self.correction_of_the_rest(code, tap),
-        }
-    }
-
-    /// The correction by a drift table, or for a tap that was not measured.
-    #[inline(never)]
-    fn correction_of_the_rest(&self, code: TemperatureCode, tap: Taps) -> Q16 {
-        let drift = self.drift.evaluate_here(code).0.wrapping_sub(self.centre.0);
-        Q16(drift.wrapping_add(self.effects.get(tap).0))
-    }
-
-    #[inline]
-    fn drift_from_centre(&self, code: TemperatureCode) -> i32 {
-        self.drift.evaluate(code).0.wrapping_sub(self.centre.0)
-    }
-
-    fn coverage(&self, code: TemperatureCode) -> Coverage {
-        let (first, last) = self.drift.range();
-        if code < first {
-            Coverage::Below
-        } else if code > last {
-            Coverage::Above
-        } else {
-            Coverage::Inside
-        }
-    }
-}
-
-/// What each tap adds to the reading, in Q16: as measured, and on from the nearer end of what was measured.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct FixedEffects {
-    first: Taps,
-    /// Without a measurement the middle tap alone, which adds nothing to itself.
-    measured: Vec<i32, MAX_TAP_OFFSETS>,
-    per_tap: i32,
-}
-
-impl FixedEffects {
-    /// `None` when an effect does not fit: some tap would move the reading by more than 32 767 counts.
-    pub(super) fn new(trim: &Trim) -> Option<Self> {
-        for end in [Taps::FIRST, Taps::LAST] {
-            Q16::from_counts(trim.effect(end).0)?;
-        }
-        let (first, measured) = match &trim.measured {
-            None => (trim.line.middle(), core::iter::once(0).collect()),
-            Some(swept) => {
-                let fixed = swept.effects().iter().map(|effect| Q16::from_counts(effect.0).map(|q| q.0));
-                (swept.first(), fixed.collect::<Option<_>>()?)
-            }
-        };
-        let per_tap = Q16::from_counts(trim.line.counts_per_tap().0)?.0;
-        Some(Self { first, measured, per_tap })
-    }
-
-    #[inline]
-    pub(super) fn get(&self, tap: Taps) -> Q16 {
-        self.measured(tap).map_or_else(|| self.beyond(tap), Q16)
-    }
-
-    #[inline]
-    fn measured(&self, tap: Taps) -> Option<i32> {
-        self.measured.get(tap.after(self.first)).copied()
-    }
-
-    /// The effect of a tap that was not measured.
-    #[cold]
-    #[inline(never)]
-    fn beyond(&self, tap: Taps) -> Q16 {
-        let offset = i32::from(tap.get()) - i32::from(self.first.get());
-        #[allow(clippy::cast_possible_wrap, clippy::cast_possible_truncation)] // at most 96
-        let last = self.measured.len() as i32 - 1;
-        let nearest = offset.min(last).max(0);
-        #[allow(clippy::cast_sign_loss)] // 0 and above
-        let measured = self.measured.get(nearest as usize).copied().unwrap_or(0);
-        // Both ends of the part fit (see `new`) and so does all between them: what wraps on the way comes back.
-        Q16(measured.wrapping_add((offset - nearest).wrapping_mul(self.per_tap)))
-    }
-}
 
 /// What closing a group came to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -240,7 +75,7 @@ impl AxisCompensation {
     /// An axis at start-up: mode off, the wiper settled at a tap.
     #[must_use]
     pub fn new(law: Option<&AxisLaw>, tap: Taps) -> Self {
-        let low_pass = law.map_or(LowPass::NONE, |law| law.low_pass);
+        let low_pass = law.map_or(LowPassNumbers::NONE, |law| law.low_pass);
         let effect = law.map_or(Q16::default(), |law| law.effects.get(tap));
         Self {
             hold: Hold::NONE,

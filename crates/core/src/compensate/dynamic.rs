@@ -6,46 +6,29 @@
 
 use heapless::Vec;
 
-use super::axis::FixedEffects;
-use super::fixed::{FixedDrift, Q16, Unrepresentable, to_fixed};
-use crate::drift::{Drift, History, KNOWN_FROM, Knowledge, MAX_HISTORY_TERMS, Memory, Term};
-use crate::units::{Taps, TemperatureCode, TemperatureScale};
+use super::effects::{FixedEffects, Side};
+use super::fixed::{FixedDrift, Q16};
+use super::numbers::{HistoryNumbers, MemoryNumbers, TermNumbers};
+use super::rounding::{CODE_BITS, WEIGHT_BITS};
+use crate::drift::{KNOWN_FROM, Knowledge, MAX_HISTORY_TERMS};
+use crate::units::{Taps, TemperatureCode};
 
-/// Fractional bits of a memory in codes.
-const CODE_BITS: u32 = 14;
-/// Fractional bits of a weight in counts per code: up to 127 counts a code, in steps that make 0.004 count over all codes.
-const WEIGHT_BITS: u32 = 24;
 /// One in Q32.
 const ONE_Q32: u64 = 1 << 32;
 /// One in Q16.
 const ONE_Q16: u32 = 1 << 16;
+/// [`KNOWN_FROM`] in Q16.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // 0 to 1
+const KNOWN_FROM_Q16: u32 = (KNOWN_FROM * 65_536.0 + 0.5) as u32;
 
-/// The part of a drift that remembers, in the form that the device runs.
+/// The part of a drift that remembers, in the form that the device runs, checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FixedHistory {
     curve: FixedDrift,
-    terms: Vec<FixedTerm, MAX_HISTORY_TERMS>,
-    known_from: u32,
+    terms: Vec<TermNumbers, MAX_HISTORY_TERMS>,
     /// How far past the middle between two taps the drift must be before the wiper moves, as a share of their distance,
     /// Q16.
     dead_band: i32,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct FixedTerm {
-    memory: FixedMemory,
-    /// Counts per code.
-    weight: i32,
-    /// Q16.
-    share: u32,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum FixedMemory {
-    /// Codes, Q14.
-    Play { half_width: i32 },
-    /// `exp(-p / tau)` and `p / tau` for the group period p, Q32.
-    Lag { kept: u64, part: u64 },
 }
 
 /// What the history of one axis has seen.
@@ -72,26 +55,22 @@ struct TermState {
 }
 
 impl FixedHistory {
-    /// The device's form of a history beside its static drift. `group_period_s` is the time from group to group, in
-    /// seconds; `dead_band` is in taps.
-    ///
-    /// # Errors
-    /// [`Unrepresentable`], when its numbers do not fit.
-    pub fn new(
-        history: &History,
-        drift: &Drift,
-        scale: TemperatureScale,
-        group_period_s: f64,
-        dead_band: f64,
-    ) -> Result<Self, Unrepresentable> {
-        let curve = Drift { shape: history.curve().clone(), valid: drift.valid };
-        let terms: Option<_> = history.terms().iter().map(|term| FixedTerm::new(term, scale, group_period_s)).collect();
-        Ok(Self {
-            curve: FixedDrift::new(&curve, scale)?,
-            terms: terms.ok_or(Unrepresentable::TooLarge)?,
-            known_from: share_q16(KNOWN_FROM),
-            dead_band: to_fixed(dead_band, 16).ok_or(Unrepresentable::TooLarge)?,
-        })
+    /// A history by its numbers, over the codes of its static drift. `dead_band` is in taps, Q16. `None` where the numbers
+    /// make no curve, a term remembers nothing, or the shares are not those of one whole.
+    #[must_use]
+    pub fn from_numbers(numbers: &HistoryNumbers, first: u16, last: u16, dead_band: i32) -> Option<Self> {
+        let is_sound = |term: &TermNumbers| match term.memory {
+            MemoryNumbers::Play { half_width } => half_width > 0,
+            MemoryNumbers::Lag { kept, part } => kept <= ONE_Q32 && part > 0,
+        };
+        let shares: u64 = numbers.terms.iter().map(|term| u64::from(term.share)).sum();
+        // Each was rounded by half a step.
+        let is_whole = shares.abs_diff(u64::from(ONE_Q16)) <= MAX_HISTORY_TERMS as u64;
+        if !is_whole || !numbers.terms.iter().all(is_sound) {
+            return None;
+        }
+        let curve = FixedDrift::over(first, last, &numbers.curve)?;
+        Some(Self { curve, terms: numbers.terms.clone(), dead_band })
     }
 
     /// Counts groups that were lost: time passed, and no temperature is known of it.
@@ -114,10 +93,10 @@ impl FixedHistory {
         let rise = i32::from(now) - i32::from(seen.last);
         for (term, memory) in self.terms.iter().zip(&mut seen.memories) {
             match term.memory {
-                FixedMemory::Play { half_width } => {
+                MemoryNumbers::Play { half_width } => {
                     memory.ahead = play(half_width, memory.ahead, rise, seen.least, seen.most, now);
                 }
-                FixedMemory::Lag { kept, part } => {
+                MemoryNumbers::Lag { kept, part } => {
                     let (kept, follows) = over_groups(kept, part, groups);
                     memory.ahead = lag(kept, follows, memory.ahead, rise);
                     memory.forgotten = narrow((u64::from(memory.forgotten) * kept) >> 32);
@@ -144,17 +123,17 @@ impl FixedHistory {
         let known = self.known_share(seen);
         let by_history = curve + (added >> (WEIGHT_BITS + CODE_BITS - 16)) - i64::from(fixed.0);
         let drift = i64::from(fixed.0) + ((by_history * i64::from(lean_q16(known))) >> 16);
-        let knowledge = if known >= self.known_from { Knowledge::Known } else { Knowledge::Uncertain };
+        let knowledge = if known >= KNOWN_FROM_Q16 { Knowledge::Known } else { Knowledge::Uncertain };
         (Q16(saturate(drift)), knowledge)
     }
 
     fn known_share(&self, seen: &Seen) -> u32 {
         let range = u64::from(seen.most - seen.least) << CODE_BITS;
-        let of = |term: &FixedTerm, memory: &TermState| match term.memory {
-            FixedMemory::Play { half_width } => {
+        let of = |term: &TermNumbers, memory: &TermState| match term.memory {
+            MemoryNumbers::Play { half_width } => {
                 ((range << 15) / u64::from(half_width.unsigned_abs())).min(u64::from(ONE_Q16))
             }
-            FixedMemory::Lag { .. } => u64::from(ONE_Q16) - (u64::from(memory.forgotten) >> 16),
+            MemoryNumbers::Lag { .. } => u64::from(ONE_Q16) - (u64::from(memory.forgotten) >> 16),
         };
         let sum: u64 = self
             .terms
@@ -169,53 +148,19 @@ impl FixedHistory {
     /// tap whose effect brings the reading nearest the centre, the end tap where none does.
     #[must_use]
     pub(super) fn tap(&self, effects: &FixedEffects, now: Taps, drift_from_centre: i32) -> Taps {
-        let wanted = -i64::from(drift_from_centre);
-        let effect = |tap: Taps| i64::from(effects.get(tap).0);
-        // How far the effect wanted lies beyond the middle from `a` to its neighbour `b`, positive towards `b`.
-        let beyond = |a: Taps, b: Taps, band: i64| {
-            let step = effect(b) - effect(a);
-            let past = 2 * (wanted - effect(a)) - step - ((2 * step * band) >> 16);
-            if step >= 0 { past } else { -past }
-        };
-        let walk = |from: Taps, neighbour: fn(Taps) -> Option<Taps>| {
-            let mut tap = from;
-            while let Some(next) = neighbour(tap).filter(|&next| beyond(tap, next, 0) > 0) {
-                tap = next;
-            }
-            tap
-        };
-        let band = i64::from(self.dead_band);
-        for neighbour in [above as fn(Taps) -> Option<Taps>, below] {
-            if neighbour(now).is_some_and(|next| beyond(now, next, band) > 0) {
-                return walk(now, neighbour);
+        for side in Side::BOTH {
+            if side.of(now).is_some() && effects.past_middle(now, side, drift_from_centre, self.dead_band) > 0 {
+                let mut tap = now;
+                while let Some(next) = side.of(tap)
+                    && effects.past_middle(tap, side, drift_from_centre, 0) > 0
+                {
+                    tap = next;
+                }
+                return tap;
             }
         }
         now
     }
-}
-
-impl FixedTerm {
-    fn new(term: &Term, scale: TemperatureScale, group_period_s: f64) -> Option<Self> {
-        let memory = match term.memory {
-            Memory::Play { half_width } => {
-                let half_width = to_fixed(half_width / scale.step, CODE_BITS)?;
-                FixedMemory::Play { half_width: (half_width > 0).then_some(half_width)? }
-            }
-            Memory::Lag { time_constant_s } => {
-                let x = group_period_s / time_constant_s;
-                FixedMemory::Lag { kept: q32(libm::exp(-x))?, part: q32(x).filter(|&part| part > 0)? }
-            }
-        };
-        Some(Self { memory, weight: to_fixed(term.weight * scale.step, WEIGHT_BITS)?, share: share_q16(term.share) })
-    }
-}
-
-fn above(tap: Taps) -> Option<Taps> {
-    Taps::new(tap.get() + 1)
-}
-
-fn below(tap: Taps) -> Option<Taps> {
-    tap.get().checked_sub(1).and_then(Taps::new)
 }
 
 /// A play's m - T; see the f64 form.
@@ -280,18 +225,6 @@ fn belief_q16(known: u64) -> u64 {
 fn lean_q16(known: u32) -> u32 {
     let known = u64::from(known);
     narrow((((known * known) >> 16) * known) >> 16)
-}
-
-/// The nearest Q16 to a share of 0 to 1.
-fn share_q16(share: f64) -> u32 {
-    to_fixed(share.clamp(0.0, 1.0), 16).map_or(0, i32::unsigned_abs)
-}
-
-/// A number of 0 or more in Q32; `None` where it does not fit 62 bits.
-fn q32(value: f64) -> Option<u64> {
-    let scaled = libm::round(value * 4_294_967_296.0);
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // within range, and whole
-    (0.0..4.6e18).contains(&scaled).then_some(scaled as u64)
 }
 
 fn narrow(value: u64) -> u32 {

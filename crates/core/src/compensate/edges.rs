@@ -156,31 +156,39 @@ impl EdgeTable {
         is_in.then_some((neighbour, interval))
     }
 
-    /// Checks a stored table before it is believed: in order, and in agreement with the law at both sides of every
-    /// edge.
+    /// Checks a table against the law: in order, and in agreement with it at both sides of every edge.
     ///
     /// # Errors
     /// [`EdgeError::Malformed`] and [`EdgeError::Disagrees`].
     pub fn check(&self, law: &StaticLaw) -> Result<(), EdgeError> {
-        if self.intervals.is_empty() || self.intervals[0].first != 0 {
+        self.check_by(|tap, code| law.tap(code) != Some(tap), |tap, code| law.leaves(tap, code))
+    }
+
+    /// The same, of any form of the law: `is_wrong` says that a tap is not a code's, `leaves` that the dead band does not
+    /// hold it there.
+    pub(super) fn check_by(
+        &self,
+        is_wrong: impl Fn(Taps, TemperatureCode) -> bool,
+        leaves: impl Fn(Taps, TemperatureCode) -> bool,
+    ) -> Result<(), EdgeError> {
+        if self.intervals.first().is_none_or(|interval| interval.first != 0) {
             return Err(EdgeError::Malformed { index: 0 });
         }
         for (index, interval) in self.intervals.iter().enumerate() {
             let next = self.intervals.get(index + 1);
             let last = next.map_or(Some(u16::MAX), |next| next.first.checked_sub(1));
-            let in_order = last.is_some_and(|last| {
+            let last = last.filter(|&last| {
                 interval.first <= last && interval.hold_down_to <= interval.first && last <= interval.hold_up_to
             });
-            if !in_order || next.is_some_and(|next| next.tap == interval.tap) {
-                return Err(EdgeError::Malformed { index });
-            }
-            for code in [Some(interval.first), last].into_iter().flatten().map(TemperatureCode) {
-                if law.tap(code) != Some(interval.tap) {
+            let last = last.filter(|_| next.is_none_or(|next| next.tap != interval.tap));
+            let last = last.ok_or(EdgeError::Malformed { index })?;
+            for code in [interval.first, last].map(TemperatureCode) {
+                if is_wrong(interval.tap, code) {
                     return Err(EdgeError::Disagrees { code });
                 }
             }
             for code in [interval.hold_down_to, interval.hold_up_to].map(TemperatureCode) {
-                if law.leaves(interval.tap, code) {
+                if leaves(interval.tap, code) {
                     return Err(EdgeError::Disagrees { code });
                 }
             }

@@ -1,13 +1,11 @@
 //! The drift in integers alone.
 //!
-//! The host's polynomial in `x = (T - centre) / half_span` is written once more in
-//! `u = (code - middle) / 2^shift`, where `2^shift` is at least the calibrated range of codes, so that `|u| <= 1/2`
-//! and `u` in Q32 is a subtraction and a shift. Horner's step is then one high-word multiply and one add.
+//! A polynomial is written in `u = (code - middle) / 2^b`, where `2^b` is at least the calibrated range of codes, so that
+//! `|u| <= 1/2` and `u` in Q32 is a subtraction and a shift. Horner's step is then one high-word multiply and one add.
 
-use heapless::Vec;
-
-use crate::drift::{Drift, MAX_KNOTS, MAX_ORDER, Polynomial, Shape, Table, ValidRange};
-use crate::units::{TemperatureCode, TemperatureScale};
+use super::numbers::{CurveNumbers, DriftNumbers, PolynomialNumbers, TableNumbers};
+use crate::drift::{MAX_KNOTS, MAX_ORDER};
+use crate::units::TemperatureCode;
 
 /// A number of counts in steps of 1/65536.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -17,7 +15,7 @@ impl Q16 {
     /// The nearest step to a number of counts; `None` at or beyond +-32768 counts, and for NaN.
     #[must_use]
     pub fn from_counts(counts: f64) -> Option<Self> {
-        to_fixed(counts, 16).map(Self)
+        super::rounding::to_fixed(counts, 16).map(Self)
     }
 
     /// As counts.
@@ -27,39 +25,18 @@ impl Q16 {
     }
 }
 
-/// A drift whose numbers do not fit the fixed-point form.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unrepresentable {
-    /// The readings, or the coefficients between them, are beyond the fixed-point range.
-    TooLarge,
-    /// The calibrated range is narrower than the table's pieces can be told apart in.
-    TooNarrow,
-}
-
-impl core::fmt::Display for Unrepresentable {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::TooLarge => {
-                "the drift model's numbers are beyond the device's fixed-point range: refit with a lower order"
-            }
-            Self::TooNarrow => {
-                "the calibrated range is too narrow for the table: refit over a wider span or with fewer pieces"
-            }
-        })
-    }
-}
-
-impl core::error::Error for Unrepresentable {}
-
-/// Zero-rate output over temperature code in integers: within half a count of the f64 model at every code.
+/// Zero-rate output over temperature code in integers, checked: no step of it can wrap.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FixedDrift {
+    /// The first and the last code of the calibrated range.
+    range: (u16, u16),
+    /// The code that the form counts from, and how many codes on from there it goes.
     first: u16,
-    /// Codes from the first to the last of the range.
     span: u16,
     form: Form,
 }
 
+#[allow(clippy::large_enum_variant)] // no heap here to box the table in
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Form {
     Polynomial(FixedPolynomial),
@@ -81,47 +58,53 @@ struct FixedPolynomial {
 /// Straight pieces in integers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct FixedTable {
-    /// Where the first code of the range lies, in pieces from the first knot, Q32.
-    start: i64,
+    /// Where the code that is counted from lies, in pieces from one piece before the first knot, Q32.
+    start: u64,
     /// Pieces a code, in Q32.
     pieces_per_code: u32,
-    /// Readings in Q16.
-    knots: Vec<i32, MAX_KNOTS>,
+    /// First a level one, so that no place lies below all of them; then one from each knot on, from the last on level.
+    pieces: [Piece; MAX_KNOTS + 1],
+}
+
+/// A straight piece.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Piece {
+    /// The reading at its beginning, Q16.
+    knot: i32,
+    /// Twice the rise to its end, Q16, for a high-word multiply by half the way.
+    twice_rise: i32,
 }
 
 impl FixedDrift {
-    /// The fixed-point form of a drift model.
-    ///
-    /// # Errors
-    /// [`Unrepresentable`] when its numbers do not fit.
-    pub fn new(drift: &Drift, scale: TemperatureScale) -> Result<Self, Unrepresentable> {
-        let (first, last) = calibrated_codes(drift.valid, scale).ok_or(Unrepresentable::TooNarrow)?;
-        let form = match &drift.shape {
-            Shape::Polynomial(polynomial) => polynomial_form(polynomial, scale, first, last)?,
-            Shape::Table(table) => table_form(table, scale, first)?,
+    /// A drift by its numbers; `None` where they make no curve, or one whose sums would wrap.
+    #[must_use]
+    pub fn from_numbers(numbers: &DriftNumbers) -> Option<Self> {
+        Self::over(numbers.first, numbers.last, &numbers.curve)
+    }
+
+    /// The same, of a curve over a range of codes.
+    pub(super) fn over(first: u16, last: u16, curve: &CurveNumbers) -> Option<Self> {
+        let span = last.checked_sub(first).filter(|&span| span > 0)?;
+        let (form, passed) = match curve {
+            CurveNumbers::Polynomial(numbers) => (Form::Polynomial(FixedPolynomial::new(numbers, span)?), 0),
+            CurveNumbers::Table(numbers) => {
+                let (table, passed) = FixedTable::new(numbers, span)?;
+                (Form::Table(table), passed)
+            }
         };
-        Ok(Self { first, span: last - first, form })
+        Some(Self { range: (first, last), first: first + passed, span: span - passed, form })
     }
 
     /// The first and last code of the calibrated range.
     #[must_use]
     pub const fn range(&self) -> (TemperatureCode, TemperatureCode) {
-        (TemperatureCode(self.first), TemperatureCode(self.first + self.span))
+        (TemperatureCode(self.range.0), TemperatureCode(self.range.1))
     }
 
     /// The zero-rate output at the middle tap, held at the nearer end outside the calibrated range.
     #[must_use]
     pub fn evaluate(&self, code: TemperatureCode) -> Q16 {
         self.evaluate_here(code)
-    }
-
-    /// The same, where the form is a polynomial.
-    #[inline]
-    pub(super) fn polynomial(&self, code: TemperatureCode) -> Option<Q16> {
-        match &self.form {
-            Form::Polynomial(polynomial) => Some(polynomial.evaluate(self.places(code))),
-            Form::Table(_) => None,
-        }
     }
 
     /// The same, with no call.
@@ -133,7 +116,7 @@ impl FixedDrift {
         }
     }
 
-    /// Codes from the first of the range, held within it.
+    /// Codes from the first that is counted from, held within the range.
     #[inline]
     fn places(&self, code: TemperatureCode) -> u16 {
         code.0.saturating_sub(self.first).min(self.span)
@@ -141,119 +124,91 @@ impl FixedDrift {
 }
 
 impl FixedPolynomial {
+    fn new(numbers: &PolynomialNumbers, span: u16) -> Option<Self> {
+        let given = &numbers.coefficients;
+        let bits = u32::from(numbers.fraction_bits);
+        // Every partial sum of Horner's rule stays below the sum of the magnitudes.
+        let magnitude: u64 = given.iter().map(|c| u64::from(c.unsigned_abs())).sum();
+        if given.len() < 2 || !(6..=16).contains(&bits) || magnitude >= 1 << 30 {
+            return None;
+        }
+        let mut coefficients = [0; MAX_ORDER + 1];
+        for (slot, &c) in coefficients.iter_mut().rev().zip(given) {
+            *slot = c;
+        }
+        let codes = u32::from(span) + 1;
+        #[allow(clippy::cast_possible_wrap)] // one bit of 32, taken modulo 2^32
+        let u_per_code = (1_u32 << (32 - codes.next_power_of_two().trailing_zeros())) as i32;
+        #[allow(clippy::cast_possible_wrap)] // at most 2^15
+        let first_u = ((codes / 2) as i32).wrapping_neg().wrapping_mul(u_per_code);
+        let polynomial = Self { first_u, u_per_code, to_q16: 1 << (16 - bits), coefficients };
+        // In Q16 it must fit as well, at every code.
+        let fits = |places: u16| polynomial.sum(places).checked_mul(polynomial.to_q16).is_some();
+        (0..=span).all(fits).then_some(polynomial)
+    }
+
     /// The reading at so many codes after the range's first.
     #[inline(always)]
-    fn evaluate(&self, from_first: u16) -> Q16 {
+    fn evaluate(&self, places: u16) -> Q16 {
+        Q16(self.sum(places).wrapping_mul(self.to_q16))
+    }
+
+    /// The same, in the coefficients' own steps.
+    #[inline(always)]
+    fn sum(&self, places: u16) -> i32 {
         // -1/2 to 1/2 over the range: what wraps on the way comes back.
-        let u = i32::from(from_first).wrapping_mul(self.u_per_code).wrapping_add(self.first_u);
+        let u = i32::from(places).wrapping_mul(self.u_per_code).wrapping_add(self.first_u);
         let [c5, c4, c3, c2, c1, c0] = self.coefficients;
         let step = |sum: i32, c: i32| multiply_high(sum, u).wrapping_add(c);
-        Q16(step(step(step(step(step(c5, c4), c3), c2), c1), c0).wrapping_mul(self.to_q16))
+        step(step(step(step(step(c5, c4), c3), c2), c1), c0)
     }
 }
 
 impl FixedTable {
-    /// The reading so many codes from the first of the range.
+    /// One piece, Q32.
+    const PIECE: i64 = 1 << 32;
+    /// A piece is more than a code, so the range begins fewer pieces before the first knot than there are codes; and as far
+    /// behind the last one as anything need be.
+    const STARTS: core::ops::RangeInclusive<i64> = -65_536 * Self::PIECE..=64 * Self::PIECE;
+
+    /// The table, and how many codes of the range are passed over, because they lie more than a piece before the first
+    /// knot: it is as level there as within that piece.
+    fn new(numbers: &TableNumbers, span: u16) -> Option<(Self, u16)> {
+        let (knots, step) = (&numbers.knots, i64::from(numbers.pieces_per_code));
+        if knots.len() < 2 || step == 0 || !Self::STARTS.contains(&numbers.start) {
+            return None;
+        }
+        let (first, last) = (*knots.first()?, *knots.last()?);
+        let mut pieces = [Piece { knot: last, twice_rise: 0 }; MAX_KNOTS + 1];
+        pieces[0].knot = first;
+        for (piece, pair) in pieces[1..].iter_mut().zip(knots.windows(2)) {
+            *piece = Piece { knot: pair[0], twice_rise: pair[1].checked_sub(pair[0])?.checked_mul(2)? };
+        }
+        let from_level = numbers.start + Self::PIECE;
+        let passed = from_level.min(0).unsigned_abs().div_ceil(step.unsigned_abs()).min(u64::from(span));
+        let start = u64::try_from(from_level + i64::try_from(passed).ok()? * step).unwrap_or(0);
+        let table = Self { start, pieces_per_code: numbers.pieces_per_code, pieces };
+        Some((table, u16::try_from(passed).ok()?))
+    }
+
+    /// The reading so many codes from the one that is counted from.
     #[inline(always)]
     fn evaluate(&self, places: u16) -> Q16 {
-        // At most 2^48 from a start that `table_form` holds below 2^38.
-        #[allow(clippy::cast_sign_loss)] // never below zero
-        let position = (i64::from(places) * i64::from(self.pieces_per_code) + self.start).max(0) as u64;
-        #[allow(clippy::cast_possible_truncation)] // below the number of knots, and the fraction
-        let (piece, within) = ((position >> 32) as usize, position as u32);
-        match (self.knots.get(piece), self.knots.get(piece + 1)) {
-            (Some(&here), Some(&next)) => {
-                // Two neighbours differ by less than 2^31 (see `table_form`), so the rise so far does as well.
-                let rise = i64::from(next.wrapping_sub(here)) * i64::from(within);
-                #[allow(clippy::cast_possible_truncation)]
-                Q16(here.wrapping_add((rise >> 32) as i32))
-            }
-            _ => Q16(self.knots.last().copied().unwrap_or(0)),
-        }
+        // At most 2^48 from a start below 2^39.
+        let position = u64::from(places) * u64::from(self.pieces_per_code) + self.start;
+        #[allow(clippy::cast_possible_truncation)] // 0 to 2^17
+        let whole = (position >> 32) as usize;
+        // Always there: so no bound is looked at.
+        let Piece { knot, twice_rise } = self.pieces[whole.min(MAX_KNOTS)];
+        #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // the fraction, halved to fit a sign
+        let half_way = (position as u32 >> 1) as i32;
+        // Between two knots: what wraps on the way comes back.
+        Q16(multiply_high(twice_rise, half_way).wrapping_add(knot))
     }
-}
-
-/// The codes whose temperatures lie in a valid range, ends rounded to the nearest; `None` if there are fewer than two.
-fn calibrated_codes(valid: ValidRange, scale: TemperatureScale) -> Option<(u16, u16)> {
-    let (first, last) = (scale.code(valid.min())?.0, scale.code(valid.max())?.0);
-    (first < last).then_some((first, last))
-}
-
-fn polynomial_form(
-    polynomial: &Polynomial,
-    scale: TemperatureScale,
-    first: u16,
-    last: u16,
-) -> Result<Form, Unrepresentable> {
-    // The smallest power of two that holds the range, and its middle rounded up: -1/2 <= u < 1/2.
-    let codes = u32::from(last - first) + 1;
-    let bits = codes.next_power_of_two().trailing_zeros();
-    #[allow(clippy::cast_possible_truncation)] // at most 2^15
-    let middle = first + (codes / 2) as u16;
-    let span = f64::from(1_u32 << bits);
-    // x = offset + factor u
-    let x = polynomial.scale();
-    let offset = x.x(scale.temperature(TemperatureCode(middle)));
-    let factor = scale.step * span / x.half_span();
-    let in_u = crate::drift::substitute(polynomial.coefficients(), offset, factor);
-    // Every partial sum of Horner's rule stays below the sum of the magnitudes.
-    let magnitude: f64 = in_u.iter().map(|c| libm::fabs(*c)).sum();
-    let fraction_bits = (0..=16).rev().find(|&bits| magnitude * f64::from(1_u32 << bits) < f64::from(1_u32 << 30));
-    let fraction_bits = fraction_bits.filter(|&bits| bits >= 6).ok_or(Unrepresentable::TooLarge)?;
-    // The sum shifted back to Q16 must fit as well.
-    let fits = |reading: f64| libm::fabs(reading) < 32_767.0;
-    let at = |code: u16| polynomial.evaluate(scale.temperature(TemperatureCode(code)));
-    if !(fits(at(first)) && fits(at(last)) && fits(at(middle))) {
-        return Err(Unrepresentable::TooLarge);
-    }
-    let mut coefficients = [0; MAX_ORDER + 1];
-    for (slot, &c) in coefficients.iter_mut().rev().zip(&in_u) {
-        *slot = to_fixed(c, fraction_bits).ok_or(Unrepresentable::TooLarge)?;
-    }
-    let shift = 32 - bits;
-    #[allow(clippy::cast_possible_wrap)] // one bit of 32, taken modulo 2^32
-    let u_per_code = (1_u32 << shift) as i32;
-    let first_u = (i32::from(first) - i32::from(middle)).wrapping_mul(u_per_code);
-    Ok(Form::Polynomial(FixedPolynomial { first_u, u_per_code, to_q16: 1 << (16 - fraction_bits), coefficients }))
-}
-
-/// One in Q32.
-const Q32: f64 = 4_294_967_296.0;
-
-fn table_form(table: &Table, scale: TemperatureScale, first: u16) -> Result<Form, Unrepresentable> {
-    let knots: Option<Vec<i32, MAX_KNOTS>> = table.knots().iter().map(|&knot| to_fixed(knot, 16)).collect();
-    let knots = knots.filter(|knots| knots.windows(2).all(|pair| pair[1].checked_sub(pair[0]).is_some()));
-    let [coldest, hottest] = [-1.0, 1.0].map(|x| table.scale().temperature(x));
-    let pieces_per_unit =
-        f64::from(u16::try_from(table.knots().len() - 1).map_err(|_| Unrepresentable::TooLarge)?) / (hottest - coldest);
-    // A piece is more than a code.
-    let pieces_per_code = pieces_per_unit * scale.step;
-    if !(0.0..1.0).contains(&pieces_per_code) {
-        return Err(Unrepresentable::TooNarrow);
-    }
-    let start = (scale.temperature(TemperatureCode(first)) - coldest) * pieces_per_unit;
-    // Below the first knot by more pieces than a table has, or above the last: as good as nearer by.
-    let start = start.clamp(-64.0, 64.0);
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // bounded above
-    Ok(Form::Table(FixedTable {
-        start: libm::round(start * Q32) as i64,
-        pieces_per_code: libm::round(pieces_per_code * Q32) as u32,
-        knots: knots.ok_or(Unrepresentable::TooLarge)?,
-    }))
 }
 
 /// The high word of a product: `a * b / 2^32`, rounded down. One instruction on a Cortex-M4.
 #[allow(clippy::cast_possible_truncation)] // the product of two i32 shifted by 32 is an i32
 fn multiply_high(a: i32, b: i32) -> i32 {
     ((i64::from(a) * i64::from(b)) >> 32) as i32
-}
-
-/// The nearest fixed-point number with so many fractional bits; `None` when it does not fit.
-pub(super) fn to_fixed(value: f64, fraction_bits: u32) -> Option<i32> {
-    let scaled = libm::round(value * f64::from(1_u32 << fraction_bits));
-    if !(f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&scaled) {
-        return None;
-    }
-    #[allow(clippy::cast_possible_truncation)]
-    Some(scaled as i32)
 }

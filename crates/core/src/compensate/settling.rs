@@ -7,8 +7,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::fixed::Q16;
+use super::numbers::LowPassNumbers;
 
-/// The low-pass as the device sees it: how far its output has come when samples are taken.
+/// The low-pass at the board's sampling: how far its output has come when samples are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LowPass {
     /// The part of a step still missing at the first sample after the wiper was written, 0 to 1.
@@ -46,13 +47,9 @@ pub struct Settling {
 impl Settling {
     /// At rest at an effect.
     #[must_use]
-    pub fn new(low_pass: LowPass, effect: Q16) -> Self {
-        Self {
-            missing_at_first: to_q32(low_pass.missing_at_first),
-            missing_per_sample: to_q32(low_pass.missing_per_sample),
-            settled: effect.0,
-            missing: 0,
-        }
+    pub fn new(low_pass: LowPassNumbers, effect: Q16) -> Self {
+        let LowPassNumbers { missing_at_first, missing_per_sample } = low_pass;
+        Self { missing_at_first, missing_per_sample, settled: effect.0, missing: 0 }
     }
 
     /// The wiper was written, after the last sample and before the next: its effect is on its way to `effect`.
@@ -89,12 +86,6 @@ impl Settling {
     }
 }
 
-/// A part, 0 to just below 1, in Q32.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped to 32 bits
-fn to_q32(part: f64) -> u32 {
-    libm::round(part * 4_294_967_296.0).clamp(0.0, f64::from(u32::MAX)) as u32
-}
-
 /// `value * part`, towards zero, so that what is missing dies out.
 #[allow(clippy::cast_possible_truncation)] // the part is below 1
 fn scale(value: i32, part: u32) -> i32 {
@@ -109,7 +100,7 @@ mod tests {
     fn the_effect_follows_an_exponential_step() {
         let (cutoff, period, delay) = (40.0, 0.003, 0.0001);
         let low_pass = LowPass::first_order(cutoff, period, delay);
-        let mut settling = Settling::new(low_pass, Q16(0));
+        let mut settling = Settling::new(low_pass.numbers(), Q16(0));
         settling.wiper_written(Q16::from_counts(31.26).unwrap());
         for k in 0..20 {
             let seconds = period * f64::from(k + 1) - delay;
@@ -121,7 +112,7 @@ mod tests {
     #[test]
     fn a_run_of_samples_sums_to_the_same_bits() {
         let low_pass = LowPass::first_order(5.0, 0.003, 0.0001);
-        let mut one_by_one = Settling::new(low_pass, Q16(1000));
+        let mut one_by_one = Settling::new(low_pass.numbers(), Q16(1000));
         one_by_one.wiper_written(Q16(-2_000_000));
         let mut at_once = one_by_one;
         let sum: i64 = (0..500).map(|_| i64::from(one_by_one.next_sample().0)).sum();
@@ -131,7 +122,7 @@ mod tests {
 
     #[test]
     fn without_a_low_pass_a_step_is_there_at_once() {
-        let mut settling = Settling::new(LowPass::NONE, Q16(0));
+        let mut settling = Settling::new(LowPassNumbers::NONE, Q16(0));
         settling.wiper_written(Q16(77));
         assert_eq!(settling.next_sample(), Q16(77));
     }

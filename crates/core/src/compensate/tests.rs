@@ -289,6 +289,16 @@ fn a_steep_table_whose_knots_lie_between_codes_is_corrected_as_closely_as_any() 
     assert_correction_is_close(&law(shape, valid, 0.0));
 }
 
+/// The codes before the first knot are passed over, those past the last one stand at its level.
+#[test]
+fn a_table_is_level_beyond_its_knots_however_far_the_range_reaches() {
+    for (coldest, hottest) in [(9000.0, 9200.0), (8000.0, 12_000.0), (11_900.0, 12_400.0), (9_999.9, 10_000.7)] {
+        let scale = Scale::spanning(coldest, hottest).unwrap();
+        let shape = Shape::Table(Table::new(scale, &[8100.0, 8200.0, 8150.0, 8220.0]).unwrap());
+        assert_correction_is_close(&law(shape, WORKING, 0.0));
+    }
+}
+
 /// Found by chance: a turn that reaches another tap at one code alone.
 #[test]
 fn a_tap_of_a_single_code_at_a_turn_is_in_the_table() {

@@ -1,14 +1,19 @@
 use super::*;
-use crate::drift::{Memory, Polynomial, Scale, Shape, Term, ValidRange};
-use crate::trim::TrimLine;
+use crate::compensate::{
+    CurveNumbers, EdgeTable, HistoryNumbers, LowPass, MemoryNumbers, Part, PolynomialNumbers, TermNumbers,
+};
+use crate::drift::{Drift, History, Memory, Polynomial, Scale, Shape, Term, ValidRange};
+use crate::trim::{Trim, TrimLine};
 use crate::units::{Counts, Taps};
 
-fn record() -> DeviceRecord {
+const SCALE: TemperatureScale = TemperatureScale::QUARTER_COUNTS;
+
+fn model() -> AxisModel {
     let scale = Scale::spanning(8500.0, 11_900.0).unwrap();
     let shape =
         Shape::Polynomial(Polynomial::from_raw_coefficients(scale, &[13_435.7, -0.894_782, 0.375_298e-4]).unwrap());
     let line = TrimLine::new(-0.031_990_6, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap();
-    let mut axis = AxisRecord {
+    let mut axis = AxisModel {
         drift: Drift { shape, valid: ValidRange::new(8500.0, 11_900.0).unwrap() },
         trim: Trim { line, measured: None },
         dead_band: 0.05,
@@ -17,13 +22,12 @@ fn record() -> DeviceRecord {
         edges: None,
         history: None,
     };
-    let law = axis.static_law(TemperatureScale::QUARTER_COUNTS);
-    axis.edges = Some(EdgeTable::solve(&law).unwrap());
-    DeviceRecord {
-        unit: UnitSerial::try_from("ZR-0001").unwrap(),
-        temperature_scale: TemperatureScale::QUARTER_COUNTS,
-        axes: [axis.clone(), axis],
-    }
+    axis.edges = Some(EdgeTable::solve(&axis.static_law(SCALE)).unwrap());
+    axis
+}
+
+fn record() -> DeviceRecord {
+    DeviceRecord::new(UnitSerial::try_from("ZR-0001").unwrap(), SCALE, &[model(), model()]).unwrap()
 }
 
 #[test]
@@ -32,7 +36,7 @@ fn a_record_reads_back_as_it_was_written() {
     let bytes = record().encode(&mut buffer).unwrap();
     let read = DeviceRecord::decode(bytes).unwrap();
     assert_eq!(read, record());
-    assert!(read.axis(Axis::X).law(read.temperature_scale).is_ok());
+    assert!(read.axis(Axis::X).law().is_ok());
 }
 
 #[test]
@@ -66,32 +70,80 @@ fn a_buffer_too_small_is_an_error_and_not_a_cut_record() {
     assert_eq!(record().encode(&mut [0; 3]), Err(RecordError::TooLong));
 }
 
-/// A table of edges changed on the way, with a CRC that fits, is still refused: the device checks it against the law.
+/// A table of edges that was solved for another law does not get into a record; one changed on the way, with a CRC that
+/// fits, is refused by the device, by the integers alone.
 #[test]
 fn a_table_that_does_not_belong_to_the_law_is_refused() {
-    let mut wrong = record();
-    let mut other = wrong.axes[0].static_law(wrong.temperature_scale);
+    let mut other = model().static_law(SCALE);
     other.dead_band = 0.4;
-    wrong.axes[0].edges = Some(EdgeTable::solve(&other).unwrap());
-    assert!(matches!(wrong.axes[0].law(wrong.temperature_scale), Err(LawRefused::Edges(_))));
+    let of_another = Some(EdgeTable::solve(&other).unwrap());
+    let wrong = AxisModel { edges: of_another.clone(), ..model() };
+    assert!(matches!(wrong.record(SCALE), Err(LawRefused::Edges(_))));
+    let mut changed = record();
+    changed.axes[0].law.edges = of_another;
+    let mut buffer = [0; MAX_RECORD_BYTES];
+    let read = DeviceRecord::decode(changed.encode(&mut buffer).unwrap()).unwrap();
+    assert!(matches!(read.axes[0].law(), Err(LawRefused::Edges(_))));
+    assert!(read.axes[1].law().is_ok());
 }
 
-/// A history makes the law dynamic, and a device refuses one that it cannot run.
+/// What a device is to be kept from: a number of a record that is another one, and a CRC that fits all the same.
+#[test]
+fn numbers_that_make_no_law_are_refused_by_the_part_that_is_wrong() {
+    let refused = |change: &dyn Fn(&mut LawNumbers)| {
+        let mut axis = record().axes[0].clone();
+        change(&mut axis.law);
+        axis.law().unwrap_err()
+    };
+    let polynomial = |law: &mut LawNumbers, change: &dyn Fn(&mut PolynomialNumbers)| {
+        let CurveNumbers::Polynomial(numbers) = &mut law.drift.curve else { panic!() };
+        change(numbers);
+    };
+    let drift = LawRefused::Senseless(Part::Drift);
+    assert_eq!(refused(&|law| law.drift.last = law.drift.first), drift);
+    assert_eq!(refused(&|law| polynomial(law, &|numbers| numbers.fraction_bits = 17)), drift);
+    assert_eq!(refused(&|law| polynomial(law, &|numbers| numbers.coefficients[1] = i32::MIN)), drift);
+    assert_eq!(refused(&|law| polynomial(law, &|numbers| numbers.coefficients.truncate(1))), drift);
+    // Fits in its own steps, and not in counts: the correction would wrap.
+    assert_eq!(refused(&|law| polynomial(law, &|numbers| numbers.fraction_bits = 12)), drift);
+    let trim = LawRefused::Senseless(Part::Trim);
+    assert_eq!(refused(&|law| law.trim.per_tap = 0), trim);
+    assert_eq!(refused(&|law| law.trim.per_tap = i32::MAX), trim);
+    assert_eq!(refused(&|law| law.trim.effects = [5, 5].into_iter().collect()), trim);
+    assert_eq!(refused(&|law| law.dead_band = -1), LawRefused::Senseless(Part::DeadBand));
+    let forgetful = TermNumbers { memory: MemoryNumbers::Lag { kept: 0, part: 0 }, weight: 1, share: 1 << 16 };
+    let history = |law: &mut LawNumbers, term: TermNumbers| {
+        let terms = core::iter::once(term).collect();
+        law.history = Some(HistoryNumbers { curve: law.drift.curve.clone(), terms });
+    };
+    assert_eq!(refused(&|law| history(law, forgetful)), LawRefused::Senseless(Part::History));
+    let half = TermNumbers { memory: MemoryNumbers::Play { half_width: 9 }, weight: 1, share: 1 << 15 };
+    assert_eq!(refused(&|law| history(law, half)), LawRefused::Senseless(Part::History));
+    // The laws are whole, and are another one than the table's.
+    let other = |law: LawRefused| matches!(law, LawRefused::Edges(_));
+    assert!(other(refused(&|law| law.centre += 2 << 16)));
+    assert!(other(refused(&|law| law.trim.per_tap += 2 << 16)));
+    assert!(other(refused(&|law| law.trim.intercept += 2 << 16)));
+    assert!(other(refused(&|law| polynomial(law, &|numbers| numbers.coefficients[0] -= 2 << 16))));
+    assert!(other(refused(&|law| law.dead_band = 0)));
+}
+
+/// A history makes the law dynamic, and one that a device cannot run gets into no record.
 #[test]
 fn a_history_travels_with_the_record_and_is_checked() {
-    let mut with = record();
-    let curve = with.axes[0].drift.shape.clone();
+    let mut with = model();
     let terms = [
         Term { memory: Memory::Play { half_width: 200.0 }, weight: 0.1, share: 0.75 },
         Term { memory: Memory::Lag { time_constant_s: 240.0 }, weight: -0.02, share: 0.25 },
     ];
-    let history = History::new(curve, &terms).unwrap();
-    with.axes[0].history = Some(HistoryRecord { history, group_period_s: 0.5 });
+    let history = History::new(with.drift.shape.clone(), &terms).unwrap();
+    with.history = Some(HistoryModel { history, group_period_s: 0.5 });
+    let record = DeviceRecord { axes: [with.record(SCALE).unwrap(), model().record(SCALE).unwrap()], ..record() };
     let mut buffer = [0; MAX_RECORD_BYTES];
-    let read = DeviceRecord::decode(with.encode(&mut buffer).unwrap()).unwrap();
-    assert_eq!(read, with);
-    let dynamic = |axis: Axis| read.axis(axis).law(read.temperature_scale).map(|law| law.is_dynamic());
+    let read = DeviceRecord::decode(record.encode(&mut buffer).unwrap()).unwrap();
+    assert_eq!(read, record);
+    let dynamic = |axis: Axis| read.axis(axis).law().map(|law| law.is_dynamic());
     assert_eq!((dynamic(Axis::X), dynamic(Axis::Y)), (Ok(true), Ok(false)));
-    with.axes[0].history.as_mut().unwrap().group_period_s = f64::NAN;
-    assert!(matches!(with.axes[0].law(with.temperature_scale), Err(LawRefused::Unrepresentable(_))));
+    with.history.as_mut().unwrap().group_period_s = f64::NAN;
+    assert!(matches!(with.record(SCALE), Err(LawRefused::Unrepresentable(_))));
 }

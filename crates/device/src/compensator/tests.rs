@@ -18,7 +18,7 @@ impl Rig {
     fn calibrated() -> Self {
         let mut rig = Self::blank();
         let record = record("u");
-        rig.compensator.install(Axis::BOTH.map(|axis| record.axis(axis).law(record.temperature_scale).unwrap()));
+        rig.compensator.install(Axis::BOTH.map(|axis| record.axis(axis).law().unwrap()));
         rig
     }
 
@@ -286,7 +286,7 @@ fn after_a_restart_the_wipers_are_held_until_the_first_group_and_then_written_wh
     let taps = [500, 512].map(|tap| Taps::new(tap).unwrap());
     rig.compensator = Compensator::holding(rig.sets.clone(), rig.part.clone(), Timing::PAPER, taps);
     let record = record("u");
-    rig.compensator.install(Axis::BOTH.map(|axis| record.axis(axis).law(record.temperature_scale).unwrap()));
+    rig.compensator.install(Axis::BOTH.map(|axis| record.axis(axis).law().unwrap()));
     rig.compensator.set_modes([Mode::Hybrid, Mode::Off]);
     rig.compensator.resume();
     assert_eq!(rig.writes(), []);

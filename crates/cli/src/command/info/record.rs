@@ -4,8 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde::Serialize;
-use zerorate_cal::choose::Model;
-use zerorate_cal::device_record::StoredRecord;
+use zerorate_cal::device_record::{AxisFacts, StoredRecord};
 
 use crate::screen::{Grid, Page, significant};
 
@@ -28,29 +27,31 @@ struct Axis {
     taps_measured: usize,
     dead_band_taps: f64,
     start_up_mode: &'static str,
-    /// Temperatures at which the tap changes; `None` where the wiper cannot follow.
     edges: Option<usize>,
-    /// Why a device would refuse the axis's law.
     refused: Option<String>,
+}
+
+impl Axis {
+    fn of(name: &'static str, facts: AxisFacts) -> Self {
+        Self {
+            name,
+            model: facts.model.to_string(),
+            temperature_counts: facts.temperature_counts,
+            drift_pp_counts: facts.drift_pp_counts,
+            counts_per_tap: facts.counts_per_tap,
+            taps_measured: facts.taps_measured,
+            dead_band_taps: facts.dead_band_taps,
+            start_up_mode: facts.start_up_mode.name(),
+            edges: facts.edges,
+            refused: facts.refused.map(|why| why.to_string()),
+        }
+    }
 }
 
 impl Facts {
     pub fn read(file: &Path) -> Result<Self> {
         let stored = StoredRecord::read(file)?;
-        let scale = stored.record.temperature_scale;
-        let axes = ["x", "y"].into_iter().zip(&stored.record.axes).map(|(name, axis)| Axis {
-            name,
-            model: Model::of_shape(&axis.drift.shape).to_string(),
-            temperature_counts: [axis.drift.valid.min(), axis.drift.valid.max()],
-            drift_pp_counts: axis.drift.peak_to_peak(),
-            counts_per_tap: axis.trim.line.counts_per_tap().0,
-            taps_measured: axis.trim.measured.as_ref().map_or(0, |measured| measured.effects().len()),
-            dead_band_taps: axis.dead_band,
-            start_up_mode: axis.start_up_mode.name(),
-            // Between two intervals of one tap each lies an edge.
-            edges: axis.edges.as_ref().map(|edges| edges.intervals().len().saturating_sub(1)),
-            refused: axis.law(scale).err().map(|why| why.to_string()),
-        });
+        let axes = ["x", "y"].into_iter().zip(stored.axes()).map(|(name, facts)| Axis::of(name, facts));
         Ok(Self {
             unit_serial: stored.record.unit.to_string(),
             version: stored.version,

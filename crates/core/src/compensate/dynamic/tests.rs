@@ -6,12 +6,12 @@ use std::vec::Vec;
 
 use proptest::prelude::*;
 
-use super::super::{AxisCompensation, AxisLaw, EdgeTable, LowPass, Mode, StaticLaw};
+use super::super::{AxisCompensation, AxisLaw, DriftNumbers, EdgeTable, LowPass, Mode, StaticLaw, TrimNumbers};
 use super::*;
-use crate::drift::{HistoryState, Polynomial, Scale, Shape, ValidRange};
+use crate::drift::{Drift, History, HistoryState, Memory, Polynomial, Scale, Shape, Term, ValidRange};
 use crate::group::GroupSums;
 use crate::trim::{TapEffects, Trim, TrimLine};
-use crate::units::Counts;
+use crate::units::{Counts, TemperatureScale};
 
 const SCALE: TemperatureScale = TemperatureScale::QUARTER_COUNTS;
 /// The board's groups: 500 scans of a millisecond.
@@ -49,11 +49,19 @@ fn history() -> History {
     .unwrap()
 }
 
+/// Both in the device's form, for a law.
+fn fixed(law: &StaticLaw) -> (FixedDrift, FixedHistory) {
+    let drift = DriftNumbers::new(&law.drift, SCALE).unwrap();
+    let numbers = HistoryNumbers::new(&history(), &law.drift, SCALE, PERIOD_S).unwrap();
+    // A dead band of 0.05 tap.
+    let history = FixedHistory::from_numbers(&numbers, drift.first, drift.last, 3277).unwrap();
+    (FixedDrift::from_numbers(&drift).unwrap(), history)
+}
+
 /// Both forms over a walk of codes, `None` a lost group: the largest difference of their drifts, counts.
 fn largest_difference(walk: impl Iterator<Item = Option<u16>>) -> f64 {
     let (law, history) = (law(), history());
-    let fixed_drift = FixedDrift::new(&law.drift, SCALE).unwrap();
-    let fixed = FixedHistory::new(&history, &law.drift, SCALE, PERIOD_S, 0.05).unwrap();
+    let (fixed_drift, fixed) = fixed(&law);
     let (mut state, mut fixed_state) = (HistoryState::default(), FixedHistoryState::default());
     let mut largest = 0.0_f64;
     for code in walk {
@@ -106,8 +114,8 @@ proptest! {
         let mut effect = -600.0;
         let effects: Vec<Counts> = uneven.iter().map(|step| { effect += step; Counts(effect) }).collect();
         law.trim.measured = measured.then(|| TapEffects::new(Taps::new(490).unwrap(), &effects).unwrap());
-        let fixed = FixedHistory::new(&history(), &law.drift, SCALE, PERIOD_S, law.dead_band).unwrap();
-        let effects = FixedEffects::new(&law.trim).unwrap();
+        let (_, fixed) = fixed(&law);
+        let effects = FixedEffects::from_numbers(&TrimNumbers::new(&law.trim).unwrap()).unwrap();
         let now = Taps::new(at).unwrap();
         let from_centre = Q16::from_counts(drift - 8200.0).unwrap();
         let tap = fixed.tap(&effects, now, from_centre.0);

@@ -1,0 +1,92 @@
+//! What each tap adds to the reading, in integers, and which of two neighbours is the nearer.
+
+use heapless::Vec;
+
+use super::fixed::Q16;
+use super::numbers::TrimNumbers;
+use crate::trim::MAX_TAP_OFFSETS;
+use crate::units::Taps;
+
+/// What each tap adds to the reading, in Q16: as measured, and on from the nearer end of what was measured.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct FixedEffects {
+    first: Taps,
+    /// Empty without a measurement.
+    measured: Vec<i32, MAX_TAP_OFFSETS>,
+    per_tap: i32,
+    intercept: i32,
+}
+
+/// A side of a tap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    Below,
+    Above,
+}
+
+impl Side {
+    pub(super) const BOTH: [Self; 2] = [Self::Above, Self::Below];
+
+    /// The neighbour on this side; `None` at the part's end.
+    pub(super) fn of(self, tap: Taps) -> Option<Taps> {
+        match self {
+            Self::Below => tap.get().checked_sub(1).and_then(Taps::new),
+            Self::Above => Taps::new(tap.get() + 1),
+        }
+    }
+}
+
+impl FixedEffects {
+    /// `None` when the effects do not rise from tap to tap, go on beyond the part, or do not fit: some tap would move the
+    /// reading by 32 768 counts or more.
+    pub(super) fn from_numbers(numbers: &TrimNumbers) -> Option<Self> {
+        let TrimNumbers { first, ref effects, per_tap, intercept } = *numbers;
+        let is_rising = per_tap > 0 && effects.windows(2).all(|pair| pair[0] < pair[1]);
+        let is_in_part = usize::from(first.get()) + effects.len() <= usize::from(Taps::LAST.get()) + 1;
+        let all = Self { first, measured: effects.clone(), per_tap, intercept };
+        let fits = [Taps::FIRST, Taps::LAST].iter().all(|&end| i32::try_from(all.whole(end)).is_ok());
+        (is_rising && is_in_part && fits).then_some(all)
+    }
+
+    #[inline]
+    pub(super) fn get(&self, tap: Taps) -> Q16 {
+        self.measured(tap).map_or_else(|| self.beyond(tap), Q16)
+    }
+
+    #[inline]
+    pub(super) fn measured(&self, tap: Taps) -> Option<i32> {
+        self.measured.get(tap.after(self.first)).copied()
+    }
+
+    /// The effect of a tap that was not measured.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn beyond(&self, tap: Taps) -> Q16 {
+        #[allow(clippy::cast_possible_truncation)] // both ends of the part fit, and so does all between them
+        Q16(self.whole(tap) as i32)
+    }
+
+    /// The effect of a tap, whether it fits or not.
+    fn whole(&self, tap: Taps) -> i64 {
+        let offset = i64::from(tap.get()) - i64::from(self.first.get());
+        let nearest = usize::try_from(offset).unwrap_or(0).min(self.measured.len().saturating_sub(1));
+        let measured = self.measured.get(nearest).copied().unwrap_or(0);
+        let left = usize::from(tap.get()).abs_diff(usize::from(self.first.get()) + nearest);
+        let beyond = i64::try_from(left).unwrap_or(0) * i64::from(self.per_tap);
+        i64::from(measured) + if offset < 0 { -beyond } else { beyond }
+    }
+
+    /// How far the taps are from bringing a drift to the centre, when one of them has been commanded: beyond the middle
+    /// between it and its neighbour, and a `band` of their distance (Q16) further; positive towards the neighbour, in
+    /// halves of a Q16 count. Past the part's end a neighbour would be a slope's tap away.
+    pub(super) fn past_middle(&self, tap: Taps, side: Side, drift_from_centre: i32, band: i32) -> i64 {
+        let effect = i64::from(self.get(tap).0);
+        let distance = match side.of(tap) {
+            Some(neighbour) => (i64::from(self.get(neighbour).0) - effect).abs(),
+            None => i64::from(self.per_tap),
+        };
+        let wanted = i64::from(self.intercept) - i64::from(drift_from_centre) - effect;
+        let towards = if side == Side::Above { wanted } else { -wanted };
+        2 * towards - distance - ((2 * distance * i64::from(band)) >> 16)
+    }
+}
