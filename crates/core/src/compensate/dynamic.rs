@@ -13,6 +13,8 @@ use super::rounding::{CODE_BITS, WEIGHT_BITS};
 use crate::drift::{KNOWN_FROM, Knowledge, MAX_HISTORY_TERMS};
 use crate::units::{Taps, TemperatureCode};
 
+/// The furthest that a memory can be from the temperature: all codes, Q14. So no product with a part of one leaves 62 bits.
+const FURTHEST: i64 = (u16::MAX as i64) << CODE_BITS;
 /// One in Q32.
 const ONE_Q32: u64 = 1 << 32;
 /// One in Q16.
@@ -118,7 +120,7 @@ impl FixedHistory {
             .iter()
             .zip(&seen.memories)
             .map(|(term, memory)| i64::from(term.weight) * i64::from(memory.ahead))
-            .sum();
+            .fold(0, i64::saturating_add);
         let curve = i64::from(self.curve.evaluate(TemperatureCode(seen.last)).0);
         let known = self.known_share(seen);
         let by_history = curve + (added >> (WEIGHT_BITS + CODE_BITS - 16)) - i64::from(fixed.0);
@@ -175,12 +177,12 @@ fn play(half_width: i32, ahead: i32, rise: i32, least: u16, most: u16, now: u16)
 }
 
 /// A lag's m - T after a straight run of `rise` codes: `ahead kept - rise follows`, both Q32.
-///
-/// A memory lies between the least and the most code seen, so `ahead` is below 2^30, and each product below 2^62.
 fn lag(kept: u64, follows: u64, ahead: i32, rise: i32) -> i32 {
     let moved = i64::from(ahead) * q32_signed(kept) - ((i64::from(rise) * q32_signed(follows)) << CODE_BITS);
     // Rounded, not cut: a cut of half a step every group would add up over a time constant.
-    saturate(moved.saturating_add(1 << 31) >> 32)
+    let rounded = (moved + (1 << 31)) >> 32;
+    // A lag lies between the least and the most code seen, unless its numbers are no lag's.
+    saturate(rounded.clamp(-FURTHEST, FURTHEST))
 }
 
 /// `exp(-n x)` and `(1 - exp(-n x)) / (n x)` from `exp(-x)` and x, Q32: the power by squaring.
@@ -200,7 +202,7 @@ fn over_groups(kept: u64, part: u64, groups: u32) -> (u64, u64) {
 
 /// `2^32 a / b` for an `a` of at most 1 in Q32; where that is 1, less one step in 2^64.
 fn shifted_quotient(a: u64, b: u64) -> u64 {
-    a.checked_mul(ONE_Q32).unwrap_or(u64::MAX) / b
+    a.saturating_mul(ONE_Q32) / b
 }
 
 /// Both at most 1, rounded.
