@@ -142,6 +142,24 @@ fn a_record_that_cannot_be_run_never_replaces_one_that_can() {
     );
 }
 
+/// Its CRC is right: it was composed wrongly, not damaged on its way.
+#[test]
+fn a_record_whose_table_of_edges_is_not_its_laws_is_neither_stored_nor_run() {
+    let mut wrong = record("ZR-7");
+    wrong.axes[1].law.centre += 3 << 16;
+    let mut buffer = [0; MAX_RECORD_BYTES];
+    let wrong = wrong.encode(&mut buffer).unwrap();
+    let mut store = MemoryStore::default();
+    store.commit(wrong).unwrap();
+    assert_eq!(console(store).calibration(), CalibrationState::LawRefused);
+    let mut console = console(MemoryStore::default());
+    let good = encoded("ZR-7");
+    write(&mut console, &good);
+    assert!(console.take_laws().is_some());
+    assert_eq!(write(&mut console, wrong), Some(Answer::Refused(Refusal::LawRefused)));
+    assert_eq!(stored(&mut console), good);
+}
+
 #[test]
 fn a_store_that_fails_is_said_and_nothing_is_taken_into_use() {
     let mut console = console(WornOut);
