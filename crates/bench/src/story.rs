@@ -74,6 +74,7 @@ fn drift_facts(character: &AxisCharacter) -> DriftFacts {
     });
     DriftFacts {
         model: drift.model(),
+        remembers: drift.history.is_some(),
         raw_coefficients: if is_polynomial { drift.choice.solution.raw_coefficients() } else { Vec::new() },
         temperature_counts: [drift.drift.valid.min(), drift.drift.valid.max()],
         drift_pp_counts: character.drift_pp_counts,

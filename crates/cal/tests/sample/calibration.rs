@@ -64,6 +64,7 @@ fn axis(gyro: &Gyro) -> CalibratedAxis {
     };
     let drift = DriftFacts {
         model: "poly:2".into(),
+        remembers: false,
         raw_coefficients: gyro.drift.to_vec(),
         temperature_counts: [8500.0, 11_829.0],
         drift_pp_counts: pp(ramp.iter().map(|point| point.zro_counts)),

@@ -33,9 +33,11 @@ pub struct RampPoint {
 pub struct DriftFacts {
     /// The model chosen, as `poly:2`.
     pub model: String,
+    /// Whether it remembers its temperatures; the coefficients are then of the curve for when it does not know them yet.
+    pub remembers: bool,
     /// The polynomial's coefficients, counts over counts of temperature to the power of the place; empty for a table.
     pub raw_coefficients: Vec<f64>,
-    /// The valid range: the least and the greatest temperature fitted.
+    /// The valid range.
     pub temperature_counts: [f64; 2],
     /// Peak to peak of the group means over the hour.
     pub drift_pp_counts: f64,

@@ -15,7 +15,7 @@ const MINUTE_S: f64 = 60.0;
 pub(super) fn chapter(report: &CalibrationReport) -> Markup {
     html! {
         p {
-            "The chamber warmed the unit from cold to hot in one ramp, with the potentiometer left at tap "
+            "The chamber warmed the unit from cold to hot in one ramp" @if came_back(report) { " and cooled it again" } ", with the potentiometer left at tap "
             (report.unit.middle_tap) ". Each point is the mean of a group of " (report.unit.group_samples) " samples."
         }
         (over_time(report).markup())
@@ -26,6 +26,15 @@ pub(super) fn chapter(report: &CalibrationReport) -> Markup {
         (what_fits(report))
         div.pair { @for axis in &report.axes { (candidates::table(&axis.name, &axis.drift.candidates, "counts")) } }
     }
+}
+
+/// Whether the recording ends on the cold side again.
+fn came_back(report: &CalibrationReport) -> bool {
+    let temperatures = |axis: &CalibratedAxis| -> Vec<f64> { axis.ramp.iter().map(|p| p.temperature_counts).collect() };
+    report.axes.first().map(temperatures).is_some_and(|all| {
+        let (min, max) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (t.min(min), t.max(max)));
+        all.last().is_some_and(|last| *last < f64::midpoint(min, max))
+    })
 }
 
 fn series(axis: &CalibratedAxis, of: impl Fn(&RampPoint) -> (f64, f64)) -> Vec<(f64, f64)> {
@@ -138,6 +147,9 @@ fn what_fits(report: &CalibrationReport) -> Markup {
                         "; at most " (fixed(error, 2)) " counts from the simulated plant’s true curve"
                     }
                     "."
+                    @if drift.remembers {
+                        " It remembers its temperatures: the equation is what it leans on until it has seen enough of them."
+                    }
                 }
             }
         }
