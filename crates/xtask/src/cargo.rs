@@ -62,9 +62,20 @@ fn run_with(command: &mut Command, arguments: &[&str]) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// The cargo that started us, so that its toolchain is the one that checks.
 fn command(workspace: &Workspace) -> Command {
-    let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let mut command = program();
     command.current_dir(&workspace.root);
     command
+}
+
+/// The cargo that started us, so that its toolchain is the one that checks; without what it told us of this package: the
+/// build scripts of some dependencies look at it, and all that rests on them would be built anew for whoever calls cargo
+/// himself.
+pub fn program() -> Command {
+    let mut program = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let of_package = |name: &str| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
+    for (name, _) in env::vars_os().filter(|(name, _)| name.to_str().is_some_and(of_package)) {
+        program.env_remove(name);
+    }
+    program
 }

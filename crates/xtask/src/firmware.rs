@@ -173,11 +173,10 @@ impl Toolchain {
     /// Runs a cargo command in the firmware's workspace.
     fn run(&self, workspace: &Workspace, arguments: &[&str]) -> Result<()> {
         println!("    {FOLDER}: cargo {}", arguments.join(" "));
-        let ordinary = || Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
         // Formatting needs no target, and Debian's cargo has no rustfmt.
         let mut command = match self {
             Self::FromSource if arguments.first() != Some(&"fmt") => from_source(),
-            _ => ordinary(),
+            _ => cargo::program(),
         };
         command.current_dir(workspace.root.join(FOLDER)).env("CARGO_TARGET_DIR", "target").args(arguments);
         provide::succeed(&mut command)

@@ -9,6 +9,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
+use crate::cargo;
 use crate::provide;
 use crate::steps::{Outcome, Step, chosen};
 use crate::workspace::Workspace;
@@ -55,11 +56,11 @@ fn build(workspace: &Workspace) -> Result<Outcome> {
     if provide::on_path(&["c++", "g++", "clang++"]).is_none() {
         provide::install("a C++ compiler", &["g++"])?;
     }
-    let mut cargo = Command::new("cargo");
-    cargo.args(["build", "--release", "--locked", "--manifest-path", "fuzz/Cargo.toml", "--target", &platform()?]);
-    cargo.current_dir(&workspace.root).env("CARGO_TARGET_DIR", folder(workspace));
-    cargo.env("CARGO_ENCODED_RUSTFLAGS", INSTRUMENTATION.join("\x1f"));
-    provide::succeed(&mut cargo)?;
+    let mut command = cargo::program();
+    command.args(["build", "--release", "--locked", "--manifest-path", "fuzz/Cargo.toml", "--target", &platform()?]);
+    command.current_dir(&workspace.root).env("CARGO_TARGET_DIR", folder(workspace));
+    command.env("CARGO_ENCODED_RUSTFLAGS", INSTRUMENTATION.join("\x1f"));
+    provide::succeed(&mut command)?;
     Ok(Outcome::Passed)
 }
 

@@ -1,6 +1,5 @@
 //! `cargo xtask gateware`: the acquisition block's lint, proof, tests, synthesis and place-and-route.
 
-use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -114,9 +113,9 @@ fn simulation(workspace: &Workspace) -> Result<Outcome> {
         [&["fmt", "--check"], &["clippy", "--all-targets", "--", "-D", "warnings"], &["test", "--no-fail-fast"]];
     for arguments in commands {
         println!("    cargo {}, in {BLOCK}/sim", arguments.join(" "));
-        let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-        cargo.current_dir(&folder).env("CARGO_TARGET_DIR", out(workspace)?);
-        provide::succeed(cargo.args(arguments))?;
+        let mut command = cargo::program();
+        command.current_dir(&folder).env("CARGO_TARGET_DIR", out(workspace)?);
+        provide::succeed(command.args(arguments))?;
     }
     Ok(Outcome::Passed)
 }

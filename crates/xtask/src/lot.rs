@@ -30,7 +30,7 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
 /// The speed of the raw stage beside DuckDB's and a plain loop's, on the same hundred million rows.
 pub fn compare(workspace: &Workspace, rows: Option<u64>) -> Result<Outcome> {
     let rows = rows.map_or_else(|| ROWS.to_owned(), |rows| rows.to_string());
-    // With the examples, which have the tests' dependencies: then cargo chooses the same features, and builds nothing twice.
+    // With the examples, which have the tests' dependencies: then cargo chooses the same features.
     cargo::run(workspace, &["build", "--release", "--package", "zerorate-lot", "--bins", "--examples"])?;
     let release = workspace.target.join("release");
     let name = |program: &str| format!("{program}{}", env::consts::EXE_SUFFIX);
