@@ -72,6 +72,8 @@ pub enum ReasonKind {
     NoFiniteRows,
     /// Rejected: the recording ends before its ramp does.
     CutRun,
+    /// Rejected: most groups of the span are missing, or their numbers are damaged.
+    LostGroups,
     /// Rejected: the reading never changes over an eighth of the recording.
     StuckReading,
     /// Rejected: groups far from the curve, too many or too far for noise.
@@ -117,6 +119,7 @@ impl ReasonKind {
             | Self::NoFiniteRows
             | Self::NoSensor
             | Self::CutRun
+            | Self::LostGroups
             | Self::StuckReading
             | Self::Outliers
             | Self::Saturated

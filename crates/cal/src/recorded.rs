@@ -8,6 +8,7 @@ mod survey;
 
 use std::path::Path;
 
+use zerorate_core::drift::{MAX_ORDER, Scale, Shape};
 use zerorate_core::units::Axis;
 
 pub use judge::{judge_residual, judge_survey};
@@ -16,7 +17,7 @@ pub use survey::{AxisSurvey, ResidualSurvey, StretchSurvey, stretch_of};
 use crate::auto::{self, Series};
 use crate::choose::Model;
 use crate::drift_fit::{DriftFitError, fit_drift, span};
-use crate::fit::FitError;
+use crate::fit::{Basis, Fit, FitError};
 use crate::log_fit::{AxisFit, AxisVerdict, FitOptions, LogFit, TracePoint, trace};
 use crate::quality::{Judgement, Reason, ReasonKind, TemperatureUnit, Verdict};
 use crate::recording::{GroupRow, Recording};
@@ -27,6 +28,9 @@ pub const RAMPS: [&str; 2] = ["heating", "cooling"];
 
 /// The bit of a recording's flags that says that the reading was at an end of the converter.
 pub const SATURATED: u16 = 4;
+
+/// The order of the polynomial whose residuals are searched for wild groups.
+pub const JUDGED_ORDER: usize = MAX_ORDER;
 
 /// One axis of one group of a ramp.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -209,7 +213,9 @@ fn fit_chosen(name: &str, means: &RampMeans) -> Result<(AxisFit, ResidualSurvey)
         weight: &weight,
         log: &log,
     };
-    let auto = auto::fit(&series, measured, Model::Auto)?;
+    let mut auto = auto::fit(&series, measured, Model::Auto)?;
+    // The chamber has gone as far as the unit is to be believed.
+    auto.drift.valid = measured;
     let mut survey = ResidualSurvey::default();
     auto.residuals.iter().for_each(|residual| survey.push(*residual));
     let points = (0..groups).map(|group| TracePoint {
@@ -226,9 +232,11 @@ fn fit_chosen(name: &str, means: &RampMeans) -> Result<(AxisFit, ResidualSurvey)
 /// The fit of the model asked for: ordinary least squares.
 fn fit_asked(name: &str, means: &RampMeans, model: Model) -> Result<(AxisFit, ResidualSurvey), DriftFitError> {
     let fit = fit_drift(&means.temperatures, &means.readings, model)?;
+    let judged = if let Model::Poly(_) = model { judged_curve(means, fit.choice.solution.scale) } else { None };
+    let judged = judged.as_ref().unwrap_or(&fit.drift.shape);
     let mut survey = ResidualSurvey::default();
     for (temperature, reading) in means.temperatures.iter().zip(&means.readings) {
-        survey.push(reading - fit.drift.evaluate(*temperature).0);
+        survey.push(reading - judged.evaluate(*temperature));
     }
     let mut trace = fit.trace;
     // A place among the groups becomes its time.
@@ -256,6 +264,15 @@ fn fit_asked(name: &str, means: &RampMeans, model: Model) -> Result<(AxisFit, Re
         trace,
     };
     Ok((axis, survey))
+}
+
+/// The polynomial of [`JUDGED_ORDER`]; `None` where the groups do not settle it.
+fn judged_curve(means: &RampMeans, scale: Scale) -> Option<Shape> {
+    let mut fit = Fit::new(scale, Basis::Powers(JUDGED_ORDER), 1);
+    for (temperature, reading) in means.temperatures.iter().zip(&means.readings) {
+        fit.push(*temperature, &[*reading]);
+    }
+    fit.finish().ok()?.first()?.shape()
 }
 
 /// The value at a place that may lie between two of them.

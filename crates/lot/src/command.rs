@@ -28,7 +28,7 @@ Examples:
   zerorate lot export ZR-000007 --out ZR-000007
   zerorate lot fit s3://factory/lot7 --out models.parquet --cluster df://scheduler:50050
 
-Exit codes: 0 done; 1 done, and some units were rejected or files skipped; 2 error.";
+Exit codes: 0 done; 1 done, and some units were rejected or outside limits, or files skipped; 2 error.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -62,11 +62,20 @@ impl Cli {
             Ok(Outcome::Done) => ExitCode::SUCCESS,
             Ok(Outcome::Rejected) => ExitCode::from(1),
             Err(error) => {
-                eprintln!("error: {error:#}");
+                eprintln!("error: {}", told(&error));
                 ExitCode::from(2)
             }
         }
     }
+}
+
+/// An error with its causes, each of them once: many say their cause themselves.
+fn told(error: &anyhow::Error) -> String {
+    error
+        .chain()
+        .skip(1)
+        .map(ToString::to_string)
+        .fold(error.to_string(), |told, cause| if told.contains(&cause) { told } else { format!("{told}: {cause}") })
 }
 
 /// A bar on a terminal, nothing elsewhere.

@@ -2,7 +2,7 @@
 //!
 //! Nothing here stops at a bad file: what is no recording that can be fitted is named with its reason.
 
-mod footer;
+pub(crate) mod footer;
 mod place;
 mod serials;
 
@@ -98,12 +98,14 @@ impl Dataset {
     /// [`PlaceError`], when the dataset itself cannot be listed or holds no file at all.
     pub async fn open(dataset: &str) -> Result<Self, PlaceError> {
         let place = Place::of(dataset)?;
-        let mut files: Vec<ObjectMeta> = place.list().await?;
+        let (mut files, unlisted) = place.list().await?;
         files.sort_by(|a, b| a.location.cmp(&b.location));
         if files.is_empty() {
             return Err(PlaceError::Nothing { dataset: dataset.to_owned() });
         }
-        let mut dataset = Self { place, found: Vec::new(), skipped: Vec::new(), other_procedures: BTreeMap::new() };
+        let unlisted = unlisted.into_iter().map(|reason| Skipped { file: "an entry of the folder".to_owned(), reason });
+        let skipped = unlisted.collect();
+        let mut dataset = Self { place, found: Vec::new(), skipped, other_procedures: BTreeMap::new() };
         let looked: Vec<(ObjectMeta, Result<Found, Unfit>)> = futures::stream::iter(files)
             .map(|meta| {
                 let (store, file) = (Arc::clone(&dataset.place.store), dataset.place.name_of(&meta.location));

@@ -6,6 +6,7 @@ pub mod engine;
 pub mod export;
 pub mod fitted;
 pub mod models;
+pub mod out;
 pub mod poly;
 pub mod raw;
 pub mod report;

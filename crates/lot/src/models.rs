@@ -221,6 +221,13 @@ pub fn write(path: &Path, rows: &[ModelRow]) -> Result<(), ModelsError> {
     std::fs::rename(&partial, path).map_err(|error| failed(&error))
 }
 
+/// Whether a file holds rows, of whatever version.
+#[must_use]
+pub fn are_in(path: &Path) -> bool {
+    let builder = File::open(path).ok().and_then(|file| ParquetRecordBatchReaderBuilder::try_new(file).ok());
+    builder.is_some_and(|builder| builder.schema().metadata().contains_key(columns::VERSION_KEY))
+}
+
 /// Reads rows.
 ///
 /// # Errors

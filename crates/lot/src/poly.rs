@@ -18,7 +18,7 @@ use zerorate_cal::calibration::{AxisCalibration, CandidateStatistics, FitStatist
 use zerorate_cal::choose::{Model, STRETCHES};
 use zerorate_cal::log_fit::{FitOptions, Spread};
 use zerorate_cal::quality::{Judgement, Reason, ReasonKind};
-use zerorate_cal::recorded::{AxisSurvey, RampMeans, judge_residual, judge_survey, verdict_of};
+use zerorate_cal::recorded::{AxisSurvey, JUDGED_ORDER, RampMeans, judge_residual, judge_survey, verdict_of};
 use zerorate_cal::table::RateUnit;
 use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, ValidRange};
 use zerorate_core::units::Axis;
@@ -39,6 +39,8 @@ struct Curve {
     scale: Scale,
     coefficients: Vec<f64>,
     without: Vec<Option<Vec<f64>>>,
+    /// Of [`JUDGED_ORDER`]: what wild groups are searched for under.
+    judged: Vec<f64>,
     all: Sums,
     stretches: Vec<Sums>,
 }
@@ -55,7 +57,7 @@ pub async fn fit(
     allow_narrow: bool,
 ) -> Result<Vec<Fitted>, EngineError> {
     let extents = extent::query(engine, place, files).await?;
-    let moments = moments::query(engine, place, files, &extents, order).await?;
+    let moments = moments::query(engine, place, files, &extents).await?;
     let options = FitOptions { model: Model::Poly(order), allow_narrow, ..FitOptions::default() };
     let mut judgements: Vec<Judgement> = vec![Judgement::default(); files.len()];
     let mut curves: HashMap<Key, Curve> = HashMap::new();
@@ -135,17 +137,23 @@ fn survey(extent: Option<&Extent>, moments: Option<&Moments>) -> AxisSurvey {
 
 fn curve(extent: &Extent, moments: &Moments, order: usize) -> Option<Curve> {
     let scale = extent.scale()?;
-    let mut all = Sums::empty(order);
+    let mut all = Sums::empty(JUDGED_ORDER);
     moments.sums.iter().for_each(|sums| all.add(sums));
+    let judged = all.solve();
+    let all = all.truncated(order);
+    let stretches: Vec<Sums> = moments.sums.iter().map(|sums| sums.truncated(order)).collect();
     let coefficients = all.solve()?;
     let without = (0..STRETCHES)
         .map(|left_out| {
             let mut rest = Sums::empty(order);
-            moments.sums.iter().enumerate().filter(|(own, _)| *own != left_out).for_each(|(_, sums)| rest.add(sums));
+            stretches.iter().enumerate().filter(|(own, _)| *own != left_out).for_each(|(_, sums)| rest.add(sums));
             rest.solve()
         })
         .collect();
-    Some(Curve { scale, coefficients, without, all, stretches: moments.sums.clone() })
+    // Where the groups do not settle so many coefficients, the curve itself is judged by.
+    let padded = || coefficients.iter().copied().chain(std::iter::repeat(0.0)).take(JUDGED_ORDER + 1).collect();
+    let judged = judged.unwrap_or_else(padded);
+    Some(Curve { scale, coefficients, without, judged, all, stretches })
 }
 
 /// Coefficients in counts: the level is added to the constant.
@@ -160,10 +168,10 @@ fn row(axis: Axis, curve: &Curve, extent: &Extent, left: &Left, order: usize) ->
     let valid = ValidRange::new(extent.temperature.0, extent.temperature.1)?;
     let groups = left.survey.count;
     let freedom = groups.saturating_sub(order as u64 + 1).max(1);
-    let variance = left.survey.squares / freedom as f64;
+    let variance = left.squares / freedom as f64;
     let inverse = curve.all.inverse()?;
     let covariance = inverse.iter().map(|row| row.iter().map(|entry| entry * variance).collect()).collect();
-    let in_sample = Spread { rms: left.survey.rms(), pp: left.extremes.1 - left.extremes.0 };
+    let in_sample = Spread { rms: (left.squares / groups as f64).sqrt(), pp: left.extremes.1 - left.extremes.0 };
     let used = || curve.stretches.iter().zip(&curve.without).filter(|(sums, _)| sums.groups > 0);
     let complete = used().all(|(_, without)| without.is_some());
     let held_out = complete.then(|| Spread {

@@ -2,17 +2,20 @@
 //!
 //! The sums are of whole numbers, so an engine gives them exactly, in any order.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use arrow_array::RecordBatch;
-use arrow_schema::DataType;
+use arrow_array::{Array, RecordBatch, StringArray};
+use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 
-use crate::dataset::{Place, PlaceError};
+use crate::dataset::{Place, PlaceError, footer};
 use crate::engine::{Engine, EngineError};
+use crate::out::{self, OutError};
+use crate::poly::{column, count};
 use crate::table::Files;
+use footer::Footer;
 
 /// The columns of raw samples that are read. X and Y are words that repeat.
 fn columns() -> Vec<(&'static str, DataType)> {
@@ -24,25 +27,25 @@ fn columns() -> Vec<(&'static str, DataType)> {
     ]
 }
 
-/// One whole number a group and axis is what an engine groups by fastest.
+/// One whole number a group and axis is what an engine groups by fastest; none where the axis is neither X nor Y.
 const SQL: &str = "
 WITH samples AS (
-  SELECT file, 2 * CAST(\"group\" AS BIGINT) + CASE WHEN axis = 'y' THEN 1 ELSE 0 END AS place,
+  SELECT file, 2 * CAST(\"group\" AS BIGINT) + CASE WHEN axis = 'y' THEN 1 WHEN axis = 'x' THEN 0 END AS place,
          CAST(temperature_counts AS BIGINT) AS t, CAST(zro_counts AS BIGINT) AS z
   FROM files)
 SELECT file, place / 2 AS \"group\", CASE WHEN place % 2 = 1 THEN 'y' ELSE 'x' END AS axis, count(*) AS n,
        sum(t) AS temperature_sum, sum(t * t) AS temperature_sq_sum, sum(z) AS zro_sum, sum(z * z) AS zro_sq_sum
-FROM samples GROUP BY file, place";
+FROM samples GROUP BY file, place ORDER BY file, place";
 
 /// The same where there is one file: its place needs no part in the key.
 const SQL_OF_ONE: &str = "
 WITH samples AS (
-  SELECT 2 * CAST(\"group\" AS BIGINT) + CASE WHEN axis = 'y' THEN 1 ELSE 0 END AS place,
+  SELECT 2 * CAST(\"group\" AS BIGINT) + CASE WHEN axis = 'y' THEN 1 WHEN axis = 'x' THEN 0 END AS place,
          CAST(temperature_counts AS BIGINT) AS t, CAST(zro_counts AS BIGINT) AS z
   FROM files)
 SELECT place / 2 AS \"group\", CASE WHEN place % 2 = 1 THEN 'y' ELSE 'x' END AS axis, count(*) AS n,
        sum(t) AS temperature_sum, sum(t * t) AS temperature_sq_sum, sum(z) AS zro_sum, sum(z * z) AS zro_sq_sum
-FROM samples GROUP BY place";
+FROM samples GROUP BY place ORDER BY place";
 
 /// What a first stage came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,6 +62,17 @@ pub enum RawError {
     /// The samples' place.
     #[error(transparent)]
     Place(#[from] PlaceError),
+    /// A file is no raw samples, or not whole ones.
+    #[error("{file}: {reason}")]
+    Samples {
+        /// The file.
+        file: String,
+        /// What is wrong and what is wanted.
+        reason: String,
+    },
+    /// The sums would go over the samples.
+    #[error(transparent)]
+    Out(#[from] OutError),
     /// The engine.
     #[error(transparent)]
     Engine(#[from] EngineError),
@@ -78,18 +92,76 @@ pub enum RawError {
 /// [`RawError`].
 pub async fn group(engine: &Engine, dataset: &str, out: &Path) -> Result<Grouped, RawError> {
     let place = Place::of(dataset)?;
-    let files: Vec<_> = place.list().await?;
+    let (files, _) = place.list().await?;
     if files.is_empty() {
         return Err(PlaceError::Nothing { dataset: dataset.to_owned() }.into());
     }
+    let local: Vec<PathBuf> = files.iter().filter_map(|meta| place.local(meta)).collect();
+    out::check(out, local.iter().map(PathBuf::as_path))?;
+    for meta in &files {
+        let samples = |reason| RawError::Samples { file: place.name_of(&meta.location), reason };
+        footer::read(place.store.as_ref(), meta).await.and_then(|footer| check(&footer)).map_err(samples)?;
+    }
     let sql = if files.len() == 1 { SQL_OF_ONE } else { SQL };
     let began = Instant::now();
+    let names: Vec<String> = files.iter().map(|meta| place.name_of(&meta.location)).collect();
     let table = Files::new(place.root.clone(), columns(), files.into_iter().map(|meta| (meta, Vec::new())).collect());
     let batches = engine.collect(&place, table.split(), sql).await?;
     let seconds = began.elapsed().as_secs_f64();
+    if batches.iter().filter_map(|batch| batch.column_by_name("group")).any(|group| group.null_count() > 0) {
+        let reason = "column 'axis' has other words than x and y".to_owned();
+        return Err(RawError::Samples { file: dataset.to_owned(), reason });
+    }
+    let batches = batches.iter().map(|batch| named(batch, &names)).collect::<Result<Vec<_>, _>>()?;
     write(out, &batches)
         .map_err(|reason| RawError::Write { path: out.display().to_string(), reason: reason.to_string() })?;
     Ok(Grouped { rows: batches.iter().map(RecordBatch::num_rows).sum(), seconds })
+}
+
+/// The sums with their files' names for their places.
+fn named(batch: &RecordBatch, names: &[String]) -> Result<RecordBatch, EngineError> {
+    let Some((at, _)) = batch.schema().column_with_name("file") else { return Ok(batch.clone()) };
+    let name = |place: &f64| names.get(count(*place) as usize).map_or("", String::as_str);
+    let files = StringArray::from_iter_values(column(batch, "file")?.iter().map(name));
+    let mut fields: Vec<Field> = batch.schema().fields().iter().map(|field| field.as_ref().clone()).collect();
+    let mut columns = batch.columns().to_vec();
+    fields[at] = Field::new("file", DataType::Utf8, false);
+    columns[at] = Arc::new(files);
+    let schema = Arc::new(Schema::new(fields));
+    RecordBatch::try_new(schema, columns).map_err(|error| EngineError::Query(error.into()))
+}
+
+/// Whether a file's columns can be summed without a loss: all there, of whole numbers, none missing.
+fn check(footer: &Footer) -> Result<(), String> {
+    for (name, _) in columns() {
+        let field = footer.schema.field_with_name(name).map_err(|_| format!("there is no column '{name}'"))?;
+        let kind = field.data_type();
+        let word = match kind {
+            DataType::Dictionary(_, value) => value.as_ref(),
+            kind => kind,
+        };
+        let fits = if name == "axis" {
+            matches!(word, DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View)
+        } else {
+            kind.is_integer()
+        };
+        if !fits {
+            let wanted = if name == "axis" { "the words x and y" } else { "whole numbers" };
+            return Err(format!("column '{name}' is of type {kind}, and {wanted} are wanted"));
+        }
+        match footer.missing(name) {
+            Some(0) => {}
+            Some(missing) => {
+                return Err(format!("{missing} values are missing in column '{name}': leave such samples out"));
+            }
+            None => {
+                return Err(format!(
+                    "column '{name}' does not say whether values are missing: write it with statistics"
+                ));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn write(out: &Path, batches: &[RecordBatch]) -> Result<(), Box<dyn std::error::Error>> {

@@ -12,20 +12,12 @@ use crate::models::{self, ModelRow, ModelsError};
 /// Units drawn.
 const WORST: usize = 10;
 
-/// A limits file: a table for each quantity, each with `min`, `max` or both.
+/// A limits file: under `limits` a greatest value for each quantity, or a table with `min`, `max` or both.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LimitsFile {
     #[serde(default)]
-    limits: BTreeMap<String, Bounds>,
-}
-
-/// A limit as it is written: `{ max = 5.0 }`, or a number, which is a greatest.
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum Bounds {
-    Max(f64),
-    Both { min: Option<f64>, max: Option<f64> },
+    limits: BTreeMap<String, toml::Value>,
 }
 
 /// Why there is no report.
@@ -57,18 +49,37 @@ pub fn limits(path: &Path) -> Result<Vec<LotLimit>, ReportError> {
 fn parse(text: &str) -> Result<Vec<LotLimit>, String> {
     let file: LimitsFile = toml::from_str(text).map_err(|error| error.to_string())?;
     let known = || Quantity::ALL.map(Quantity::key).join(", ");
-    file.limits
-        .into_iter()
-        .map(|(key, bounds)| {
-            let quantity = Quantity::ALL.into_iter().find(|quantity| quantity.key() == key);
-            let quantity = quantity.ok_or_else(|| format!("'{key}' is no limit: there are {}", known()))?;
-            let (min, max) = match bounds {
-                Bounds::Max(max) => (None, Some(max)),
-                Bounds::Both { min, max } => (min, max),
-            };
-            Ok(LotLimit { quantity, min: min.unwrap_or(f64::NEG_INFINITY), max: max.unwrap_or(f64::INFINITY) })
-        })
-        .collect()
+    if file.limits.is_empty() {
+        return Err("no limit under [limits]".to_owned());
+    }
+    let limit = |(key, value): (&String, &toml::Value)| {
+        let quantity = Quantity::ALL.into_iter().find(|quantity| quantity.key() == key);
+        let quantity = quantity.ok_or_else(|| format!("'{key}' is no limit: there are {}", known()))?;
+        let (min, max) = bounds(value).ok_or_else(|| {
+            format!("{key} = {value}: give a greatest value, or {{ min = A, max = B }} with A not above B")
+        })?;
+        Ok(LotLimit { quantity, min, max })
+    };
+    file.limits.iter().map(limit).collect()
+}
+
+/// The least and the greatest value that a limit allows; `None` where it makes no sense.
+fn bounds(value: &toml::Value) -> Option<(f64, f64)> {
+    #[allow(clippy::cast_precision_loss)] // Limits are small.
+    let number = |value: &toml::Value| value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
+    let Some(table) = value.as_table() else {
+        return number(value).filter(|max| max.is_finite()).map(|max| (f64::NEG_INFINITY, max));
+    };
+    let (mut min, mut max) = (f64::NEG_INFINITY, f64::INFINITY);
+    for (key, value) in table {
+        let bound = match key.as_str() {
+            "min" => &mut min,
+            "max" => &mut max,
+            _ => return None,
+        };
+        *bound = number(value).filter(|value| value.is_finite())?;
+    }
+    (!table.is_empty() && min <= max).then_some((min, max))
 }
 
 /// The report of the rows in a file. Recordings are read again for the worst units; `dataset` says where they are now,
@@ -168,5 +179,10 @@ mod tests {
         assert!(held_out.min == f64::NEG_INFINITY && (held_out.max - 5.0).abs() < 1e-9);
         let refused = parse("[limits]\nheld_out = 5.0\n").unwrap_err();
         assert!(refused.contains("'held_out' is no limit") && refused.contains("held_out_rms_counts"), "{refused}");
+        for senseless in ["{ least = 1 }", "{}", "{ min = 8500, max = 7900 }", "nan", "'5'", "{ max = inf }"] {
+            let refused = parse(&format!("[limits]\nreading_mid_counts = {senseless}\n")).unwrap_err();
+            assert!(refused.contains("reading_mid_counts ="), "{refused}");
+        }
+        assert!(parse("").unwrap_err().contains("no limit"));
     }
 }

@@ -14,6 +14,7 @@ use crate::dataset::{Dataset, Found, Place, PlaceError, Skipped};
 use crate::engine::{Engine, EngineError};
 use crate::fitted::Fitted;
 use crate::models::{self, ModelRow, ModelsError};
+use crate::out::{self, OutError};
 use crate::poly;
 use earlier::Earlier;
 
@@ -61,8 +62,23 @@ pub struct Summary {
     pub skipped: Vec<Skipped>,
     /// Recordings of other procedures beside them.
     pub other_procedures: u64,
+    /// The median of the fits' held-out residuals, counts rms; none without a fit.
+    pub median_held_out_rms_counts: Option<f64>,
+    /// The fit that predicts worst.
+    pub worst: Option<WorstFit>,
     /// Wall time, seconds.
     pub seconds: f64,
+}
+
+/// The fit of a lot that predicts worst.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WorstFit {
+    /// The serial in its recording.
+    pub serial: String,
+    /// The axis.
+    pub axis: String,
+    /// Its held-out residual, counts rms.
+    pub held_out_rms_counts: f64,
 }
 
 /// A unit that was rejected.
@@ -88,6 +104,15 @@ pub enum RunError {
     /// The rows.
     #[error(transparent)]
     Models(#[from] ModelsError),
+    /// The rows would go over something else.
+    #[error(transparent)]
+    Out(#[from] OutError),
+    /// Another run writes there.
+    #[error("{path}: another run is writing there: wait for it, or give --out another name")]
+    Busy {
+        /// Where the rows go.
+        path: String,
+    },
     /// Nothing in the dataset is a recording that can be fitted.
     #[error("{dataset}: none of its {files} files is a recording of a full-temperature test: {first}")]
     NothingToFit {
@@ -115,6 +140,7 @@ impl FitRun {
     /// [`RunError`]; what was done is kept beside `out`, and the same command goes on from there.
     pub async fn run(&self, progress: &dyn Fn(usize, usize)) -> Result<Summary, RunError> {
         let began = Instant::now();
+        out::check_models(&self.out)?;
         let Dataset { place, found, mut skipped, other_procedures } = Dataset::open(&self.dataset).await?;
         let others: u64 = other_procedures.values().sum();
         if found.is_empty() {
@@ -210,6 +236,9 @@ impl FitRun {
             file: row.file.clone(),
             reasons: row.reason_list(),
         });
+        let mut held_out: Vec<&ModelRow> =
+            rows.iter().filter(|row| !row.rejected() && row.held_out_rms.is_finite()).collect();
+        held_out.sort_by(|a, b| a.held_out_rms.total_cmp(&b.held_out_rms));
         Summary {
             schema: 1,
             models: self.out.clone(),
@@ -220,6 +249,12 @@ impl FitRun {
             rejected: rejected.collect(),
             skipped,
             other_procedures: others,
+            median_held_out_rms_counts: held_out.get(held_out.len() / 2).map(|row| row.held_out_rms),
+            worst: held_out.last().map(|row| WorstFit {
+                serial: row.unit_serial.clone(),
+                axis: row.axis.clone(),
+                held_out_rms_counts: row.held_out_rms,
+            }),
             seconds,
         }
     }

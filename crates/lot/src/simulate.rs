@@ -81,6 +81,12 @@ pub enum SimulateError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// There is a lot already.
+    #[error("{path}: there are recordings already: choose another folder, or remove them")]
+    Taken {
+        /// The folder.
+        path: String,
+    },
     /// A recording cannot be written.
     #[error(transparent)]
     Recording(#[from] RecordingError),
@@ -105,6 +111,10 @@ impl Simulation {
             move |source| SimulateError::Write { path, source }
         };
         fs::create_dir_all(&self.out).map_err(cannot(&self.out))?;
+        let mut there = fs::read_dir(&self.out).map_err(cannot(&self.out))?.flatten().map(|entry| entry.path());
+        if there.any(|path| path.extension().is_some_and(|kind| kind == "parquet")) {
+            return Err(SimulateError::Taken { path: self.out.display().to_string() });
+        }
         let truth = self.truth();
         let next = AtomicU32::new(0);
         let failed: Mutex<Option<SimulateError>> = Mutex::new(None);

@@ -23,6 +23,12 @@ impl Sums {
         Self { groups: 0, powers: vec![0.0; 2 * order + 1], products: vec![0.0; order + 1], squares: 0.0 }
     }
 
+    /// The sums that a lower order needs.
+    #[must_use]
+    pub fn truncated(&self, order: usize) -> Self {
+        Self { powers: self.powers[..=2 * order].to_vec(), products: self.products[..=order].to_vec(), ..self.clone() }
+    }
+
     /// Takes in the sums over other groups.
     pub fn add(&mut self, other: &Self) {
         self.groups += other.groups;

@@ -7,6 +7,9 @@ use crate::quality::{Judgement, Reason, ReasonKind, TemperatureUnit};
 /// An eighth of a ramp with fewer groups is not searched for stuck values: chance could make them equal.
 const SEARCHED: u64 = 8;
 
+/// Of a span of groups at least one in so many must be there.
+const LEAST_SHARE: u64 = 2;
+
 /// Residuals this many times the rms away, of which [`KURTOSIS`] says that they are few, are outliers: of a million
 /// groups of noise not one is further than 5.
 const FAR: f64 = 6.0;
@@ -60,13 +63,21 @@ pub fn judge_survey(
         judgement.add(Reason::new(ReasonKind::WiperMoved, text));
     }
     let taken = survey.span.1 - survey.span.0 + 1;
+    if taken > LEAST_SHARE * groups {
+        let text = format!(
+            "{axis}: {groups} groups are there of the {taken} from {} to {}: their numbers are damaged, or most were lost",
+            survey.span.0, survey.span.1
+        );
+        judgement.add(Reason::new(ReasonKind::LostGroups, text));
+    }
     if let Some(expected) = expected.filter(|expected| taken < *expected) {
         let text = format!("the recording ends after {taken} of its ramp's {expected} groups: the run was cut");
         judgement.add(Reason::new(ReasonKind::CutRun, text));
     }
 }
 
-/// Judges what a fit leaves of an axis.
+/// Judges what a curve leaves of an axis: the one chosen, or of order [`JUDGED_ORDER`](super::JUDGED_ORDER) where a
+/// polynomial was asked for, lest a poor model hides wild groups behind its own misfit.
 pub fn judge_residual(judgement: &mut Judgement, axis: &str, survey: &ResidualSurvey) {
     let (rms, kurtosis) = (survey.rms(), survey.kurtosis());
     if survey.largest > FAR * rms && kurtosis > KURTOSIS {

@@ -99,6 +99,27 @@ fn auto_sees_hysteresis_in_both_directions_of_a_ramp_and_a_model_asked_for_does_
 }
 
 #[test]
+fn wild_groups_do_not_hide_behind_the_misfit_of_a_poor_model() {
+    let mut means = ramp();
+    // An S of 400 counts that no parabola follows.
+    for (reading, t) in means.readings.iter_mut().zip(&means.temperatures) {
+        *reading += 200.0 * ((t - 10_200.0) / 1700.0 * 4.0).sin();
+    }
+    assert_eq!(kinds(&means, None), (vec![], true));
+    for group in (5..2400).step_by(120) {
+        means.readings[group] += 400.0;
+    }
+    assert_eq!(kinds(&means, None), (vec![ReasonKind::Outliers], true));
+}
+
+#[test]
+fn groups_with_damaged_numbers_are_no_ramp() {
+    let mut means = ramp();
+    means.groups[2399] = u32::MAX;
+    assert_eq!(kinds(&means, None).0, [ReasonKind::LostGroups]);
+}
+
+#[test]
 fn a_few_wild_groups_move_autos_curve_by_little_and_reject_the_unit_all_the_same() {
     let mut wild = ramp();
     for group in (5..2400).step_by(120) {

@@ -96,6 +96,12 @@ fn print(summary: &Summary) {
     let Summary { units, fits, reused, warnings, rejected, skipped, .. } = summary;
     println!("{units} units, {fits} fits in {:.1} s ({reused} units were done before)", summary.seconds);
     println!("{warnings} with warnings, {} rejected, {} files skipped", rejected.len(), skipped.len());
+    if let (Some(median), Some(worst)) = (summary.median_held_out_rms_counts, &summary.worst) {
+        println!(
+            "held-out residual, counts rms: median {median:.2}, worst {:.2} ({} {})",
+            worst.held_out_rms_counts, worst.serial, worst.axis
+        );
+    }
     if !rejected.is_empty() {
         println!("\nRejected");
     }
@@ -114,4 +120,5 @@ fn print(summary: &Summary) {
         println!("\nand {left} more: --json has all");
     }
     println!("\nWritten: {}", summary.models.display());
+    println!("To look at it: zerorate lot report {}", summary.models.display());
 }

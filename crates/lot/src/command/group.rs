@@ -9,10 +9,11 @@ use zerorate_lot::raw::group;
 
 use super::{Outcome, wait};
 
-/// Sum raw samples to groups, once: what a fit reads is some 500 times smaller
+/// Sum raw samples to groups, once: some 500 to 1
 ///
-/// Raw samples are Parquet with the columns group, axis, index, temperature_counts and zro_counts; the sums have a recording's
-/// columns of the same names.
+/// Raw samples are Parquet with the columns group, axis (x and y), temperature_counts and zro_counts, whole numbers and none
+/// missing. The sums are exact, in order, under the names of a recording's columns; a recording, which a fit reads, has the
+/// unit, its set-up and the ramp's phases as well.
 #[derive(Debug, Args)]
 pub struct Group {
     /// The raw samples: a folder, a file, a glob in quotes, or s3://BUCKET/PREFIX

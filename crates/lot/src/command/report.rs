@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 use zerorate_cal::whole_file::write_whole;
-use zerorate_lot::report;
+use zerorate_lot::{out, report};
 
 use super::{Outcome, wait};
 
@@ -34,6 +34,7 @@ pub struct Report {
 
 impl Report {
     pub fn run(&self) -> Result<Outcome> {
+        out::check(&self.out, [self.models.as_path()].into_iter())?;
         let limits = self.limits.as_deref().map(report::limits).transpose()?.unwrap_or_default();
         let report = wait(report::report(&self.models, self.dataset.as_deref(), limits))??;
         write_whole(&self.out, report.to_html().as_bytes())
@@ -41,6 +42,7 @@ impl Report {
         report.undrawn.iter().for_each(|sentence| eprintln!("note: {sentence}"));
         println!("{} units, {} pass, {} rejected", report.units.len(), report.passed(), report.rejected());
         println!("Written: {}", self.out.display());
-        Ok(Outcome::Done)
+        let all = report.passed() == report.units.len();
+        Ok(if all { Outcome::Done } else { Outcome::Rejected })
     }
 }

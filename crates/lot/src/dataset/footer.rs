@@ -4,7 +4,7 @@ use arrow_schema::{DataType, Schema};
 use object_store::{ObjectMeta, ObjectStore, ObjectStoreExt};
 use parquet::arrow::parquet_to_arrow_schema;
 use parquet::errors::ParquetError;
-use parquet::file::metadata::ParquetMetaDataReader;
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, RowGroupMetaData};
 
 /// Bytes read from a file's end at first.
 const TAIL: u64 = 64 * 1024;
@@ -13,15 +13,29 @@ const TAIL: u64 = 64 * 1024;
 const MAGIC: &[u8] = b"PAR1";
 
 /// What the footer says.
-pub(super) struct Footer {
+pub(crate) struct Footer {
     /// Columns and metadata.
     pub schema: Schema,
     /// Rows.
     pub rows: u64,
+    metadata: ParquetMetaData,
+}
+
+impl Footer {
+    /// How many values of a column are missing; `None` where its statistics do not say.
+    pub(crate) fn missing(&self, column: &str) -> Option<u64> {
+        let place = self.metadata.file_metadata().schema_descr().columns().iter().position(|it| it.name() == column)?;
+        let required = self.metadata.file_metadata().schema_descr().column(place).max_def_level() == 0;
+        let of_group = |group: &RowGroupMetaData| match required {
+            true => Some(0),
+            false => group.column(place).statistics()?.null_count_opt(),
+        };
+        self.metadata.row_groups().iter().map(of_group).sum()
+    }
 }
 
 /// Reads the footer; the error is the reason for people.
-pub(super) async fn read(store: &dyn ObjectStore, meta: &ObjectMeta) -> Result<Footer, String> {
+pub(crate) async fn read(store: &dyn ObjectStore, meta: &ObjectMeta) -> Result<Footer, String> {
     let foreign = || "not a recording: not a Parquet file".to_owned();
     let unreadable = |error: object_store::Error| format!("cannot be read: {error}");
     if meta.size < 12 {
@@ -46,7 +60,7 @@ pub(super) async fn read(store: &dyn ObjectStore, meta: &ObjectMeta) -> Result<F
     let file = metadata.file_metadata();
     let schema = parquet_to_arrow_schema(file.schema_descr(), file.key_value_metadata()).map_err(|e| damaged(&e))?;
     let rows = u64::try_from(file.num_rows()).map_err(|_| "damaged: a negative number of rows".to_owned())?;
-    Ok(Footer { schema, rows })
+    Ok(Footer { schema, rows, metadata })
 }
 
 fn damaged(error: &ParquetError) -> String {

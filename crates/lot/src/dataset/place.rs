@@ -1,10 +1,10 @@
 //! Where a dataset is: a store, a prefix in it, and a pattern.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use datafusion::datasource::object_store::ObjectStoreUrl;
-use futures::TryStreamExt;
+use futures::StreamExt;
 use object_store::aws::AmazonS3Builder;
 use object_store::local::LocalFileSystem;
 use object_store::path::Path as Key;
@@ -65,6 +65,15 @@ pub enum PlaceError {
     },
 }
 
+/// The last cause of an error, which says it shortest.
+fn cause(error: &dyn std::error::Error) -> String {
+    let mut cause = error;
+    while let Some(next) = cause.source() {
+        cause = next;
+    }
+    cause.to_string()
+}
+
 impl Place {
     /// The place that a text names.
     ///
@@ -119,23 +128,37 @@ impl Place {
         }
     }
 
-    /// Every file of the dataset.
+    /// Every file of the dataset, and a reason for each entry of a folder that cannot be looked into.
     ///
     /// # Errors
     /// [`PlaceError::Store`].
-    pub async fn list(&self) -> Result<Vec<ObjectMeta>, PlaceError> {
-        let failed = |source| PlaceError::Store { dataset: self.prefix.to_string(), source };
+    pub async fn list(&self) -> Result<(Vec<ObjectMeta>, Vec<String>), PlaceError> {
         // A single file is no prefix of itself.
         if let Ok(file) = self.store.head(&self.prefix).await {
-            return Ok(vec![file]);
+            return Ok((vec![file], Vec::new()));
         }
-        let all: Vec<ObjectMeta> = self.store.list(Some(&self.prefix)).try_collect().await.map_err(failed)?;
+        let (mut all, mut unlisted) = (Vec::new(), Vec::new());
+        let mut entries = self.store.list(Some(&self.prefix));
+        while let Some(entry) = entries.next().await {
+            match entry {
+                Ok(meta) => all.push(meta),
+                // A link in a circle, a folder that is closed: the others are there. A store that fails is another matter.
+                Err(error) if self.root == ObjectStoreUrl::local_filesystem() => unlisted.push(cause(&error)),
+                Err(source) => return Err(PlaceError::Store { dataset: self.prefix.to_string(), source }),
+            }
+        }
         let wanted = |meta: &ObjectMeta| {
             let hidden =
                 meta.location.filename().is_none_or(|name| name.starts_with('.') || name.ends_with(".partial"));
             !hidden && self.pattern.as_ref().is_none_or(|pattern| pattern.matches(&self.name_of(&meta.location)))
         };
-        Ok(all.into_iter().filter(wanted).collect())
+        Ok((all.into_iter().filter(wanted).collect(), unlisted))
+    }
+
+    /// The path of a file, where the store is this machine's.
+    #[must_use]
+    pub fn local(&self, meta: &ObjectMeta) -> Option<PathBuf> {
+        (self.root == ObjectStoreUrl::local_filesystem()).then(|| Path::new("/").join(meta.location.as_ref()))
     }
 
     /// The key of a file by its path from the dataset's root.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use zerorate_cal::choose::STRETCHES;
-use zerorate_cal::recorded::StretchSurvey;
+use zerorate_cal::recorded::{JUDGED_ORDER, StretchSurvey};
 
 use super::{Extent, Key, column, count, keys};
 use crate::dataset::{Found, Place, columns};
@@ -79,14 +79,14 @@ fn sql(order: usize) -> String {
     sql + "\nFROM scaled GROUP BY file, y, stretch"
 }
 
-/// Asks for the sums.
+/// Asks for the sums, whatever the order asked for: those of [`JUDGED_ORDER`] hold all others.
 pub(super) async fn query(
     engine: &Engine,
     place: &Place,
     files: &[&Found],
     extents: &HashMap<Key, Extent>,
-    order: usize,
 ) -> Result<HashMap<Key, Moments>, EngineError> {
+    let order = JUDGED_ORDER;
     let table = files.iter().enumerate().map(|(place, file)| (file.meta.clone(), frame(place, extents))).collect();
     let batches = engine.collect(place, Files::new(place.root.clone(), columns(), table), &sql(order)).await?;
     let mut moments: HashMap<Key, Moments> = HashMap::new();

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use zerorate_cal::choose::STRETCHES;
-use zerorate_cal::recorded::ResidualSurvey;
+use zerorate_cal::recorded::{JUDGED_ORDER, ResidualSurvey};
 
 use super::moments::{SCALED, frame};
 use super::{Curve, Extent, Key, column, count, keys};
@@ -15,9 +15,11 @@ use crate::table::{FileValue, Files};
 /// What is left of one axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Left {
-    /// Of the fit of everything.
+    /// Of the curve that wild groups are searched for under.
     pub survey: ResidualSurvey,
-    /// The least and the greatest, counts.
+    /// The sum of squares under the fit of everything.
+    pub squares: f64,
+    /// The least and the greatest there, counts.
     pub extremes: (f64, f64),
     /// The sum of squares where each eighth is predicted by the others.
     pub held_out_squares: f64,
@@ -28,6 +30,11 @@ pub(super) struct Left {
 /// The value of a coefficient's column: `c2_x`, or without an eighth, `c2_x_5`.
 fn name(k: usize, axis: &str, without: Option<usize>) -> String {
     without.map_or_else(|| format!("c{k}_{axis}"), |stretch| format!("c{k}_{axis}_{stretch}"))
+}
+
+/// The value of a coefficient of the curve that is judged by, `j2_x`.
+fn judged_name(k: usize, axis: &str) -> String {
+    format!("j{k}_{axis}")
 }
 
 fn sql(order: usize) -> String {
@@ -43,16 +50,21 @@ fn sql(order: usize) -> String {
         }
         let _ = write!(sql, " END AS h{k}");
     }
-    let horner =
-        |letter: &str| (0..order).rev().fold(format!("{letter}{order}"), |sum, k| format!("({sum}) * x + {letter}{k}"));
+    for k in 0..=JUDGED_ORDER {
+        let _ = write!(sql, ", CASE WHEN is_y THEN {} ELSE {} END AS j{k}", judged_name(k, "y"), judged_name(k, "x"));
+    }
+    let horner = |letter: &str, order: usize| {
+        (0..order).rev().fold(format!("{letter}{order}"), |sum, k| format!("({sum}) * x + {letter}{k}"))
+    };
     let _ = write!(
         sql,
-        " FROM scaled),\nleft_over AS (SELECT file, y, v - ({}) AS r, v - ({}) AS h FROM fitted)",
-        horner("c"),
-        horner("h")
+        " FROM scaled),\nleft_over AS (SELECT file, y, v - ({}) AS r, v - ({}) AS h, v - ({}) AS j FROM fitted)",
+        horner("c", order),
+        horner("h", order),
+        horner("j", JUDGED_ORDER)
     );
-    sql + "\nSELECT file, y, count(*) AS groups, sum(r * r) AS r2, sum(r * r * r * r) AS r4, min(r) AS r_min,
-       max(r) AS r_max, sum(h * h) AS h2, min(h) AS h_min, max(h) AS h_max
+    sql + "\nSELECT file, y, count(*) AS groups, sum(r * r) AS r2, min(r) AS r_min, max(r) AS r_max, sum(h * h) AS h2,
+       min(h) AS h_min, max(h) AS h_max, sum(j * j) AS j2, sum(j * j * j * j) AS j4, min(j) AS j_min, max(j) AS j_max
 FROM left_over GROUP BY file, y"
 }
 
@@ -79,6 +91,10 @@ pub(super) async fn query(
                     values.push((name(k, axis, without), FileValue::Real(value)));
                 }
             }
+            for k in 0..=JUDGED_ORDER {
+                let value = curve.map_or(0.0, |curve| curve.judged[k]);
+                values.push((judged_name(k, axis), FileValue::Real(value)));
+            }
         }
         values
     };
@@ -87,20 +103,23 @@ pub(super) async fn query(
     let mut left = HashMap::new();
     for batch in &batches {
         let get = |name| column(batch, name);
-        let (groups, squares, fourths) = (get("groups")?, get("r2")?, get("r4")?);
+        let (groups, squares) = (get("groups")?, get("r2")?);
+        let (judged_squares, judged_fourths) = (get("j2")?, get("j4")?);
+        let (judged_least, judged_most) = (get("j_min")?, get("j_max")?);
         let (least, most) = (get("r_min")?, get("r_max")?);
         let (held_squares, held_least, held_most) = (get("h2")?, get("h_min")?, get("h_max")?);
         for (row, key) in keys(batch)?.into_iter().enumerate().filter(|(_, key)| curves.contains_key(key)) {
             let survey = ResidualSurvey {
                 count: count(groups[row]),
-                squares: squares[row],
-                fourths: fourths[row],
-                largest: least[row].abs().max(most[row].abs()),
+                squares: judged_squares[row],
+                fourths: judged_fourths[row],
+                largest: judged_least[row].abs().max(judged_most[row].abs()),
             };
             left.insert(
                 key,
                 Left {
                     survey,
+                    squares: squares[row],
                     extremes: (least[row], most[row]),
                     held_out_squares: held_squares[row],
                     held_out_extremes: (held_least[row], held_most[row]),

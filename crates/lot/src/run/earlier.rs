@@ -1,7 +1,7 @@
 //! What earlier runs have done: the batches of one that was ended, and the rows of one that was finished.
 
 use std::collections::HashMap;
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
@@ -13,6 +13,8 @@ use crate::models::{self, ModelRow, word};
 /// Rows of earlier runs by their recording, and the place for this one's.
 pub(super) struct Earlier {
     folder: PathBuf,
+    /// Held while the run lasts; the system lets go of it when the process ends.
+    _lock: File,
     next: usize,
     rows: HashMap<String, Vec<ModelRow>>,
 }
@@ -21,25 +23,38 @@ impl Earlier {
     /// Reads what is there for the model asked for; nothing of it for a fresh run.
     pub(super) fn open(out: &Path, asked: &str, fresh: bool) -> Result<Self, RunError> {
         let folder = parts(out);
-        if fresh {
-            // It may not be there.
-            let _ = fs::remove_dir_all(&folder);
+        let failed = |source| RunError::Parts { path: folder.display().to_string(), source };
+        fs::create_dir_all(&folder).map_err(failed)?;
+        let lock = File::create(folder.join("lock")).map_err(failed)?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(RunError::Busy { path: out.display().to_string() }),
+            Err(TryLockError::Error(source)) => return Err(failed(source)),
         }
-        fs::create_dir_all(&folder).map_err(|source| RunError::Parts { path: folder.display().to_string(), source })?;
-        let mut earlier = Self { folder, next: 0, rows: HashMap::new() };
+        let mut earlier = Self { folder, _lock: lock, next: 0, rows: HashMap::new() };
         if fresh {
+            for part in earlier.parts() {
+                // What stays is read by no one.
+                let _ = fs::remove_file(part);
+            }
             return Ok(earlier);
         }
         earlier.read(out, asked);
-        let mut parts: Vec<PathBuf> =
-            fs::read_dir(&earlier.folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
-        parts.sort();
-        for part in parts.iter().filter(|part| part.extension().is_some_and(|it| it == "parquet")) {
-            earlier.read(part, asked);
+        for part in earlier.parts() {
+            earlier.read(&part, asked);
             let number = part.file_stem().and_then(|stem| stem.to_str()?.strip_prefix("part-")?.parse::<usize>().ok());
             earlier.next = earlier.next.max(number.map_or(0, |number| number + 1));
         }
         Ok(earlier)
+    }
+
+    /// The batches that are there, in order.
+    fn parts(&self) -> Vec<PathBuf> {
+        let entries = fs::read_dir(&self.folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        let mut parts: Vec<PathBuf> =
+            entries.filter(|path| path.extension().is_some_and(|kind| kind == "parquet")).collect();
+        parts.sort();
+        parts
     }
 
     /// A part that was being written when its run was ended is no file that can be read: its units are done again.

@@ -120,6 +120,7 @@ fn advice_for(kind: ReasonKind) -> &'static str {
         ReasonKind::TooFewGroups => "Log for longer: half an hour of slow warming is a good log.",
         ReasonKind::NoFiniteRows => "Check that the columns named hold numbers in the same rows.",
         ReasonKind::CutRun => "Look why the run ended before its ramp did, and record it again whole.",
+        ReasonKind::LostGroups => "Take another copy of the recording, or record it again.",
         ReasonKind::StuckReading => "Check the gyro's supply and its line to the converter.",
         ReasonKind::Outliers => "Look for a loose connection or a disturbed bench, and record again.",
         ReasonKind::WiperMoved => {

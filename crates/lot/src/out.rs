@@ -1,0 +1,73 @@
+//! Where results go: never over what they were made from, nor over what is no file.
+
+use std::path::Path;
+
+/// Why nothing is written to a place.
+#[derive(Debug, thiserror::Error)]
+pub enum OutError {
+    /// It is a folder or a device.
+    #[error("{path}: this is no file: give --out the name of a file")]
+    NoFile {
+        /// The place.
+        path: String,
+    },
+    /// It is what the results come from.
+    #[error("{path}: this is one of the files that are read, and would be lost: give --out another name")]
+    Input {
+        /// The place.
+        path: String,
+    },
+    /// It holds something else.
+    #[error("{path}: there is a file already that holds no models, and would be lost: give --out another name")]
+    NoModels {
+        /// The place.
+        path: String,
+    },
+}
+
+/// Whether results may go to `out`: a file that is there, if any, is none of the inputs.
+///
+/// # Errors
+/// [`OutError`].
+pub fn check<'a>(out: &Path, mut inputs: impl Iterator<Item = &'a Path>) -> Result<(), OutError> {
+    let path = || out.display().to_string();
+    if !out.exists() {
+        return Ok(());
+    }
+    if !out.is_file() {
+        return Err(OutError::NoFile { path: path() });
+    }
+    let same =
+        |input: &Path| input.canonicalize().ok().is_some_and(|input| out.canonicalize().is_ok_and(|out| input == out));
+    if inputs.any(same) { Err(OutError::Input { path: path() }) } else { Ok(()) }
+}
+
+/// The same for models, which may go over earlier models and over nothing else.
+///
+/// # Errors
+/// [`OutError`].
+pub fn check_models(out: &Path) -> Result<(), OutError> {
+    check(out, std::iter::empty())?;
+    let empty = out.metadata().is_ok_and(|metadata| metadata.len() == 0);
+    if !out.exists() || empty || crate::models::are_in(out) {
+        return Ok(());
+    }
+    Err(OutError::NoModels { path: out.display().to_string() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_goes_over_a_folder_an_input_or_another_kind_of_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.parquet");
+        assert!(check_models(&file).is_ok());
+        assert!(matches!(check_models(folder.path()), Err(OutError::NoFile { .. })));
+        std::fs::write(&file, "a recording, say").unwrap();
+        assert!(matches!(check_models(&file), Err(OutError::NoModels { .. })));
+        assert!(matches!(check(&file, [file.as_path()].into_iter()), Err(OutError::Input { .. })));
+        assert!(check(&file, [folder.path()].into_iter()).is_ok());
+    }
+}
