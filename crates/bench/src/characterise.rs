@@ -2,7 +2,7 @@
 
 use zerorate_cal::compose::{Composed, chatter_warning, compose, compose_axis, steepest_slope_taps};
 use zerorate_cal::log_fit::{AxisFit, FitOptions};
-use zerorate_cal::quality::Judgement;
+use zerorate_cal::quality::{Judgement, Verdict};
 use zerorate_cal::recorded::{RampGroup, RampMeans, fit_axis};
 use zerorate_cal::trim_fit::{TrimFit, fit_trim, tap_effects};
 use zerorate_core::compensate::Mode;
@@ -102,6 +102,8 @@ pub fn characterise_once(
     let (ramp, ramp_time) = kept.once(FULL_TEMPERATURE, &mut full, |full| {
         let began = session.elapsed;
         let ramp = full_temperature::run(session, full)?;
+        // A ramp that is rejected is not kept, so that the run can go on with another.
+        Axis::BOTH.into_iter().try_for_each(|axis| fit_ramp(session, &ramp, axis).map(|_| ()))?;
         Ok((ramp, session.elapsed - began))
     })?;
     full.finish()?;
@@ -167,7 +169,8 @@ fn fit_ramp(session: &Session<'_>, ramp: &[Taken], axis: Axis) -> Result<AxisFit
     let mut judgement = Judgement::default();
     let fit = fit_axis(axis.name(), &means, None, &options, &mut judgement);
     fit.filter(|_| !judgement.rejected()).ok_or_else(|| {
-        let reasons: Vec<String> = judgement.reasons.into_iter().map(|reason| reason.text).collect();
+        let rejecting = judgement.reasons.into_iter().filter(|reason| reason.kind.verdict() == Verdict::Rejected);
+        let reasons: Vec<String> = rejecting.map(|reason| reason.text).collect();
         BenchError::Rejected { reasons: reasons.join("; ") }
     })
 }

@@ -35,7 +35,7 @@ pub enum BenchError {
         reading_counts: f64,
     },
     /// The unit's recording was rejected.
-    #[error("the recording was rejected, and no calibration comes of it: {reasons}")]
+    #[error("the recording was rejected, and no calibration comes of it: {reasons}. Mend that and record again")]
     Rejected {
         /// The reasons.
         reasons: String,

@@ -113,7 +113,8 @@ pub struct TrimExperiment {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DriftChoice {
-    /// `poly:1` to `poly:5`, `table:2` to `table:32`, or `auto`: chosen by held-out error (paper: quadratic).
+    /// `poly:1` to `poly:5`, `table:1` to `table:32`, or `auto`: chosen by held-out error, with a
+    /// history where both directions are recorded (paper: quadratic).
     pub model: String,
 }
 

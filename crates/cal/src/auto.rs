@@ -56,6 +56,8 @@ pub struct Series<'a> {
     pub weight: &'a [f64],
     /// Which uninterrupted log it belongs to: the history begins anew with each.
     pub log: &'a [u32],
+    /// Whether a drift in time may be told. Not where nobody could take it off: a board has no such term.
+    pub drifts_in_time: bool,
 }
 
 impl Series<'_> {
@@ -359,6 +361,7 @@ struct Thinned {
     rate: Vec<f64>,
     weight: Vec<f64>,
     log: Vec<u32>,
+    drifts_in_time: bool,
 }
 
 impl Thinned {
@@ -372,6 +375,7 @@ impl Thinned {
             rate: Vec::new(),
             weight: Vec::new(),
             log: Vec::new(),
+            drifts_in_time: series.drifts_in_time,
         };
         for start in (0..groups).step_by(factor) {
             let part = start..(start + factor).min(groups);
@@ -400,6 +404,7 @@ impl Thinned {
             rate: &self.rate,
             weight: &self.weight,
             log: &self.log,
+            drifts_in_time: self.drifts_in_time,
         }
     }
 }

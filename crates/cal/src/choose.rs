@@ -20,7 +20,7 @@ pub enum Model {
     Poly(usize),
     /// A piecewise-linear table of this many equal intervals, 1 to 32.
     Table(usize),
-    /// A polynomial of the order that held-out error chooses.
+    /// What held-out error chooses: of groups, curve and history ([`crate::auto`]); of plain rows, the order alone.
     #[default]
     Auto,
 }

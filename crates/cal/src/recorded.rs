@@ -212,6 +212,7 @@ fn fit_chosen(name: &str, means: &RampMeans) -> Result<(AxisFit, ResidualSurvey)
         rate: &means.readings,
         weight: &weight,
         log: &log,
+        drifts_in_time: false,
     };
     let mut auto = auto::fit(&series, measured, Model::Auto)?;
     // The chamber has gone as far as the unit is to be believed.

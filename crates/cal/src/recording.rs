@@ -45,7 +45,8 @@ impl RecordingInfo {
     pub fn ramp_groups(&self) -> Option<u64> {
         let set_up: toml::Table = self.set_up.parse().ok()?;
         let chamber = set_up.get("chamber")?;
-        let ramps = if chamber.get("cooling_ramp").and_then(toml::Value::as_bool) == Some(true) { 2 } else { 1 };
+        let cooling = chamber.get("cooling_ramp").and_then(toml::Value::as_bool) == Some(true);
+        let ramps = if cooling && self.procedure == "full-temperature" { 2 } else { 1 };
         let groups: u64 = chamber.get("ramp_groups")?.as_integer()?.try_into().ok()?;
         groups.checked_mul(ramps)
     }

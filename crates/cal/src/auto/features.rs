@@ -59,7 +59,7 @@ impl Features {
             memories.extend(PLAY_SHARES.map(|share| Memory::Play { half_width: share * span }));
         }
         let ends = series.time_s.first().copied().zip(series.time_s.last().copied()).filter(|_| timed);
-        let time = ends.filter(|(first, last)| both && one_log && last > first);
+        let time = ends.filter(|(first, last)| both && one_log && series.drifts_in_time && last > first);
         if both && timed {
             memories.extend(LAG_SECONDS.map(|time_constant_s| Memory::Lag { time_constant_s }));
         }

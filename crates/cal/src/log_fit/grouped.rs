@@ -188,6 +188,7 @@ impl Columns {
             rate: &self.rate,
             weight: &self.weight,
             log: &self.log,
+            drifts_in_time: true,
         }
     }
 }

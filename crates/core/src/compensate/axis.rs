@@ -124,9 +124,10 @@ impl AxisCompensation {
     pub fn sample(&mut self, zro: u16) -> Q16 {
         let effect = self.settling.next_sample().0;
         self.effect_sum += i64::from(effect);
-        let reading = i32::from(zro) << 16;
+        // A reading of 15 bits fits; past the form's end it is held there, as every sum here.
+        let reading = i32::try_from(i64::from(zro) << 16).unwrap_or(i32::MAX);
         match self.drift_from_centre {
-            Some(drift) if self.mode.corrects() => Q16(reading - drift - effect),
+            Some(drift) if self.mode.corrects() => Q16(reading.saturating_sub(drift).saturating_sub(effect)),
             _ => Q16(reading),
         }
     }
@@ -253,5 +254,6 @@ fn mean_q16(sums: &GroupSums, correction_sum: i64) -> Q16 {
     let n = i64::from(sums.n);
     // A sum of 16-bit samples shifted by 16 stays below 2^63 for up to 2^31 samples.
     let sum = (i64::try_from(sums.zro).unwrap_or(i64::MAX >> 16) << 16) - correction_sum;
-    Q16(i32::try_from((2 * sum + n).div_euclid(2 * n)).unwrap_or(i32::MAX))
+    let mean = (2 * sum + n).div_euclid(2 * n);
+    Q16(i32::try_from(mean).unwrap_or(if mean < 0 { i32::MIN } else { i32::MAX }))
 }

@@ -107,8 +107,8 @@ impl AxisLaw {
     /// The law by its stored numbers, none of which is believed. A CRC tells a record that was damaged on its way; this is
     /// for one that was composed wrongly, of another version's parts, or by chance has the right CRC. The drift must fit at
     /// every code, the effects must rise within the part, and the table of edges must be in order and agree with drift,
-    /// effects, centre and dead band, by the integers that will be run, at both sides of every edge: so no table moves a
-    /// wiper where its own law would not.
+    /// effects, centre and dead band, by the integers that will be run, at both sides of every edge. (Between its edges a table
+    /// is believed: the host has solved it for every code.)
     ///
     /// # Errors
     /// [`LawRefused`], with the part that is wrong.
@@ -173,14 +173,14 @@ impl AxisLaw {
     #[must_use]
     #[inline]
     pub fn correction(&self, code: TemperatureCode, tap: Taps) -> Q16 {
-        let drift = self.drift.evaluate_here(code).0.wrapping_sub(self.centre.0);
+        let drift = self.drift.evaluate_here(code).0.saturating_sub(self.centre.0);
         let effect = self.effects.measured(tap);
-        Q16(drift.wrapping_add(effect.unwrap_or_else(|| self.effects.beyond(tap).0)))
+        Q16(drift.saturating_add(effect.unwrap_or_else(|| self.effects.beyond(tap).0)))
     }
 
     #[inline]
     pub(super) fn drift_from_centre(&self, code: TemperatureCode) -> i32 {
-        self.drift.evaluate(code).0.wrapping_sub(self.centre.0)
+        self.drift.evaluate(code).0.saturating_sub(self.centre.0)
     }
 
     pub(super) fn coverage(&self, code: TemperatureCode) -> Coverage {

@@ -13,7 +13,7 @@ pub fn page(run: &Calibrated, summary: &Summary, out: &Path) -> Page {
     let mut page = Page::default();
     headline(&mut page, run, summary);
 
-    page.heading("Drift (one heating ramp; counts)");
+    page.heading("Drift (the full-temperature test; counts)");
     let mut grid = Grid::new("llrrr");
     grid.head(["axis", "model", "peak to peak", "in-sample rms", "held-out rms"]);
     for (name, axis) in &summary.axes {

@@ -123,7 +123,7 @@ impl Axis {
         let fit = axis.fit.as_ref();
         Self {
             name: name.to_owned(),
-            model: axis.model().to_string(),
+            model: axis.chosen_model(),
             rate_unit: axis.rate_unit,
             temperature: [axis.drift.valid.min(), axis.drift.valid.max()],
             drift_pp: axis.drift.peak_to_peak(),

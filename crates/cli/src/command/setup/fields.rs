@@ -76,7 +76,11 @@ const SECTIONS: &[Section] = &[
     (
         "drift",
         "The drift model.",
-        &[("model", "poly:1 to poly:5, table:1 to table:32, or auto: the polynomial with the least held-out error.")],
+        &[(
+            "model",
+            "poly:1 to poly:5, table:1 to table:32, or auto: what predicts held-out eighths, with a history where \
+             chamber.cooling_ramp records both directions.",
+        )],
     ),
     (
         "limits",
