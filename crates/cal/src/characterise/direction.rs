@@ -24,8 +24,9 @@ pub fn warming(temperatures: &[f64]) -> Vec<bool> {
         let fallen = up != Some(false) && *now < temperatures[highest] - turn;
         if risen || fallen {
             let extreme = if risen { lowest } else { highest };
-            // What came before the extreme went the other way.
-            warming[start..extreme].fill(!risen);
+            // What came before the extreme went the other way. Before the first leg there was no turn, only noise: a
+            // recording that only warms does not begin by cooling.
+            warming[start..extreme].fill(if up.is_none() { risen } else { !risen });
             (start, up) = (extreme, Some(risen));
             (lowest, highest) = (place, place);
         }
@@ -49,6 +50,17 @@ mod tests {
         let turns: Vec<usize> = (1..1000).filter(|i| warming[*i] != warming[i - 1]).collect();
         assert_eq!(turns.len(), 1);
         assert!(warming[0] && turns[0].abs_diff(500) < 10, "{turns:?}");
+    }
+
+    #[test]
+    fn noise_before_the_first_leg_is_no_turn() {
+        let noise = |i: i32| f64::from(i * 7919 % 100) / 100.0;
+        let rising: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.3 + noise(i)).collect();
+        assert_eq!(warming(&rising), [true; 200]);
+        let dip = [25.1, 25.0, 30.0, 40.0, 50.0, 60.0];
+        assert_eq!(warming(&dip), [true; 6]);
+        let falling: Vec<f64> = dip.iter().map(|t| -t).collect();
+        assert_eq!(warming(&falling), [false; 6]);
     }
 
     #[test]

@@ -106,10 +106,11 @@ pub(in crate::report) fn figure(report: &LogReport, axis: &LogAxis, place: usize
     let mut key = vec![
         (Ink::Raw, Sample::Dot, "recorded".to_owned()),
         (Ink::Corrected, Sample::Dot, "corrected".to_owned()),
-        (Ink::Heating, Sample::Dot, "heating".to_owned()),
     ];
-    if warming.contains(&false) {
-        key.push((Ink::Cooling, Sample::Dot, "cooling".to_owned()));
+    for (up, ink, name) in [(true, Ink::Heating, "heating"), (false, Ink::Cooling, "cooling")] {
+        if warming.contains(&up) {
+            key.push((ink, Sample::Dot, name.to_owned()));
+        }
     }
     key.push((Ink::Curve, Sample::Line, "fitted curve".to_owned()));
     if !axis.band.is_empty() {
