@@ -10,7 +10,7 @@ mod thin;
 use maud::{Markup, PreEscaped, html};
 
 pub(super) use ink::Ink;
-pub(super) use panel::{Mark, Panel, holding};
+pub(super) use panel::{Mark, Panel, Side, holding};
 
 /// How an ink is shown in a key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

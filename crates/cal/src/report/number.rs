@@ -7,10 +7,24 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return "\u{2013}".to_owned();
     }
-    let digits = format!("{:.decimals$}", value.abs());
-    let (whole, fraction) = digits.split_once('.').map_or((digits.as_str(), None), |(a, b)| (a, Some(b)));
+    set(&format!("{:.decimals$}", value.abs()), value < 0.0)
+}
+
+/// A number in the fewest digits that give it back, as people write a limit; an en dash when it is none.
+pub(super) fn exact(value: f64) -> String {
+    if value.is_finite() { set(&value.abs().to_string(), value < 0.0) } else { "\u{2013}".to_owned() }
+}
+
+/// So many of what is counted, as `1 unit`, `2 units`.
+pub(super) fn counted(count: usize, noun: &str) -> String {
+    format!("{} {noun}{}", whole(count as u64), if count == 1 { "" } else { "s" })
+}
+
+/// Digits with a sign and thousands set apart.
+fn set(digits: &str, negative: bool) -> String {
+    let (whole, fraction) = digits.split_once('.').map_or((digits, None), |(a, b)| (a, Some(b)));
     let mut text = String::new();
-    if value < 0.0 && digits.bytes().any(|digit| (b'1'..=b'9').contains(&digit)) {
+    if negative && digits.bytes().any(|digit| (b'1'..=b'9').contains(&digit)) {
         text.push('\u{2212}');
     }
     // Four digits are read at a glance; from five on, thousands are set apart.
@@ -128,6 +142,15 @@ mod tests {
         assert_eq!(fixed(-0.0001, 2), "0.00");
         assert_eq!(fixed(f64::NAN, 2), "\u{2013}");
         assert_eq!(whole(1_200_000), "1\u{202f}200\u{202f}000");
+    }
+
+    #[test]
+    fn limits_are_written_as_they_were_given() {
+        assert_eq!(
+            [5.0, 20.0, 0.5, 1500.0, -12_345.25].map(exact),
+            ["5", "20", "0.5", "1500", "\u{2212}12\u{202f}345.25"]
+        );
+        assert_eq!((counted(1, "unit"), counted(0, "unit")), ("1 unit".to_owned(), "0 units".to_owned()));
     }
 
     #[test]

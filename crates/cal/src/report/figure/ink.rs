@@ -25,6 +25,8 @@ pub enum Ink {
     Curve,
     /// A line that was aimed at, or zero.
     Aim,
+    /// A limit that must be kept.
+    Limit,
     /// What was not corrected.
     Raw,
     /// What a correction left.
@@ -42,7 +44,7 @@ pub(super) enum Marker {
 }
 
 /// All inks, in the order of their numbers.
-const ALL: [Ink; 12] = [
+const ALL: [Ink; 13] = [
     Ink::Grid,
     Ink::Frame,
     Ink::Word,
@@ -52,6 +54,7 @@ const ALL: [Ink; 12] = [
     Ink::Cooling,
     Ink::Curve,
     Ink::Aim,
+    Ink::Limit,
     Ink::Raw,
     Ink::Corrected,
     Ink::LeftOut,
@@ -70,6 +73,7 @@ impl Ink {
             Self::Cooling => "cooling",
             Self::Curve => "curve",
             Self::Aim => "aim",
+            Self::Limit => "limit",
             Self::Raw => "raw",
             Self::Corrected => "corrected",
             Self::LeftOut => "left-out",
@@ -87,7 +91,7 @@ impl Ink {
 
     /// The ink as a colour of plotters, which passes colours through to the backend untouched.
     pub(super) fn color(self) -> RGBAColor {
-        // Twelve inks fit into a byte.
+        // Thirteen inks fit into a byte.
         #[allow(clippy::cast_possible_truncation)]
         let number = self as usize as u8;
         RGBAColor(number, 0, 0, 1.0)

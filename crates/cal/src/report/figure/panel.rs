@@ -39,6 +39,12 @@ const NARROWEST: f64 = 0.006;
 /// Ticks on an x axis, about: more, and labels of five digits would touch on a phone.
 const ACROSS: f64 = 7.0;
 
+/// The part of the x axis that a limit's label takes, about.
+const ROOM: f64 = 0.35;
+
+/// The part of the y axis that it takes, on a phone.
+const LOW: f64 = 0.1;
+
 /// Something drawn in a panel, in the units of its axes. Points that are no numbers part a line and are left out.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mark {
@@ -52,13 +58,28 @@ pub enum Mark {
     Level(Ink, f64),
     /// A shaded stretch of the x axis, over the whole height.
     Band(Ink, f64, f64),
+    /// A limit of the quantity on an axis: a line across the panel there, with its label.
+    Limit(Side, f64, String),
+}
+
+/// Where a limit is, and of what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// The least on the x axis.
+    Left,
+    /// The greatest on the x axis.
+    Right,
+    /// The least on the y axis.
+    Bottom,
+    /// The greatest on the y axis.
+    Top,
 }
 
 impl Mark {
     fn points(&self) -> &[(f64, f64)] {
         match self {
             Self::Line(_, points) | Self::Dots(_, points) | Self::Stems(_, points) => points,
-            Self::Level(..) | Self::Band(..) => &[],
+            Self::Level(..) | Self::Band(..) | Self::Limit(..) => &[],
         }
     }
 }
@@ -78,6 +99,8 @@ pub struct Panel {
     pub x_range: Option<(f64, f64)>,
     /// The y range, where panels beside each other must agree; else what the marks need.
     pub y_range: Option<(f64, f64)>,
+    /// The y axis counts things: from none, by whole numbers.
+    pub counts: bool,
     /// Both axes are logarithms to base ten, and so are the marks.
     pub logarithms: bool,
     /// What is drawn, the lowest first.
@@ -99,6 +122,7 @@ impl Panel {
             height: Self::TALL,
             x_range: None,
             y_range: None,
+            counts: false,
             logarithms: false,
             marks: Vec::new(),
         }
@@ -128,6 +152,12 @@ impl Panel {
         self
     }
 
+    /// The same with a y axis that counts things.
+    pub fn with_counts(mut self) -> Self {
+        self.counts = true;
+        self
+    }
+
     /// The same over logarithms: marks are logarithms to base ten on both axes.
     pub fn with_logarithms(mut self) -> Self {
         self.logarithms = true;
@@ -150,15 +180,17 @@ impl Panel {
             |range| Scale::over(range, ACROSS),
         );
         let levels = self.marks.iter().filter_map(|mark| match mark {
-            Mark::Level(_, at) => Some(*at),
+            Mark::Level(_, at) | Mark::Limit(Side::Bottom | Side::Top, at, _) => Some(*at),
             Mark::Stems(..) => Some(0.0),
             _ => None,
         });
         let up = if self.height > Self::SHORT + 40 { 8.0 } else { 4.5 };
-        let y = self.y_range.map_or_else(
-            || Scale::holding(points().map(|point| point.1).chain(levels), up),
-            |range| Scale::over(range, up),
-        );
+        let heights = points().map(|point| point.1).chain(levels);
+        let y = match self.y_range {
+            Some(range) => Scale::over(range, up),
+            None if self.counts => Scale::counting(heights, up),
+            None => Scale::holding(heights, up),
+        };
         (x, y)
     }
 
@@ -220,7 +252,8 @@ impl Panel {
 
         for mark in &self.marks {
             match mark {
-                Mark::Band(..) => {}
+                // Beneath everything, and above it.
+                Mark::Band(..) | Mark::Limit(..) => {}
                 Mark::Line(ink, points) => {
                     let of = points.len().max(1);
                     for run in runs(points) {
@@ -245,7 +278,37 @@ impl Panel {
                 }
             }
         }
+        for mark in &self.marks {
+            if let Mark::Limit(side, at, label) = mark {
+                let end = if matches!(side, Side::Left | Side::Right) { (*at, top) } else { (x.range.1, *at) };
+                let start = if matches!(side, Side::Left | Side::Right) { (*at, bottom) } else { (x.range.0, *at) };
+                chart.draw_series([PathElement::new([start, end], Ink::Limit.style())])?;
+                let (label_at, anchor) = side.label(chart.backend_coord(&end), x.share(*at), y.share(*at));
+                root.draw_text(label, &words(Ink::Limit).pos(anchor), label_at)?;
+            }
+        }
         root.present()
+    }
+}
+
+impl Side {
+    /// Where the label of a limit's line stands that ends at `end`, the line being at this share of the axis: outside the
+    /// limit where there is room. The least's is a row below the greatest's, so that the two never touch.
+    fn label(self, (right, high): (i32, i32), across: f64, up: f64) -> ((i32, i32), Pos) {
+        let gap = 4 * FINE;
+        match self {
+            Self::Left | Self::Right => {
+                let row = if self == Self::Left { high + gap + TYPE * FINE * 3 / 2 } else { high + gap };
+                let before = if self == Self::Left { across > ROOM } else { across > 1.0 - ROOM };
+                let (place, to) = if before { (right - gap, HPos::Right) } else { (right + gap, HPos::Left) };
+                ((place, row), Pos::new(to, VPos::Top))
+            }
+            Self::Bottom | Self::Top => {
+                let above = if self == Self::Top { up < 1.0 - LOW } else { up < LOW };
+                let (place, to) = if above { (high - gap, VPos::Bottom) } else { (high + gap, VPos::Top) };
+                ((right, place), Pos::new(HPos::Right, to))
+            }
+        }
     }
 }
 

@@ -44,7 +44,17 @@ impl Scale {
 
     /// A scale over exactly this range, of about so many ticks.
     pub(super) fn over((min, max): (f64, f64), wanted: f64) -> Self {
-        let step = nice_step((max - min) / wanted);
+        Self::by((min, max), nice_step((max - min) / wanted))
+    }
+
+    /// A scale of numbers of things, from none to the most of `values`: its ticks are whole numbers.
+    pub(super) fn counting(values: impl Iterator<Item = f64>, wanted: f64) -> Self {
+        let most = values.filter(|value| value.is_finite()).fold(1.0, f64::max) * (1.0 + MARGIN);
+        Self::by((0.0, most), nice_step(most / wanted).max(1.0))
+    }
+
+    /// A scale over exactly this range with a tick at each multiple of `step`.
+    fn by((min, max): (f64, f64), step: f64) -> Self {
         let first = (min / step).ceil();
         let last = (max / step).floor();
         let mut ticks = Vec::new();
@@ -79,6 +89,11 @@ impl Scale {
         Self { range, ticks, exponent: 0, decimals: 0, logarithms: true }
     }
 
+    /// Where a value is on the axis: 0 at its start, 1 at its end.
+    pub(super) fn share(&self, value: f64) -> f64 {
+        (value - self.range.0) / (self.range.1 - self.range.0)
+    }
+
     /// The label of a tick.
     // Decades are within 400, and factors are 1, 2 or 5.
     #[allow(clippy::cast_possible_truncation)]
@@ -106,7 +121,7 @@ impl Ranged for Scale {
     // Within the drawing, which is a few thousand units wide; what lies outside is held at a distance that still fits.
     #[allow(clippy::cast_possible_truncation)]
     fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
-        let share = ((value - self.range.0) / (self.range.1 - self.range.0)).clamp(-2.0, 3.0);
+        let share = self.share(*value).clamp(-2.0, 3.0);
         start + (f64::from(end - start) * share).round() as i32
     }
 
@@ -166,6 +181,13 @@ mod tests {
     fn a_scale_through_zero_has_a_zero_without_a_sign() {
         let scale = Scale::over((-0.5, 0.5), 5.0);
         assert_eq!(labels(&scale), ["\u{2212}0.4", "\u{2212}0.2", "0.0", "0.2", "0.4"]);
+    }
+
+    #[test]
+    fn things_are_counted_in_whole_numbers() {
+        assert_eq!(labels(&Scale::counting([0.0, 2.0].into_iter(), 8.0)), ["0", "1", "2"]);
+        assert_eq!(labels(&Scale::counting([0.0, 30.0].into_iter(), 8.0)), ["0", "5", "10", "15", "20", "25", "30"]);
+        assert_eq!(labels(&Scale::counting(std::iter::empty(), 8.0)), ["0", "1"]);
     }
 
     #[test]
