@@ -9,8 +9,9 @@ use zerorate_cal::report::LogReport;
 /// A page may not be larger than this: it goes by mail.
 const MOST_BYTES: usize = 1_500_000;
 
-fn pages() -> [String; 2] {
-    [sample::calibration().to_html(), sample::log().to_html()]
+fn pages() -> [String; 4] {
+    let (lot, small) = (sample::lot(204, 0.37), sample::lot(1, 0.0));
+    [sample::calibration().to_html(), sample::log().to_html(), lot.to_html(), small.to_html()]
 }
 
 /// The texts between `start` and `end`, in order.
@@ -36,7 +37,7 @@ fn nothing_is_loaded_from_anywhere() {
 
 #[test]
 fn only_a_logs_page_has_a_script_and_what_it_copies_is_in_the_page() {
-    let [calibration, log] = pages();
+    let [calibration, log, ..] = pages();
     assert!(!calibration.contains("<script"));
     assert_eq!(log.matches("<script>").count(), 1);
     let ids = between(&log, " id=\"", "\"");
@@ -148,4 +149,51 @@ fn the_fit_of_a_log_becomes_a_report_with_its_axis_and_its_coefficients() {
     assert!((report.axes[0].raw_coefficients[1] + 0.01).abs() < 1e-4);
     let page = report.to_html();
     assert!(page.contains("rate_dps") && page.contains("Coefficients to copy"));
+}
+
+#[test]
+fn a_lot_names_the_units_outside_its_limits_the_furthest_first_and_draws_the_limits() {
+    let page = sample::lot(204, 0.37).to_html();
+    let section = between(&page, "<section id=\"outside\">", "</section>")[0];
+    let serials = between(section, "<th scope=\"row\">", "</th>");
+    assert!(serials.contains(&"ZR-2026-0009"), "{serials:?}");
+    let parts = between(section, "<td class=\"n\">", "</td>");
+    let far = parts.iter().filter_map(|cell| cell.strip_suffix("\u{a0}%")?.parse::<f64>().ok()).collect::<Vec<_>>();
+    assert!(far.len() == serials.len() && far.is_sorted_by(|a, b| a >= b), "{far:?}");
+    for label in ["at most 1500", "at most 5", "at least 8050", "at most 8350"] {
+        assert!(page.contains(&format!(">{label}</text>")), "{label}");
+    }
+    // It would leave no room for the units.
+    assert!(page.contains("in-sample residual, rms at most 400"));
+    assert!(page.contains("<td class=\"n\">0.5</td><td class=\"n\">400</td>"));
+}
+
+#[test]
+fn a_lot_says_once_what_many_of_its_units_share() {
+    let mut lot = sample::lot(204, 0.37);
+    let notes = lot.undrawn_notes();
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert!(
+        notes[0].starts_with("9 of the worst units (ZR-2026-0001, ZR-2026-0002")
+            && notes[0].contains(" /lot/… not found")
+    );
+    lot.undrawn.truncate(1);
+    assert_eq!(lot.undrawn_notes(), lot.undrawn);
+}
+
+#[test]
+fn a_small_lot_is_not_drawn_as_if_it_were_a_large_one() {
+    let one = sample::lot(1, 0.0).to_html();
+    assert!(one.contains("Lot of 1 unit<") && !one.contains("1 units"));
+    assert!(one.contains("no two have times that differ") && !one.contains("time-figure"));
+    let three = sample::lot(3, 0.05).to_html();
+    assert!(three.contains("hours since the first unit") && three.contains("With fewer than 20 units"));
+    let mut none = sample::lot(1, 0.0);
+    none.units[0].axes.clear();
+    none.units[0].rejected = vec!["the run ended before its ramp did".into()];
+    none.worst.clear();
+    let none = none.to_html();
+    assert!(
+        none.contains("there is nothing to draw") && !none.contains("role=\"img\"") && none.contains("1 was rejected")
+    );
 }

@@ -138,4 +138,33 @@ impl LotReport {
     pub fn rejected(&self) -> usize {
         self.units.iter().filter(|unit| !unit.rejected.is_empty()).count()
     }
+
+    /// [`LotReport::undrawn`] with what many units share said once: sentences that differ in nothing but the unit and its
+    /// recording are one, with the number of units.
+    #[must_use]
+    pub fn undrawn_notes(&self) -> Vec<String> {
+        let mut groups: Vec<(String, Vec<&str>, &str)> = Vec::new();
+        for sentence in &self.undrawn {
+            let (serial, why) = sentence.split_once(": ").unwrap_or(("", sentence));
+            let common = self.without_recording(serial, why);
+            match groups.iter_mut().find(|group| group.0 == common) {
+                Some(group) => group.1.push(serial),
+                None => groups.push((common, vec![serial], sentence)),
+            }
+        }
+        let note = |(common, serials, sentence): (String, Vec<&str>, &str)| match serials.len() {
+            1 => sentence.to_owned(),
+            units => format!("{units} of the worst units ({}) are {common}", serials.join(", ")),
+        };
+        groups.into_iter().map(note).collect()
+    }
+
+    /// A sentence about a unit without what names its recording: its file, wherever that lies, and its serial.
+    fn without_recording(&self, serial: &str, sentence: &str) -> String {
+        let Some(unit) = self.units.iter().find(|unit| unit.serial == serial) else { return sentence.to_owned() };
+        let name = unit.file.rsplit(['/', '\\']).next().unwrap_or(&unit.file);
+        let without = |text: String, what: &str| if what.is_empty() { text } else { text.replace(what, "…") };
+        let sentence = sentence.replace(&format!("{}: ", unit.file), "");
+        without(without(sentence, name), serial)
+    }
 }

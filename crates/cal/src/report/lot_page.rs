@@ -1,11 +1,12 @@
 //! The report of a lot as a page.
 
 mod charts;
+mod outside;
 
 use maud::{Markup, html};
 
 use super::lot::{LotReport, Quantity};
-use super::number::{fixed, significant, whole};
+use super::number::{counted, exact, fixed, significant, whole};
 use super::page::{self, Table};
 use super::{figure, log_page};
 
@@ -16,13 +17,19 @@ impl LotReport {
     /// The report as one self-contained HTML file. Equal reports make equal bytes.
     #[must_use]
     pub fn to_html(&self) -> String {
-        let mut chapters: Vec<(&str, &str, Markup)> = vec![
-            ("yield", "Yield", self.yields()),
-            ("distribution", "Distribution over the lot", charts::distribution(self).markup()),
-            ("time", "The process over time", charts::over_time(self).markup()),
-        ];
-        if !self.worst.is_empty() {
-            chapters.push(("worst", "The worst units", self.worst_units()));
+        let distribution = charts::distribution(self, 1);
+        let drawn = usize::from(distribution.is_some());
+        let time = charts::over_time(self, drawn + 1);
+        let drawn = drawn + usize::from(time.is_some());
+        let outside = outside::rows(self);
+        let mut chapters: Vec<(&str, &str, Markup)> = vec![("yield", "Yield", self.yields())];
+        if !outside.is_empty() {
+            chapters.push(("outside", "Outside the limits", outside::table(&outside)));
+        }
+        chapters.push(("distribution", "Distribution over the lot", self.drawn(distribution)));
+        chapters.push(("time", "The process over time", self.drawn(time)));
+        if !self.worst.is_empty() || !self.undrawn.is_empty() {
+            chapters.push(("worst", "The worst units", self.worst_units(drawn)));
         }
         if self.rejected() > 0 {
             chapters.push(("rejected", "Rejected", self.rejected_units()));
@@ -37,11 +44,12 @@ impl LotReport {
     }
 
     fn headline(&self) -> Markup {
-        let units = self.units.len();
+        let (passed, rejected) = (self.passed(), self.rejected());
         html! {
-            h1 { "Lot of " (whole(units as u64)) " units" }
+            h1 { "Lot of " (counted(self.units.len(), "unit")) }
             p.lead {
-                (self.share(self.passed())) " pass, " (whole(self.rejected() as u64)) " were rejected. Model: " (self.model) "."
+                (self.share(passed)) @if passed == 1 { " passes, " } @else { " pass, " }
+                (whole(rejected as u64)) @if rejected == 1 { " was" } @else { " were" } " rejected. Model: " (self.model) "."
             }
             p { "From " code { (self.source) } "." }
         }
@@ -52,11 +60,23 @@ impl LotReport {
         format!("{} ({} %)", whole(units as u64), fixed(part, 1))
     }
 
+    /// A figure, or why there is none.
+    fn drawn(&self, figure: Option<figure::Figure>) -> Markup {
+        let sound = charts::sound(self).count();
+        match figure {
+            Some(figure) => figure.markup(),
+            None if sound == 0 => html! { p { "No unit was fitted and not rejected: there is nothing to draw." } },
+            None => html! {
+                p { "Of " (counted(sound, "unit")) " fitted and not rejected no two have times that differ: there is nothing to draw." }
+            },
+        }
+    }
+
     fn yields(&self) -> Markup {
         let fitted = self.units.iter().filter(|unit| unit.rejected.is_empty()).count();
         let bound = |value: f64| {
             if value.is_finite() {
-                significant(value, 4)
+                html! { (exact(value)) }
             } else {
                 html! { "none" }
             }
@@ -65,7 +85,7 @@ impl LotReport {
         for limit in &self.limits {
             let kept = self.units.iter().filter(|unit| unit.rejected.is_empty() && limit.kept_by(unit)).count();
             rows.push(vec![
-                html! { (limit.quantity.words()) },
+                html! { span.wraps { (limit.quantity.words()) } },
                 bound(limit.min),
                 bound(limit.max),
                 html! { (self.share(kept)) },
@@ -85,18 +105,18 @@ impl LotReport {
         Table { caption, heads: &["Limit", "Least", "Greatest", "Units"], rows, numbers_from: 1 }.markup()
     }
 
-    fn worst_units(&self) -> Markup {
+    fn worst_units(&self, drawn: usize) -> Markup {
         html! {
-            p {
+            @if !self.worst.is_empty() { p {
                 "The units that were fitted and not rejected whose held-out residual is largest, each drawn by its worse axis."
-            }
+            } }
             @for (place, unit) in self.worst.iter().enumerate() {
                 @if let Some(axis) = unit.fit.axes.iter().find(|axis| axis.name == unit.axis) {
                     h3 { (place + 1) ". " (unit.serial) ", axis " (unit.axis) ": " (significant(unit.held_out_rms, 3)) " counts rms held out" }
-                    (log_page::axis::figure(&unit.fit, axis, place + charts::FIGURES).markup())
+                    (log_page::axis::figure(&unit.fit, axis, place + drawn).markup())
                 }
             }
-            @for sentence in &self.undrawn { p { (sentence) } }
+            @for sentence in self.undrawn_notes() { p { (sentence) } }
         }
     }
 
@@ -105,13 +125,13 @@ impl LotReport {
         let rows = rejected.take(LISTED).map(|unit| {
             vec![
                 html! { (unit.serial) },
-                html! { (unit.file) },
-                html! { (unit.station) },
+                html! { span.nobr { (unit.file) } },
+                html! { span.nobr { (unit.station) } },
                 html! { (unit.rejected.join("; ")) },
             ]
         });
         let caption = html! {
-            "Units rejected, with the reasons" @if self.rejected() > LISTED { ", the first " (LISTED) " of " (self.rejected()) } "."
+            "Units rejected, with the reasons" @if self.rejected() > LISTED { ", the first " (LISTED) " of " (whole(self.rejected() as u64)) } "."
         };
         Table { caption, heads: &["Unit", "Recording", "Station", "Why"], rows: rows.collect(), numbers_from: 9 }
             .markup()

@@ -2,9 +2,11 @@
 
 mod calibration;
 mod log;
+mod lot;
 
 pub use calibration::calibration;
 pub use log::log;
+pub use lot::lot;
 
 /// Noise of about unit variance that needs no generator: the sum of twelve uniform values of a hash.
 pub fn noise(seed: u64) -> f64 {

@@ -103,10 +103,8 @@ pub(in crate::report) fn figure(report: &LogReport, axis: &LogAxis, place: usize
         .with(Mark::Dots(Ink::Heating, going(true, |p| p.corrected)))
         .with(Mark::Dots(Ink::Cooling, going(false, |p| p.corrected)))
         .with(Mark::Level(Ink::Aim, 0.0));
-    let mut key = vec![
-        (Ink::Raw, Sample::Dot, "recorded".to_owned()),
-        (Ink::Corrected, Sample::Dot, "corrected".to_owned()),
-    ];
+    let mut key =
+        vec![(Ink::Raw, Sample::Dot, "recorded".to_owned()), (Ink::Corrected, Sample::Dot, "corrected".to_owned())];
     for (up, ink, name) in [(true, Ink::Heating, "heating"), (false, Ink::Cooling, "cooling")] {
         if warming.contains(&up) {
             key.push((ink, Sample::Dot, name.to_owned()));
