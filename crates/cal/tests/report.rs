@@ -156,7 +156,7 @@ fn a_lot_names_the_units_outside_its_limits_the_furthest_first_and_draws_the_lim
     let page = sample::lot(204, 0.37).to_html();
     let section = between(&page, "<section id=\"outside\">", "</section>")[0];
     let serials = between(section, "<th scope=\"row\">", "</th>");
-    assert!(serials.contains(&"ZR-2026-0009"), "{serials:?}");
+    assert!(serials.iter().any(|serial| serial.contains("ZR-2026-0009")), "{serials:?}");
     let parts = between(section, "<td class=\"n\">", "</td>");
     let far = parts.iter().filter_map(|cell| cell.strip_suffix("\u{a0}%")?.parse::<f64>().ok()).collect::<Vec<_>>();
     assert!(far.len() == serials.len() && far.is_sorted_by(|a, b| a >= b), "{far:?}");

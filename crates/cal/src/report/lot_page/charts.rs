@@ -15,9 +15,9 @@ const WINDOW: usize = 51;
 /// Units from which on a running median is drawn: with fewer it would follow each of them.
 const LEAST_FOR_MEDIAN: usize = 20;
 
-/// A limit is drawn while it leaves this part of an axis to the units: a panel that shows a limit far away shows nothing
-/// of them.
-const LEAST_SHARE: f64 = 1.0 / 3.0;
+/// A limit is drawn as long as it is no more than this many times the span of the units away from them: a panel that shows
+/// a limit far away shows nothing of the units.
+const FURTHEST: f64 = 3.0;
 
 /// What is drawn.
 const DRAWN: [Quantity; 4] = [Quantity::Drift, Quantity::Reading, Quantity::HeldOut, Quantity::InSample];
@@ -49,12 +49,16 @@ pub(super) fn distribution(report: &LotReport, number: usize) -> Option<Figure> 
         }
         let limits = Limits::of(report, quantity, bounds(&all));
         let range = limits.range();
+        // Bars as fine as without a limit; what lies beyond it is never counted on this side of it.
+        let ends = |(low, high): (f64, f64), value: &f64| (low.min(*value), high.max(*value));
+        let (low, high) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+        let bars = if high > low { (low.max(range.0), high.min(range.1)) } else { range };
         let name = format!("{}, counts", quantity.words());
         let mut panel = Panel::new(format!("Distribution: {}", quantity.words()), name, "units")
             .with_x_range(Some(range))
             .with_counts();
         for (ink, values) in [Ink::X, Ink::Y].into_iter().zip(&axes).filter(|(_, values)| !values.is_empty()) {
-            panel = panel.with(Mark::Line(ink, outline(values, range)));
+            panel = panel.with(Mark::Line(ink, outline(values, bars)));
         }
         Some((limits.on(panel, [Side::Left, Side::Right]), limits.far))
     };
@@ -133,7 +137,7 @@ fn time_unit(days: f64) -> (&'static str, f64) {
 
 /// Units in a running median over so many: a quarter of them, an odd number, and none where there are too few.
 fn window(units: usize) -> Option<usize> {
-    (units >= LEAST_FOR_MEDIAN).then(|| WINDOW.min(units / 4 | 1))
+    (units >= LEAST_FOR_MEDIAN).then(|| WINDOW.min((units / 4) | 1))
 }
 
 /// The panels drawn, and what is said of limits that are not.
@@ -182,7 +186,7 @@ impl Limits {
         let limits = || report.limits.iter().filter(|limit| limit.quantity == quantity);
         // Equal values have no span: then what they are is the measure.
         let span = if values.1 > values.0 { values.1 - values.0 } else { values.1.abs().max(1.0) };
-        let most = span * (1.0 / LEAST_SHARE - 1.0) / 2.0;
+        let most = span * FURTHEST;
         let near = |at: &f64| values.0 - most <= *at && *at <= values.1 + most;
         let bounds = |of: fn(&LotLimit) -> f64| limits().map(of).find(|at| at.is_finite());
         let (least, greatest) = (bounds(|limit| limit.min), bounds(|limit| limit.max));
