@@ -39,8 +39,10 @@ impl Report {
         let report = wait(report::report(&self.models, self.dataset.as_deref(), limits))??;
         write_whole(&self.out, report.to_html().as_bytes())
             .with_context(|| format!("{}: cannot be written", self.out.display()))?;
-        report.undrawn.iter().for_each(|sentence| eprintln!("note: {sentence}"));
-        println!("{} units, {} pass, {} rejected", report.units.len(), report.passed(), report.rejected());
+        report.undrawn_notes().iter().for_each(|sentence| eprintln!("note: {sentence}"));
+        let units = report.units.len();
+        let noun = if units == 1 { "unit" } else { "units" };
+        println!("{units} {noun}, {} pass, {} rejected", report.passed(), report.rejected());
         println!("Written: {}", self.out.display());
         let all = report.passed() == report.units.len();
         Ok(if all { Outcome::Done } else { Outcome::Rejected })
