@@ -127,7 +127,7 @@ impl LotReport {
                 html! { (unit.serial) },
                 html! { span.nobr { (unit.file) } },
                 html! { span.nobr { (unit.station) } },
-                html! { (unit.rejected.join("; ")) },
+                html! { div.sentence { (unit.rejected.join("; ")) } },
             ]
         });
         let caption = html! {
