@@ -1,5 +1,13 @@
 //! The subcommands, one file each, and how they end.
 
+/// Prints a line. Who closes the pipe, as `head` does, has read enough.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        _ = writeln!(std::io::stdout(), $($text)*);
+    }};
+}
+
 mod export;
 mod fit;
 mod group;

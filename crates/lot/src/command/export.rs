@@ -32,9 +32,9 @@ impl Export {
     pub fn run(&self) -> Result<Outcome> {
         match wait(export(&self.models, self.dataset.as_deref(), &self.unit, &self.out))? {
             Ok(exported) => {
-                println!("Calibration:   {}", exported.calibration.display());
-                println!("Device record: {}", exported.record.display());
-                println!("The fit agrees with its row to {:.0e} of its range", exported.disagreement);
+                say!("Calibration:   {}", exported.calibration.display());
+                say!("Device record: {}", exported.record.display());
+                say!("The fit agrees with its row to {:.0e} of its range", exported.disagreement);
                 Ok(Outcome::Done)
             }
             Err(error @ ExportError::Rejected { .. }) => {

@@ -83,7 +83,7 @@ impl Fit {
         }))??;
         bar.finish_and_clear();
         if self.json {
-            println!("{}", serde_json::to_string_pretty(&summary)?);
+            say!("{}", serde_json::to_string_pretty(&summary)?);
         } else {
             print(&summary);
         }
@@ -94,31 +94,33 @@ impl Fit {
 
 fn print(summary: &Summary) {
     let Summary { units, fits, reused, warnings, rejected, skipped, .. } = summary;
-    println!("{units} units, {fits} fits in {:.1} s ({reused} units were done before)", summary.seconds);
-    println!("{warnings} with warnings, {} rejected, {} files skipped", rejected.len(), skipped.len());
+    say!("{units} units, {fits} fits in {:.1} s ({reused} units were done before)", summary.seconds);
+    say!("{warnings} with warnings, {} rejected, {} files skipped", rejected.len(), skipped.len());
     if let (Some(median), Some(worst)) = (summary.median_held_out_rms_counts, &summary.worst) {
-        println!(
+        say!(
             "held-out residual, counts rms: median {median:.2}, worst {:.2} ({} {})",
-            worst.held_out_rms_counts, worst.serial, worst.axis
+            worst.held_out_rms_counts,
+            worst.serial,
+            worst.axis
         );
     }
     if !rejected.is_empty() {
-        println!("\nRejected");
+        say!("\nRejected");
     }
     for unit in rejected.iter().take(SHOWN) {
         let reasons: Vec<&str> = unit.reasons.iter().map(|reason| reason.text.as_str()).collect();
-        println!("  {} ({}): {}", unit.serial, unit.file, reasons.join("; "));
+        say!("  {} ({}): {}", unit.serial, unit.file, reasons.join("; "));
     }
     if !skipped.is_empty() {
-        println!("\nSkipped");
+        say!("\nSkipped");
     }
     for file in skipped.iter().take(SHOWN) {
-        println!("  {}: {}", file.file, file.reason);
+        say!("  {}: {}", file.file, file.reason);
     }
     let left = rejected.len().saturating_sub(SHOWN) + skipped.len().saturating_sub(SHOWN);
     if left > 0 {
-        println!("\nand {left} more: --json has all");
+        say!("\nand {left} more: --json has all");
     }
-    println!("\nWritten: {}", summary.models.display());
-    println!("To look at it: zerorate lot report {}", summary.models.display());
+    say!("\nWritten: {}", summary.models.display());
+    say!("To look at it: zerorate lot report {}", summary.models.display());
 }

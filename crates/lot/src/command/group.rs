@@ -28,8 +28,8 @@ pub struct Group {
 impl Group {
     pub fn run(&self) -> Result<Outcome> {
         let grouped = wait(group(&Engine::embedded(), &self.dataset, &self.out))??;
-        println!("{} rows of sums in {:.3} s", grouped.rows, grouped.seconds);
-        println!("Written: {}", self.out.display());
+        say!("{} rows of sums in {:.3} s", grouped.rows, grouped.seconds);
+        say!("Written: {}", self.out.display());
         Ok(Outcome::Done)
     }
 }

@@ -42,8 +42,8 @@ impl Report {
         report.undrawn_notes().iter().for_each(|sentence| eprintln!("note: {sentence}"));
         let units = report.units.len();
         let noun = if units == 1 { "unit" } else { "units" };
-        println!("{units} {noun}, {} pass, {} rejected", report.passed(), report.rejected());
-        println!("Written: {}", self.out.display());
+        say!("{units} {noun}, {} pass, {} rejected", report.passed(), report.rejected());
+        say!("Written: {}", self.out.display());
         let all = report.passed() == report.units.len();
         Ok(if all { Outcome::Done } else { Outcome::Rejected })
     }

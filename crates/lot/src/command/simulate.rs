@@ -49,8 +49,8 @@ impl Simulate {
         let truth = simulation.run(&|| bar.inc(1))?;
         bar.finish_and_clear();
         let bad = truth.units.iter().filter(|unit| unit.defect.is_some()).count();
-        println!("{} recordings in {}, {bad} of them bad ({TRUTH} says which)", self.units, self.out.display());
-        println!("To fit them: zerorate lot fit {} --out models.parquet", self.out.display());
+        say!("{} recordings in {}, {bad} of them bad ({TRUTH} says which)", self.units, self.out.display());
+        say!("To fit them: zerorate lot fit {} --out models.parquet", self.out.display());
         Ok(Outcome::Done)
     }
 }
