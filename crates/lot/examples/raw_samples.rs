@@ -1,6 +1,8 @@
 //! Raw samples for `cargo xtask compare-lot`: writes them (`generate FILE ROWS`), or sums them by a plain loop over memory
 //! (`loop ROWS`) to say what the machine can do.
 
+#![allow(clippy::cast_possible_truncation)] // groups, places and readings fit, and a batch does
+
 use std::fs::File;
 use std::sync::Arc;
 use std::time::Instant;

@@ -121,7 +121,8 @@ pub async fn group(engine: &Engine, dataset: &str, out: &Path) -> Result<Grouped
 /// The sums with their files' names for their places.
 fn named(batch: &RecordBatch, names: &[String]) -> Result<RecordBatch, EngineError> {
     let Some((at, _)) = batch.schema().column_with_name("file") else { return Ok(batch.clone()) };
-    let name = |place: &f64| names.get(count(*place) as usize).map_or("", String::as_str);
+    let name =
+        |place: &f64| usize::try_from(count(*place)).ok().and_then(|at| names.get(at)).map_or("", String::as_str);
     let files = StringArray::from_iter_values(column(batch, "file")?.iter().map(name));
     let mut fields: Vec<Field> = batch.schema().fields().iter().map(|field| field.as_ref().clone()).collect();
     let mut columns = batch.columns().to_vec();

@@ -123,8 +123,8 @@ mod tests {
         let mut sums = Sums::empty(order);
         for (x, v) in rows {
             sums.groups += 1;
-            sums.powers.iter_mut().enumerate().for_each(|(k, sum)| *sum += x.powi(k as i32));
-            sums.products.iter_mut().enumerate().for_each(|(k, sum)| *sum += v * x.powi(k as i32));
+            (0..).zip(&mut sums.powers).for_each(|(k, sum)| *sum += x.powi(k));
+            (0..).zip(&mut sums.products).for_each(|(k, sum)| *sum += v * x.powi(k));
             sums.squares += v * v;
         }
         sums

@@ -1,6 +1,7 @@
 //! A stock Ballista scheduler and two executors on loopback: the same numbers as embedded, and what is left of a run when
 //! one of them is killed.
 #![cfg(unix)]
+#![allow(clippy::unwrap_used)] // what a test cannot do without
 
 use std::fs;
 use std::net::TcpListener;

@@ -1,6 +1,8 @@
 //! A simulated lot from end to end, embedded: agreement with `zerorate fit`, verdicts, damage, duplicates, resuming, export,
 //! report.
 
+#![allow(clippy::unwrap_used)] // what a test cannot do without
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -325,7 +327,8 @@ fn raw_samples_become_the_sums_of_their_recording() {
     let rows: Vec<(u32, &str, u16)> = (0..7)
         .flat_map(|group| ["x", "y"].into_iter().flat_map(move |axis| (0..50).map(move |at| (group, axis, at))))
         .collect();
-    let reading = |row: &(u32, &str, u16)| 8000 + (row.0 as u16) * 13 + row.2 * 3 + u16::from(row.1 == "y");
+    let reading =
+        |row: &(u32, &str, u16)| 8000 + u16::try_from(row.0).unwrap() * 13 + row.2 * 3 + u16::from(row.1 == "y");
     let batch = RecordBatch::try_new(
         Arc::clone(&schema),
         vec![
