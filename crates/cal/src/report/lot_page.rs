@@ -22,14 +22,16 @@ impl LotReport {
         let time = charts::over_time(self, drawn + 1);
         let drawn = drawn + usize::from(time.is_some());
         let outside = outside::rows(self);
-        let mut chapters: Vec<(&str, &str, Markup)> = vec![("yield", "Yield", self.yields())];
-        if !outside.is_empty() {
-            chapters.push(("outside", "Outside the limits", outside::table(&outside)));
-        }
-        chapters.push(("distribution", "Distribution over the lot", self.drawn(distribution)));
-        chapters.push(("time", "The process over time", self.drawn(time)));
+        let mut chapters: Vec<(&str, &str, Markup)> = vec![
+            ("yield", "Yield", self.yields()),
+            ("distribution", "Distribution over the lot", self.drawn(distribution)),
+            ("time", "The process over time", self.drawn(time)),
+        ];
         if !self.worst.is_empty() || !self.undrawn.is_empty() {
             chapters.push(("worst", "The worst units", self.worst_units(drawn)));
+        }
+        if !outside.is_empty() {
+            chapters.push(("outside", "Outside the limits", outside::table(&outside)));
         }
         if self.rejected() > 0 {
             chapters.push(("rejected", "Rejected", self.rejected_units()));
