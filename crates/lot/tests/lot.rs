@@ -365,3 +365,43 @@ fn raw_samples_become_the_sums_of_their_recording() {
     }
     assert_eq!(found, 14);
 }
+
+#[test]
+fn raw_samples_that_cannot_be_summed_without_a_loss_are_refused() {
+    use std::sync::Arc;
+
+    use arrow_array::{ArrayRef, Float64Array, RecordBatch, StringArray, UInt16Array};
+
+    let folder = tempfile::tempdir().unwrap();
+    let whole = || -> ArrayRef { Arc::new(UInt16Array::from(vec![8200, 8201])) };
+    let words = |words: [&str; 2]| -> ArrayRef { Arc::new(StringArray::from(words.to_vec())) };
+    let refused = |axis: ArrayRef, readings: Option<ArrayRef>| {
+        let mut columns = vec![("group", whole()), ("axis", axis), ("temperature_counts", whole())];
+        columns.extend(readings.map(|readings| ("zro_counts", readings)));
+        let batch = RecordBatch::try_from_iter(columns).unwrap();
+        let raw = folder.path().join("raw.parquet");
+        let file = fs::File::create(&raw).unwrap();
+        let mut writer = parquet::arrow::ArrowWriter::try_new(file, batch.schema(), None).unwrap();
+        writer.write(&batch).unwrap();
+        writer.close().unwrap();
+        let out = folder.path().join("sums.parquet");
+        let result = wait(raw::group(&Engine::embedded(), &raw.display().to_string(), &out));
+        assert!(!out.exists());
+        result.unwrap_err().to_string()
+    };
+    let xy = || words(["x", "y"]);
+    for (text, axis, readings) in [
+        ("no column 'zro_counts'", xy(), None),
+        (
+            "'zro_counts' is of type Float64",
+            xy(),
+            Some(Arc::new(Float64Array::from(vec![8200.25, 8201.0])) as ArrayRef),
+        ),
+        ("1 values are missing", xy(), Some(Arc::new(UInt16Array::from(vec![Some(8200), None])) as ArrayRef)),
+        ("'axis' is of type UInt16", whole(), Some(whole())),
+        ("other words than x and y", words(["x", "z"]), Some(whole())),
+    ] {
+        let said = refused(axis, readings);
+        assert!(said.contains(text) && said.contains("raw.parquet"), "{said}");
+    }
+}
