@@ -5,7 +5,7 @@ use zerorate_core::drift::{Drift, Scale, ValidRange};
 
 use crate::choose::{Choice, Model, Stretches};
 use crate::fit::FitError;
-use crate::log_fit::{Residuals, Spread, TracePoint};
+use crate::log_fit::{Residuals, Spread};
 
 /// The drift of one axis and how well it holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,8 +21,6 @@ pub struct DriftFit {
     pub held_out: Spread,
     /// Groups fitted.
     pub groups: u64,
-    /// Points for figures, in the groups' order; their `time_s` is the group's place in the slices.
-    pub trace: Vec<TracePoint>,
 }
 
 /// Why there is no drift.
@@ -80,8 +78,8 @@ pub fn fit_drift(temperatures: &[f64], readings: &[f64], model: Model) -> Result
     for (row, (temperature, reading)) in rows() {
         residuals.push(row, stretches.of_row(row).0, row as f64, *temperature, *reading);
     }
-    let (in_sample, held_out, trace) = residuals.finish();
-    Ok(DriftFit { drift, choice, in_sample, held_out, groups, trace })
+    let (in_sample, held_out, _) = residuals.finish();
+    Ok(DriftFit { drift, choice, in_sample, held_out, groups })
 }
 
 /// The scale and the valid range of group means, once it is known that a model could be fitted to them.

@@ -219,13 +219,7 @@ fn fit_chosen(name: &str, means: &RampMeans) -> Result<(AxisFit, ResidualSurvey)
     auto.drift.valid = measured;
     let mut survey = ResidualSurvey::default();
     auto.residuals.iter().for_each(|residual| survey.push(*residual));
-    let points = (0..groups).map(|group| TracePoint {
-        time_s: means.times_s[group],
-        temperature: means.temperatures[group],
-        rate: means.readings[group],
-        residual: auto.residuals[group],
-    });
-    let trace = trace(points);
+    let trace = trace_of(means, &auto.residuals);
     let units = (RateUnit::Counts, TemperatureUnit::Counts);
     Ok((AxisFit { samples_used: means.samples, ..AxisFit::of_auto(name, units, auto, trace) }, survey))
 }
@@ -239,11 +233,9 @@ fn fit_asked(name: &str, means: &RampMeans, model: Model) -> Result<(AxisFit, Re
     for (temperature, reading) in means.temperatures.iter().zip(&means.readings) {
         survey.push(reading - judged.evaluate(*temperature));
     }
-    let mut trace = fit.trace;
-    // A place among the groups becomes its time.
-    for point in &mut trace {
-        point.time_s = at(&means.times_s, point.time_s);
-    }
+    let groups = means.temperatures.iter().zip(&means.readings);
+    let left: Vec<f64> = groups.map(|(t, reading)| reading - fit.drift.shape.evaluate(*t)).collect();
+    let trace = trace_of(means, &left);
     let axis = AxisFit {
         name: name.to_owned(),
         sensor: None,
@@ -276,13 +268,14 @@ fn judged_curve(means: &RampMeans, scale: Scale) -> Option<Shape> {
     fit.finish().ok()?.first()?.shape()
 }
 
-/// The value at a place that may lie between two of them.
-// A place lies within the values.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn at(values: &[f64], place: f64) -> f64 {
-    let (below, part) = (place.floor(), place.fract());
-    let value = |place: f64| values.get(place as usize).or(values.last()).copied().unwrap_or(f64::NAN);
-    value(below) + part * (value(below + 1.0) - value(below))
+/// The ramps for figures, with what a fit leaves of each group.
+fn trace_of(means: &RampMeans, residuals: &[f64]) -> Vec<TracePoint> {
+    trace(residuals.iter().enumerate().map(|(group, residual)| TracePoint {
+        time_s: means.times_s[group],
+        temperature: means.temperatures[group],
+        rate: means.readings[group],
+        residual: *residual,
+    }))
 }
 
 #[cfg(test)]

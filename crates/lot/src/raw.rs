@@ -27,28 +27,22 @@ fn columns() -> Vec<(&'static str, DataType)> {
     ]
 }
 
-/// One whole number a group and axis is what an engine groups by fastest: its last two bits are 1 for X and 2 for Y, and
-/// something else where the axis is neither.
-const SQL: &str = "
+/// The query. One whole number a group and axis is what an engine groups by fastest: its last two bits are 1 for X and 2
+/// for Y, and something else where the axis is neither. Of one file, its place needs no part in the key.
+fn sql(files: usize) -> String {
+    let file = if files == 1 { "" } else { "file, " };
+    format!(
+        "
 WITH samples AS (
-  SELECT file, 4 * CAST(\"group\" AS BIGINT) + CASE WHEN axis = 'y' THEN 2 ELSE 0 END
+  SELECT {file}4 * CAST(\"group\" AS BIGINT) + CASE WHEN axis = 'y' THEN 2 ELSE 0 END
            + CASE WHEN axis = 'x' THEN 1 ELSE 0 END AS place,
          CAST(temperature_counts AS BIGINT) AS t, CAST(zro_counts AS BIGINT) AS z
   FROM files)
-SELECT file, place / 4 AS \"group\", CASE place % 4 WHEN 1 THEN 'x' WHEN 2 THEN 'y' END AS axis, count(*) AS n,
+SELECT {file}place / 4 AS \"group\", CASE place % 4 WHEN 1 THEN 'x' WHEN 2 THEN 'y' END AS axis, count(*) AS n,
        sum(t) AS temperature_sum, sum(t * t) AS temperature_sq_sum, sum(z) AS zro_sum, sum(z * z) AS zro_sq_sum
-FROM samples GROUP BY file, place ORDER BY file, place";
-
-/// The same where there is one file: its place needs no part in the key.
-const SQL_OF_ONE: &str = "
-WITH samples AS (
-  SELECT 4 * CAST(\"group\" AS BIGINT) + CASE WHEN axis = 'y' THEN 2 ELSE 0 END
-           + CASE WHEN axis = 'x' THEN 1 ELSE 0 END AS place,
-         CAST(temperature_counts AS BIGINT) AS t, CAST(zro_counts AS BIGINT) AS z
-  FROM files)
-SELECT place / 4 AS \"group\", CASE place % 4 WHEN 1 THEN 'x' WHEN 2 THEN 'y' END AS axis, count(*) AS n,
-       sum(t) AS temperature_sum, sum(t * t) AS temperature_sq_sum, sum(z) AS zro_sum, sum(z * z) AS zro_sq_sum
-FROM samples GROUP BY place ORDER BY place";
+FROM samples GROUP BY {file}place ORDER BY {file}place"
+    )
+}
 
 /// What a first stage came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,7 +89,11 @@ pub enum RawError {
 /// [`RawError`].
 pub async fn group(engine: &Engine, dataset: &str, out: &Path) -> Result<Grouped, RawError> {
     let place = Place::of(dataset)?;
-    let (files, _) = place.list().await?;
+    let (files, unlisted) = place.list().await?;
+    // Sums without some of the samples would pass for whole ones.
+    if !unlisted.is_empty() {
+        return Err(RawError::Samples { file: dataset.to_owned(), reason: unlisted.join("; ") });
+    }
     if files.is_empty() {
         return Err(PlaceError::Nothing { dataset: dataset.to_owned() }.into());
     }
@@ -105,11 +103,11 @@ pub async fn group(engine: &Engine, dataset: &str, out: &Path) -> Result<Grouped
         let samples = |reason| RawError::Samples { file: place.name_of(&meta.location), reason };
         footer::read(place.store.as_ref(), meta).await.and_then(|footer| check(&footer)).map_err(samples)?;
     }
-    let sql = if files.len() == 1 { SQL_OF_ONE } else { SQL };
+    let sql = sql(files.len());
     let began = Instant::now();
     let names: Vec<String> = files.iter().map(|meta| place.name_of(&meta.location)).collect();
     let table = Files::new(place.root.clone(), columns(), files.into_iter().map(|meta| (meta, Vec::new())).collect());
-    let batches = engine.collect(&place, table.split(), sql).await?;
+    let batches = engine.collect(&place, table.split(), &sql).await?;
     let seconds = began.elapsed().as_secs_f64();
     if batches.iter().filter_map(|batch| batch.column_by_name("axis")).any(|axis| axis.null_count() > 0) {
         let reason = "column 'axis' has other words than x and y".to_owned();

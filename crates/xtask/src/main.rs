@@ -52,7 +52,7 @@ enum Chore {
         /// Every step, as without options
         #[arg(long, conflicts_with_all = ["fast", "without", "only"])]
         all: bool,
-        /// Leave out this step; `--without lot` saves some twenty-five minutes, for its query engine is long to build
+        /// Leave out this step; `--without lot` saves some twenty minutes, for its query engine is long to build
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, arrows, house, build, numpy, damage, circuit,

@@ -17,6 +17,12 @@ fn ramp() -> RampMeans {
     means
 }
 
+/// Twenty groups far from the others.
+fn with_wild_groups(mut means: RampMeans) -> RampMeans {
+    (5..2400).step_by(120).for_each(|group| means.readings[group] += 400.0);
+    means
+}
+
 fn kinds(means: &RampMeans, expected: Option<u64>) -> (Vec<ReasonKind>, bool) {
     let mut judgement = Judgement::default();
     let options = FitOptions { model: Model::Poly(2), ..FitOptions::default() };
@@ -49,10 +55,7 @@ fn values_that_stand_for_an_eighth_are_stuck() {
 
 #[test]
 fn a_few_wild_groups_are_outliers_and_the_fit_can_be_looked_at() {
-    let mut wild = ramp();
-    for group in (5..2400).step_by(120) {
-        wild.readings[group] += 400.0;
-    }
+    let wild = with_wild_groups(ramp());
     assert_eq!(kinds(&wild, None), (vec![ReasonKind::Outliers], true));
 }
 
@@ -106,9 +109,7 @@ fn wild_groups_do_not_hide_behind_the_misfit_of_a_poor_model() {
         *reading += 200.0 * ((t - 10_200.0) / 1700.0 * 4.0).sin();
     }
     assert_eq!(kinds(&means, None), (vec![], true));
-    for group in (5..2400).step_by(120) {
-        means.readings[group] += 400.0;
-    }
+    let means = with_wild_groups(means);
     assert_eq!(kinds(&means, None), (vec![ReasonKind::Outliers], true));
 }
 
@@ -121,10 +122,7 @@ fn groups_with_damaged_numbers_are_no_ramp() {
 
 #[test]
 fn a_few_wild_groups_move_autos_curve_by_little_and_reject_the_unit_all_the_same() {
-    let mut wild = ramp();
-    for group in (5..2400).step_by(120) {
-        wild.readings[group] += 400.0;
-    }
+    let wild = with_wild_groups(ramp());
     let mut judgement = Judgement::default();
     let fit = fit_axis("x", &wild, None, &FitOptions::default(), &mut judgement).unwrap();
     assert_eq!(judgement.reasons.iter().map(|reason| reason.kind).collect::<Vec<_>>(), [ReasonKind::Outliers]);

@@ -33,11 +33,11 @@ use crate::screen;
 
 /// Run the whole experiment, simulated or on a real board: ramp, fit, trim, compensate, verify, report
 ///
-/// Takes a unit through the paper: soak at the cold end, record one heating ramp (and, if the
-/// set-up says so, the way back), fit the drift, find in 21 steps of a
-/// fine supply how the potentiometer moves the reading, compose the two, put the law on the device, and prove it on a
-/// second ramp - once with the potentiometer alone, once with the rest subtracted in numbers - heating and cooling, and
-/// with the axes swapped. Eleven soaks, the traditional test, are run beside it to compare with.
+/// Takes a unit through the paper: soak at the cold end, record one heating ramp (and, if the set-up says so, the way
+/// back), fit the drift, find in 21 steps of a fine supply how the potentiometer moves the reading, compose the two, put
+/// the law on the device, and prove it on a second ramp - once with the potentiometer alone, once with the rest
+/// subtracted in numbers - heating and cooling, and with the axes swapped. Eleven soaks, the traditional test, are run
+/// beside it to compare with.
 ///
 /// On a real board a person is at the chamber, the supply and the switch: told what to do, and watched by the board's own
 /// temperature reading. Ctrl-C stops such a run, --resume goes on after what was finished.

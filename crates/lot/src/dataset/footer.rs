@@ -26,9 +26,8 @@ impl Footer {
     pub(crate) fn missing(&self, column: &str) -> Option<u64> {
         let place = self.metadata.file_metadata().schema_descr().columns().iter().position(|it| it.name() == column)?;
         let required = self.metadata.file_metadata().schema_descr().column(place).max_def_level() == 0;
-        let of_group = |group: &RowGroupMetaData| match required {
-            true => Some(0),
-            false => group.column(place).statistics()?.null_count_opt(),
+        let of_group = |group: &RowGroupMetaData| {
+            if required { Some(0) } else { group.column(place).statistics()?.null_count_opt() }
         };
         self.metadata.row_groups().iter().map(of_group).sum()
     }
