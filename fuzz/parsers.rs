@@ -2,30 +2,18 @@
 
 #![allow(dead_code, clippy::unwrap_used)]
 
-use std::fs;
-use std::path::{Path, PathBuf};
-
 use zerorate_cal::calibration::Calibration;
-use zerorate_cal::interop::export::{ExportOptions, Format, export};
-use zerorate_cal::log_fit::{FitOptions, fit_log};
+use zerorate_cal::export::{ExportOptions, Format, export};
+use zerorate_cal::fit::fit;
+use zerorate_cal::log_fit::FitOptions;
+use zerorate_cal::source::Source;
 use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, RECORD_VERSION};
 use zerorate_core::units::Axis;
 
-/// A file in memory where the system has one, of this thread alone.
-fn place() -> PathBuf {
-    let memory = Path::new("/dev/shm");
-    let folder = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
-    let thread: String = format!("{:?}", std::thread::current().id()).chars().filter(char::is_ascii_digit).collect();
-    folder.join(format!("zerorate-fuzz-{}-{thread}", std::process::id()))
-}
-
 /// A log of any kind: recognised by its content, read, conditioned, judged and fitted.
 pub fn log(bytes: &[u8]) {
-    let path = place();
-    fs::write(&path, bytes).unwrap();
-    let fitted = fit_log(&path, &FitOptions { allow_narrow: true, ..FitOptions::default() });
-    let _ = fs::remove_file(&path);
-    match fitted {
+    let options = FitOptions { allow_narrow: true, ..FitOptions::default() };
+    match fit(&[Source::bytes("log", bytes)], &options) {
         Ok(fit) => assert!(fit.judgement.rejected() || !fit.axes.is_empty()),
         Err(error) => assert!(!error.to_string().is_empty()),
     }
@@ -33,14 +21,13 @@ pub fn log(bytes: &[u8]) {
 
 /// A calibration: what is read must be written again the same, and everything made of it must be made or refused.
 pub fn calibration(bytes: &[u8]) {
-    let here = Path::new("calibration.json");
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    let calibration = match Calibration::from_json(text, here) {
+    let calibration = match Calibration::from_json(text) {
         Ok(calibration) => calibration,
         Err(error) => return assert!(!error.to_string().is_empty()),
     };
     if let Ok(written) = calibration.to_json() {
-        assert_eq!(Calibration::from_json(&written, here).unwrap().to_json().unwrap(), written);
+        assert_eq!(Calibration::from_json(&written).unwrap().to_json().unwrap(), written);
     }
     let _ = calibration.to_device_record();
     for format in Format::ALL {

@@ -237,7 +237,7 @@ pub fn emulated_bench(
     _: &zerorate_core::record::UnitSerial,
     _: Option<&Path>,
 ) -> Result<Bench, ClientError> {
-    Err(ClientError::NotEmulated("an emulated board takes a Unix system: use --device native".into()))
+    Err(ClientError::NotEmulated("an emulated board takes a Unix system: use the native device".into()))
 }
 
 /// Reads what can be put on a board: a calibration, of which the record is made, or a device record.
@@ -254,9 +254,9 @@ pub fn read_record(path: &Path) -> Result<DeviceRecord, NotDeployable> {
         )));
     }
     if std::fs::read(path).is_ok_and(|bytes| bytes.trim_ascii_start().starts_with(b"{")) {
-        let calibration = Calibration::read(path).map_err(|error| not(&error))?;
+        let calibration = Calibration::read(&path.into()).map_err(|error| not(&error))?;
         let made = calibration.to_device_record();
         return made.map(|made| made.record).map_err(|error| NotDeployable(format!("{}: {error}", path.display())));
     }
-    StoredRecord::read(path).map(|stored| stored.record).map_err(|error| not(&error))
+    StoredRecord::read(&path.into()).map(|stored| stored.record).map_err(|error| not(&error))
 }

@@ -3,18 +3,18 @@
 use std::path::Path;
 use std::time::Instant;
 
-use zerorate_cal::calibration::Source;
+use zerorate_cal::calibration::Origin;
 use zerorate_cal::recording::RecordingInfo;
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 use zerorate_core::wire::Request;
 
 use crate::calibrated::{Calibrated, Unit};
-use crate::characterise::{self, characterise_once, first_time};
+use crate::measure::{self, first_time, measure_on};
 use crate::client::LineCounts;
 use crate::error::BenchError;
 use crate::instruments::Bench;
-use crate::kept::{Keep, Kept};
+use crate::checkpoint::{Checkpoints, Keep};
 use crate::output::OutputFolder;
 use crate::procedure::compensation_test::{self, Extent};
 use crate::procedure::soaks;
@@ -74,7 +74,7 @@ fn run(
     let began = Instant::now();
     let mut output = OutputFolder::open(out)?;
     let identity = bench.device.identify()?;
-    let kept = Kept::open(output.in_progress(), keep, &format!("{}\n{}", unit.serial, setup.to_toml()))?;
+    let checkpoints = Checkpoints::open(output.in_progress(), keep, &format!("{}\n{}", unit.serial, setup.to_toml()))?;
     let timing = (identity.samples_per_group, identity.sample_period_us);
     if timing != (setup.acquisition.group_length, setup.acquisition.sample_period_us) {
         return Err(BenchError::OtherTiming { samples: timing.0, period_us: timing.1 });
@@ -92,19 +92,19 @@ fn run(
     first_time(&mut session)?;
 
     let full =
-        output.go_on(FULL_TEMPERATURE, &info("full-temperature"), kept.extent(characterise::FULL_TEMPERATURE))?;
-    let sweep = output.go_on(TRIM_SWEEP, &info("trim-sweep"), kept.extent(characterise::TRIM_SWEEP))?;
-    let mut character = characterise_once(&mut session, &unit.serial, full, sweep, &kept)?;
+        output.go_on(FULL_TEMPERATURE, &info("full-temperature"), checkpoints.extent(measure::FULL_TEMPERATURE))?;
+    let sweep = output.go_on(TRIM_SWEEP, &info("trim-sweep"), checkpoints.extent(measure::TRIM_SWEEP))?;
+    let mut measured = measure_on(&mut session, &unit.serial, full, sweep, &checkpoints)?;
 
     let mut deployed = false;
     let mut verifications = Vec::new();
     for (mode, file) in
         [(Mode::Trim, "compensation-test-trim.parquet"), (Mode::Hybrid, "compensation-test-hybrid.parquet")]
     {
-        let [of_x, of_y] = Axis::BOTH.map(|axis| kept.extent(&test_name(mode, axis)));
+        let [of_x, of_y] = Axis::BOTH.map(|axis| checkpoints.extent(&test_name(mode, axis)));
         let mut recorder = output.go_on(file, &info("compensation-test"), of_y.or(of_x))?;
         for (axis, cooling) in [(Axis::X, true), (Axis::Y, false)] {
-            let follows = character.axes[axis.index()].composed.digital_only.is_none();
+            let follows = measured.axes[axis.index()].digital_only.is_none();
             // What the wiper cannot follow is corrected in numbers alone; there is nothing to trim.
             let runnable = match mode {
                 mode if follows => mode,
@@ -112,38 +112,39 @@ fn run(
                 _ => continue,
             };
             let extent = Extent { cooling, samples: true };
-            let run = kept.once(&test_name(mode, axis), &mut recorder, |recorder| {
+            let run = checkpoints.once(&test_name(mode, axis), &mut recorder, |recorder| {
                 if !std::mem::replace(&mut deployed, true) {
-                    deploy(&mut session, &character)?;
+                    deploy(&mut session, &measured)?;
                 }
                 compensation_test::run(&mut session, runnable, axis, extent, recorder)
             })?;
-            verifications.push(evaluated(run, &character));
+            verifications.push(evaluated(run, &measured));
         }
         recorder.finish()?;
     }
 
-    let mut recorder = output.go_on(SOAKS, &info("soaks"), soaks::extent(&kept, setup.chamber.soaks_c.len()))?;
-    let soaks = soaks::run_once(&mut session, &mut recorder, &kept)?;
+    let mut recorder = output.go_on(SOAKS, &info("soaks"), soaks::extent(&checkpoints, setup.chamber.soaks_c.len()))?;
+    let soaks = soaks::run_once(&mut session, &mut recorder, &checkpoints)?;
     recorder.finish()?;
 
-    character.warnings.append(&mut session.warnings);
+    let warnings = &mut measured.calibration.warnings;
+    warnings.append(&mut session.warnings);
     let line = session.bench.device.counts();
     if line != LineCounts::default() {
         let LineCounts { lost_uploads, damaged_frames, sent_again } = line;
-        character.warnings.push(format!(
+        warnings.push(format!(
             "the line to the device lost {lost_uploads} uploads and damaged {damaged_frames} frames; {sent_again} commands were sent again"
         ));
     }
     let checks = check(&verifications, &setup.limits, setup.board.centre_counts);
     let sources = [("full-temperature", FULL_TEMPERATURE), ("trim-sweep", TRIM_SWEEP)]
-        .map(|(content, file)| Source::of_file(content, &output.path(file)));
-    let sources =
-        sources.into_iter().collect::<Result<Vec<_>, _>>().map_err(|error| BenchError::Compose(error.to_string()))?;
-    let run = Calibrated { unit, setup: setup.clone(), character, verifications, soaks, checks, sources };
+        .map(|(content, file)| Origin::of(content, &(&output.path(file)).into()));
+    measured.calibration.sources =
+        sources.into_iter().collect::<Result<_, _>>().map_err(|error| BenchError::Compose(error.to_string()))?;
+    let run = Calibrated { unit, setup: setup.clone(), measured, verifications, soaks, checks };
     let summary = Summary::of(&run, began.elapsed().as_secs_f64());
     results::write(&run, &summary, &mut output)?;
-    kept.forget();
+    checkpoints.forget();
     output.publish()?;
     Ok((run, summary))
 }

@@ -1,10 +1,9 @@
 //! A unit and what a whole run found out about it.
 
-use zerorate_cal::calibration::Source;
-use zerorate_cal::report::Check;
+use zerorate_report::Check;
 use zerorate_core::record::UnitSerial;
 
-use crate::characterise::Character;
+use crate::measure::Measured;
 use crate::error::BenchError;
 use crate::evaluate::TestResult;
 use crate::plants::PlantKind;
@@ -40,15 +39,13 @@ pub struct Calibrated {
     /// The set-up.
     pub setup: SetUp,
     /// What was found out about it.
-    pub character: Character,
+    pub measured: Measured,
     /// The compensation tests: X trim and hybrid, heating and cooling; Y the same, heating.
     pub verifications: Vec<Verification>,
     /// The traditional test, to compare with.
     pub soaks: Soaks,
     /// What was checked.
     pub checks: Vec<Check>,
-    /// Name and SHA-256 of the recordings that the calibration rests on.
-    pub sources: Vec<Source>,
 }
 
 impl Calibrated {

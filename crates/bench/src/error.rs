@@ -1,6 +1,6 @@
 //! Why a procedure could not be carried through.
 
-use zerorate_cal::recording::RecordingError;
+use zerorate_cal::recording::{RecordingError, WriteError};
 use zerorate_core::units::{Axis, Taps};
 
 use crate::client::ClientError;
@@ -15,9 +15,12 @@ pub enum BenchError {
     /// An instrument.
     #[error(transparent)]
     Instrument(#[from] InstrumentError),
-    /// The recording.
+    /// A recording cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// The recording cannot be written.
+    #[error(transparent)]
+    NotRecorded(#[from] WriteError),
     /// No tap brings the reading near the centre.
     #[error(
         "axis {}: at a supply of {supply_v:.4} V no tap brings the reading near the centre of {centre_counts:.0} counts: the search ended at tap {} with {reading_counts:.0} counts. Make trim.span_counts smaller, or check the zero-adjust circuit", axis.name(), tap.get()
@@ -80,7 +83,7 @@ pub enum BenchError {
     Compose(String),
     /// A run was stopped before, and this one would begin anew.
     #[error(
-        "a run that was stopped before its end is in {folder}: go on with it with --resume, or remove that folder to begin anew"
+        "a run that was stopped before its end is in {folder}: go on with it (`resume`), or remove that folder to begin anew"
     )]
     Unfinished {
         /// The run's folder.
@@ -88,7 +91,7 @@ pub enum BenchError {
     },
     /// The run that was stopped is another one.
     #[error(
-        "the run in {folder} that was stopped was another unit's or had another set-up: give those, or another --out"
+        "the run in {folder} that was stopped was another unit's or had another set-up: give those, or another folder (`out`)"
     )]
     OtherRun {
         /// The run's folder.

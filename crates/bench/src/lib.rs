@@ -6,7 +6,6 @@
 pub mod board;
 pub mod calibrate;
 pub mod calibrated;
-pub mod characterise;
 #[cfg(feature = "boards")]
 pub mod choice;
 pub mod client;
@@ -17,9 +16,10 @@ pub mod evaluate;
 #[cfg(feature = "gateware")]
 pub mod gateware;
 pub mod instruments;
-pub mod kept;
+pub mod checkpoint;
 pub mod link;
 pub mod manual;
+pub mod measure;
 pub mod output;
 pub mod plants;
 pub mod procedure;
@@ -29,7 +29,7 @@ pub mod run;
 pub mod setup;
 pub mod simulated;
 pub mod steps;
-pub mod story;
+pub mod report_view;
 pub mod study;
 pub mod summary;
 pub mod verify;

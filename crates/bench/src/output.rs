@@ -66,7 +66,7 @@ impl OutputFolder {
             self.files.push(file);
             return Ok(Recorder::discarding());
         }
-        let rows = Recording::read(&stream)?.rows;
+        let rows = Recording::read(&(&stream).into())?.rows;
         self.set_aside(&path);
         let mut writer = RecordingWriter::create(&path, info)?;
         for group in rows.chunk_by(|a, b| a.group == b.group).filter(|group| group[0].group < extent.0) {

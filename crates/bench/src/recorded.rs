@@ -3,14 +3,11 @@
 //! The drift is measured; the trim is the circuit's nominal one. So the device record starts in the digital mode, which
 //! leaves the potentiometer at its middle tap and subtracts the drift in numbers.
 
-use std::path::Path;
-
-use zerorate_cal::calibration::{
-    AxisCalibration, CREATED_BY, Calibration, Kind, ResidualOver, Source, TrimCalibration,
-};
+use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, TrimCalibration};
 use zerorate_cal::log_fit::LogFit;
-use zerorate_cal::quality::TemperatureUnit;
 use zerorate_cal::recording::{Recording, RecordingInfo};
+use zerorate_cal::source::Source;
+use zerorate_cal::units::TemperatureUnit;
 use zerorate_core::compensate::Mode;
 use zerorate_core::record::MAX_RECORD_BYTES;
 use zerorate_core::trim::{Trim, TrimLine};
@@ -31,16 +28,15 @@ const NO_TRIM: &str =
 /// # Errors
 /// [`BenchError::Rejected`], when the recording was rejected; [`BenchError`], when it cannot be read or its set-up
 /// makes no trim.
-pub fn calibration(recording: &Path, fit: &LogFit) -> Result<Calibration, BenchError> {
+pub fn calibration(recording: &Source, fit: &LogFit) -> Result<Calibration, BenchError> {
     let info = Recording::read(recording)?.info;
-    let source = Source::of_file(&info.procedure, recording).map_err(|error| composed(&error))?;
+    let origin = Origin::of(&info.procedure, recording).map_err(|error| composed(&error))?;
     if fit.axes.is_empty() {
-        let reasons: Vec<&str> = fit.judgement.reasons.iter().map(|reason| reason.text.as_str()).collect();
-        return Err(BenchError::Rejected { reasons: reasons.join("; ") });
+        return Err(BenchError::Rejected { reasons: fit.reasons().collect::<Vec<_>>().join("; ") });
     }
-    let axes = fit.axes.iter().map(|axis| (axis.name.clone(), AxisCalibration::of_fit(axis, ResidualOver::Groups)));
-    let warnings = fit.judgement.reasons.iter().map(|reason| reason.text.clone()).collect();
-    of_axes(&info, axes.collect(), source, warnings)
+    let axes = fit.axes.iter().map(|axis| (axis.name.clone(), axis.calibration.clone()));
+    let warnings = fit.reasons().map(str::to_owned).collect();
+    of_axes(&info, axes.collect(), origin, warnings)
 }
 
 /// The calibration of a board whose axes were fitted elsewhere, from its recording's metadata.
@@ -50,24 +46,21 @@ pub fn calibration(recording: &Path, fit: &LogFit) -> Result<Calibration, BenchE
 pub fn of_axes(
     info: &RecordingInfo,
     axes: Vec<(String, AxisCalibration)>,
-    source: Source,
+    origin: Origin,
     warnings: Vec<String>,
 ) -> Result<Calibration, BenchError> {
     let setup = SetUp::parse(&info.set_up, "in the recording").map_err(|error| composed(&error))?;
     let trim = nominal_trim(&setup)?;
     let with_trim =
         |(name, axis): (String, AxisCalibration)| (name, AxisCalibration { trim: Some(trim.clone()), ..axis });
+    let serial = Some(info.unit_serial.clone()).filter(|serial| !serial.is_empty());
+    let axes = axes.into_iter().map(with_trim).collect();
     Ok(Calibration {
-        kind: Kind::AnalogueBoard,
-        unit_serial: Some(info.unit_serial.clone()).filter(|serial| !serial.is_empty()),
-        created_by: CREATED_BY.to_owned(),
-        sources: vec![source],
-        temperature_unit: TemperatureUnit::Counts,
         temperature_scale: Some(TemperatureScale::QUARTER_COUNTS),
         group_period_s: Some(setup.group_period().0),
-        axes: axes.into_iter().map(with_trim).collect(),
         warnings: warnings.into_iter().chain([NO_TRIM.to_owned()]).collect(),
         setup: serde_json::to_value(&setup).ok(),
+        ..Calibration::new(Kind::AnalogueBoard, serial, vec![origin], TemperatureUnit::Counts, axes)
     })
 }
 
@@ -88,7 +81,7 @@ fn nominal_trim(setup: &SetUp) -> Result<TrimCalibration, BenchError> {
     let line = line.ok_or_else(|| composed(&"the set-up's board.input_volts_per_count makes no trim"))?;
     Ok(TrimCalibration {
         trim: Trim { line, measured: None },
-        better: None,
+        paired: None,
         paper: None,
         dead_band_taps: setup.trim.dead_band_taps,
         low_pass: setup.low_pass(),

@@ -3,7 +3,8 @@
 mod unseen;
 
 use serde::{Deserialize, Serialize};
-use zerorate_cal::recording::{GroupRow, RecordingWriter};
+pub use zerorate_cal::recording::Phase;
+use zerorate_cal::recording::{GroupRow, RecordingWriter, flags};
 use zerorate_core::drift::Coverage;
 use zerorate_core::units::{Axis, Celsius, Counts, Kelvins, Seconds};
 use zerorate_core::wire::{GroupReport, Request, SampleWindow, TemperatureCheck};
@@ -22,32 +23,6 @@ const AT_SET_POINT: Kelvins = Kelvins(0.5);
 const LOOK_EVERY: Seconds = Seconds(10.0);
 /// A chamber slower than this on the way to a soak has failed: twenty hours a hundred kelvins.
 const SLOWEST_KELVINS_PER_SECOND: f64 = 100.0 / 72_000.0;
-
-/// What the chamber is doing while a group is taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Phase {
-    /// Held at a temperature.
-    Soak,
-    /// On the way up.
-    Heating,
-    /// On the way down.
-    Cooling,
-    /// At room temperature, the supply in the gyros' place.
-    Supply,
-}
-
-impl Phase {
-    /// As in recordings.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Soak => "soak",
-            Self::Heating => "heating",
-            Self::Cooling => "cooling",
-            Self::Supply => "supply",
-        }
-    }
-}
 
 /// A group with what was about it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -354,26 +329,6 @@ impl Recorder {
     }
 }
 
-/// Flag bits of a recording's rows.
-pub mod flags {
-    /// The temperature was below the calibrated range.
-    pub const BELOW: u16 = 1;
-    /// The temperature was above the calibrated range.
-    pub const ABOVE: u16 = 2;
-    /// The reading was at an end of the converter.
-    pub const SATURATED: u16 = zerorate_cal::recorded::SATURATED;
-    /// The tap changed when the group closed.
-    pub const MOVED: u16 = 8;
-    /// The temperature did not move by a count for too long, and was not believed.
-    pub const STUCK: u16 = 16;
-    /// The temperature jumped more than a temperature can, and was not believed.
-    pub const JUMPED: u16 = 32;
-    /// The temperature stood at an end of the converter, and was not believed.
-    pub const TEMPERATURE_SATURATED: u16 = 64;
-    /// The wiper could not be written when the group closed.
-    pub const TRIM_FAILED: u16 = 128;
-}
-
 /// One axis of a group as a recording has it, with its number and time there.
 #[must_use]
 pub fn row(taken: &Taken, axis: Axis, (group, t_s): (u32, f64), chamber_set: Celsius, air: Celsius) -> GroupRow {
@@ -395,7 +350,7 @@ pub fn row(taken: &Taken, axis: Axis, (group, t_s): (u32, f64), chamber_set: Cel
     GroupRow {
         group,
         t_s,
-        phase: taken.phase.name().into(),
+        phase: taken.phase,
         axis,
         sums: report.sums,
         corrected_counts: taken.corrected(axis).0,

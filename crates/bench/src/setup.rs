@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use zerorate_cal::choose::Model;
+use zerorate_fit::model::Model;
 use zerorate_core::compensate::LowPass;
 use zerorate_core::units::{Celsius, Counts, Seconds, Taps};
 

@@ -5,7 +5,7 @@ use zerorate_core::compensate::Mode;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::Axis;
 
-use crate::characterise::{characterise, first_time};
+use crate::measure::{first_time, measure};
 use crate::error::BenchError;
 use crate::plants::PlantKind;
 use crate::procedure::compensation_test::Extent;
@@ -43,7 +43,7 @@ pub struct UnitRejected {
     pub reason: String,
 }
 
-/// Takes one unit through characterisation, trim test and hybrid test.
+/// Takes one unit through the measurement, the trim test and hybrid test.
 ///
 /// # Errors
 /// [`BenchError`], when it cannot be carried through.
@@ -53,13 +53,13 @@ pub fn unit(number: u32, plant: PlantKind, seed: u64, setup: &SetUp) -> Result<U
     let mut progress = Silent;
     let mut session = Session::new(&mut bench, setup, &mut progress);
     first_time(&mut session)?;
-    let character = characterise(&mut session, &serial, Recorder::discarding(), Recorder::discarding())?;
-    deploy(&mut session, &character)?;
-    let drift = &character.axes[0];
-    let follows = drift.composed.digital_only.is_none();
+    let measured = measure(&mut session, &serial, Recorder::discarding(), Recorder::discarding())?;
+    deploy(&mut session, &measured)?;
+    let drift = &measured.axes[0];
+    let follows = drift.digital_only.is_none();
     let mut residual = |mode| -> Result<(f64, f64), BenchError> {
         let extent = Extent { cooling: false, samples: false };
-        let verification = test(&mut session, &character, mode, Axis::X, extent, &mut Recorder::discarding())?;
+        let verification = test(&mut session, &measured, mode, Axis::X, extent, &mut Recorder::discarding())?;
         let heating = &verification.results[0];
         Ok((heating.residual_pp_counts, heating.floor_pp_counts.unwrap_or(f64::NAN)))
     };
@@ -71,8 +71,8 @@ pub fn unit(number: u32, plant: PlantKind, seed: u64, setup: &SetUp) -> Result<U
         trim_residual_pp_counts: trim,
         hybrid_residual_pp_counts: hybrid,
         floor_pp_counts: floor,
-        model: drift.drift.model(),
-        warnings: character.warnings,
+        model: drift.drift.calibration.fit.chosen_model(),
+        warnings: measured.calibration.warnings,
     })
 }
 

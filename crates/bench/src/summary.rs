@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use zerorate_fit::least_squares::raw_coefficients;
+use zerorate_fit::residual::ResidualStatistics;
 
 use crate::calibrated::Calibrated;
-use crate::characterise::AxisCharacter;
+use crate::measure::MeasuredAxis;
 use crate::evaluate::TestResult;
 
 /// The version of the summary's form.
@@ -79,7 +81,7 @@ impl Summary {
     /// The summary of a run.
     #[must_use]
     pub fn of(run: &Calibrated, wall_s: f64) -> Self {
-        let axes = [("x", &run.character.axes[0]), ("y", &run.character.axes[1])];
+        let axes = [("x", &run.measured.axes[0]), ("y", &run.measured.axes[1])];
         Self {
             schema: SCHEMA,
             plant: run.unit.plant.map(|(kind, _)| kind.name().to_owned()),
@@ -90,30 +92,32 @@ impl Summary {
             axes: axes.map(|(name, axis)| (name, AxisSummary::of(axis))).into(),
             tests: run.results().cloned().collect(),
             failed_checks: run.failed_checks().collect(),
-            warnings: run.character.warnings.clone(),
+            warnings: run.measured.calibration.warnings.clone(),
         }
     }
 }
 
 impl AxisSummary {
-    fn of(axis: &AxisCharacter) -> Self {
-        let AxisCharacter { drift, trim, .. } = axis;
+    fn of(axis: &MeasuredAxis) -> Self {
+        let MeasuredAxis { drift, trim, .. } = axis;
+        let (drift, statistics) = (&drift.calibration, &drift.calibration.fit.statistics);
+        let held_out = statistics.held_out.unwrap_or(ResidualStatistics::NONE);
         Self {
-            model: drift.model(),
-            drift_raw_coefficients: drift.choice.solution.raw_coefficients(),
+            model: drift.fit.chosen_model(),
+            drift_raw_coefficients: raw_coefficients(&drift.drift().shape),
             drift_pp_counts: axis.drift_pp_counts,
-            v0_counts: trim.better.centre_counts,
-            trim_slope_taps_per_count: trim.better.slope_taps_per_count,
-            trim_intercept_taps: trim.better.intercept_taps,
+            v0_counts: trim.paired.centre_counts,
+            trim_slope_taps_per_count: trim.paired.slope_taps_per_count,
+            trim_intercept_taps: trim.paired.intercept_taps,
             paper_trim_slope_taps_per_count: trim.paper.slope_taps_per_count,
             paper_trim_intercept_taps: trim.paper.intercept_taps,
             plant_slope_taps_per_count: axis.plant_slope_taps_per_count,
-            temperature_counts: [drift.drift.valid.min(), drift.drift.valid.max()],
+            temperature_counts: [drift.drift().valid.min(), drift.drift().valid.max()],
             curve_error_counts: axis.curve_error_counts,
-            fit_rms_counts: drift.in_sample.rms,
-            fit_pp_counts: drift.in_sample.pp,
-            held_out_rms_counts: drift.held_out.rms,
-            held_out_pp_counts: drift.held_out.pp,
+            fit_rms_counts: statistics.in_sample.rms,
+            fit_pp_counts: statistics.in_sample.pp,
+            held_out_rms_counts: held_out.rms,
+            held_out_pp_counts: held_out.pp,
         }
     }
 }

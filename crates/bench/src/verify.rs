@@ -1,10 +1,10 @@
 //! The proof: the composed record on the device, the same ramp again.
 
-use zerorate_cal::report::Check;
+use zerorate_report::Check;
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 
-use crate::characterise::Character;
+use crate::measure::Measured;
 use crate::error::BenchError;
 use crate::evaluate::{TestResult, evaluate};
 use crate::procedure::compensation_test::{self, Extent, TestRun};
@@ -24,12 +24,12 @@ pub struct Verification {
 ///
 /// # Errors
 /// [`BenchError`].
-pub fn deploy(session: &mut Session<'_>, character: &Character) -> Result<(), BenchError> {
+pub fn deploy(session: &mut Session<'_>, measured: &Measured) -> Result<(), BenchError> {
     // A person need not switch twice: the test that follows begins with that.
     if session.bench.surroundings.obeys() {
         session.begin()?;
     }
-    session.bench.device.deploy(&character.record)?;
+    session.bench.device.deploy(&measured.record)?;
     Ok(())
 }
 
@@ -39,20 +39,20 @@ pub fn deploy(session: &mut Session<'_>, character: &Character) -> Result<(), Be
 /// [`BenchError`].
 pub fn test(
     session: &mut Session<'_>,
-    character: &Character,
+    measured: &Measured,
     mode: Mode,
     axis: Axis,
     extent: Extent,
     recorder: &mut Recorder,
 ) -> Result<Verification, BenchError> {
-    compensation_test::run(session, mode, axis, extent, recorder).map(|run| evaluated(run, character))
+    compensation_test::run(session, mode, axis, extent, recorder).map(|run| evaluated(run, measured))
 }
 
 /// A test that was run, with its results.
 #[must_use]
-pub fn evaluated(run: TestRun, character: &Character) -> Verification {
+pub fn evaluated(run: TestRun, measured: &Measured) -> Verification {
     let axis = run.axis;
-    let law = character.axes[axis.index()].composed.model.static_law(character.record.temperature_scale);
+    let law = measured.axes[axis.index()].law.static_law(measured.record.temperature_scale);
     let results = evaluate(&run, &law);
     Verification { run, results }
 }

@@ -123,7 +123,7 @@ fn an_emulator_that_is_killed_is_named_within_five_seconds_and_the_recording_is_
     let killed = killer.join().unwrap();
     assert!(killed.elapsed() < Duration::from_secs(5), "{:?}", killed.elapsed());
     assert!(error.contains("QEMU") && error.contains("SIGKILL"), "{error}");
-    let recording = Recording::read(&stream).unwrap();
+    let recording = Recording::read(&(&stream).into()).unwrap();
     assert!(recording.cut && recording.groups() > 50, "{} groups", recording.groups());
     assert_eq!(recording.rows.len(), 2 * recording.groups());
 }
@@ -169,7 +169,7 @@ fn a_calibration_by_the_firmware_is_the_native_one_bit_for_bit() {
             continue;
         }
         let other = by_board.join(path.file_name().unwrap());
-        let (native, emulated) = (Recording::read(&path).unwrap(), Recording::read(&other).unwrap());
+        let (native, emulated) = (Recording::read(&(&path).into()).unwrap(), Recording::read(&(&other).into()).unwrap());
         assert!(native.groups() > 100);
         for (native, emulated) in native.rows.iter().zip(&emulated.rows) {
             // Each number written so that no two are written alike: of floats the shortest text that reads back.

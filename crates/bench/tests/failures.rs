@@ -4,7 +4,7 @@
 
 use zerorate_bench::calibrate::calibrate;
 use zerorate_bench::calibrated::Unit;
-use zerorate_bench::characterise::characterise;
+use zerorate_bench::measure::measure;
 use zerorate_bench::error::BenchError;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::run::{Recorder, Session, Silent};
@@ -17,7 +17,7 @@ fn fails(plant: Plant, setup: &SetUp) -> BenchError {
     let mut bench = simulated::bench(plant, setup, &UnitSerial::new());
     let mut progress = Silent;
     let mut session = Session::new(&mut bench, setup, &mut progress);
-    characterise(&mut session, "", Recorder::discarding(), Recorder::discarding()).unwrap_err()
+    measure(&mut session, "", Recorder::discarding(), Recorder::discarding()).unwrap_err()
 }
 
 #[test]

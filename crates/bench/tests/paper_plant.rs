@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // what a test cannot do without
 
-use zerorate_bench::characterise::{AxisCharacter, Character, characterise, first_time};
+use zerorate_bench::measure::{MeasuredAxis, Measured, first_time, measure};
 use zerorate_bench::evaluate::TestResult;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::procedure::compensation_test::Extent;
@@ -17,28 +17,28 @@ use zerorate_core::units::Axis;
 /// Eq. (1), constant first; Y with the sign of its linear term turned (READING.md, erratum).
 const EQUATION_1: [[f64; 3]; 2] = [[13_435.7, -0.894_782, 0.375_298e-4], [12_516.1, -0.676_531, 0.276_524e-4]];
 
-fn experiment(seed: u64) -> (Character, Vec<TestResult>) {
+fn experiment(seed: u64) -> (Measured, Vec<TestResult>) {
     let setup = SetUp::paper();
     let mut bench = simulated::bench(PlantKind::Paper.build(seed), &setup, &UnitSerial::new());
     let mut progress = Silent;
     let mut session = Session::new(&mut bench, &setup, &mut progress);
     first_time(&mut session).unwrap();
-    let character = characterise(&mut session, "", Recorder::discarding(), Recorder::discarding()).unwrap();
-    deploy(&mut session, &character).unwrap();
+    let measured = measure(&mut session, "", Recorder::discarding(), Recorder::discarding()).unwrap();
+    deploy(&mut session, &measured).unwrap();
     let extent = Extent { cooling: false, samples: true };
     let mut results = Vec::new();
     for mode in [Mode::Trim, Mode::Hybrid] {
         for axis in Axis::BOTH {
-            let verification = test(&mut session, &character, mode, axis, extent, &mut Recorder::discarding()).unwrap();
+            let verification = test(&mut session, &measured, mode, axis, extent, &mut Recorder::discarding()).unwrap();
             results.extend(verification.results);
         }
     }
-    (character, results)
+    (measured, results)
 }
 
-fn assert_character(seed: u64, axis: Axis, found: &AxisCharacter) {
+fn assert_character(seed: u64, axis: Axis, found: &MeasuredAxis) {
     let name = axis.name();
-    let drift = &found.drift.drift;
+    let drift = found.drift.calibration.drift();
     assert!(found.curve_error_counts.unwrap() <= 1.0, "seed {seed} {name}: {:?}", found.curve_error_counts);
     for step in 0..=100 {
         let t = drift.valid.min() + (drift.valid.max() - drift.valid.min()) * f64::from(step) / 100.0;
@@ -46,19 +46,19 @@ fn assert_character(seed: u64, axis: Axis, found: &AxisCharacter) {
         let distance = drift.evaluate(t).0 - (c0 + c1 * t + c2 * t * t);
         assert!(distance.abs() <= 5.0, "seed {seed} {name}: {distance} counts from eq. (1) at {t}");
     }
-    let slopes = found.trim.better.slope_taps_per_count / found.plant_slope_taps_per_count.unwrap();
+    let slopes = found.trim.paired.slope_taps_per_count / found.plant_slope_taps_per_count.unwrap();
     assert!((slopes - 1.0).abs() <= 0.005, "seed {seed} {name}: slope off by {slopes}");
-    let v0 = found.trim.better.centre_counts;
+    let v0 = found.trim.paired.centre_counts;
     assert!((v0 - 8200.0).abs() <= 6.0, "seed {seed} {name}: V0 {v0}");
 }
 
-fn assert_result(seed: u64, result: &TestResult, character: &Character) {
+fn assert_result(seed: u64, result: &TestResult, measured: &Measured) {
     let of = format!("seed {seed}, {} {}: {result:?}", result.axis, result.mode);
     assert!((350.0..=550.0).contains(&result.control_pp_counts), "{of}");
     let floor = result.floor_pp_counts.unwrap();
     assert!(floor <= 10.0, "{of}");
     assert_eq!(Some(result.wiper_writes), result.taps_crossed, "{of}");
-    let uncompensated = character.axes[usize::from(result.axis == "y")].drift_pp_counts;
+    let uncompensated = measured.axes[usize::from(result.axis == "y")].drift_pp_counts;
     if result.mode == "trim" {
         assert!(result.residual_pp_counts <= 40.0, "{of}");
         assert!(uncompensated >= 10.0 * result.residual_pp_counts, "{of}");
@@ -71,13 +71,13 @@ fn assert_result(seed: u64, result: &TestResult, character: &Character) {
 
 fn run(seeds: std::ops::RangeInclusive<u64>) {
     for seed in seeds {
-        let (character, results) = experiment(seed);
+        let (measured, results) = experiment(seed);
         for axis in Axis::BOTH {
-            assert_character(seed, axis, &character.axes[axis.index()]);
+            assert_character(seed, axis, &measured.axes[axis.index()]);
         }
         assert_eq!(results.len(), 4);
         for result in &results {
-            assert_result(seed, result, &character);
+            assert_result(seed, result, &measured);
         }
     }
 }
@@ -101,10 +101,10 @@ fn a_correction_that_does_not_follow_the_low_pass_is_seen_as_a_step() {
     let mut bench = simulated::bench(PlantKind::Paper.build(1), &setup, &UnitSerial::new());
     let mut progress = Silent;
     let mut session = Session::new(&mut bench, &setup, &mut progress);
-    let character = characterise(&mut session, "", Recorder::discarding(), Recorder::discarding()).unwrap();
-    deploy(&mut session, &character).unwrap();
+    let measured = measure(&mut session, "", Recorder::discarding(), Recorder::discarding()).unwrap();
+    deploy(&mut session, &measured).unwrap();
     let extent = Extent { cooling: false, samples: true };
     let verification =
-        test(&mut session, &character, Mode::Hybrid, Axis::X, extent, &mut Recorder::discarding()).unwrap();
+        test(&mut session, &measured, Mode::Hybrid, Axis::X, extent, &mut Recorder::discarding()).unwrap();
     assert!(verification.results[0].largest_step_counts > 10.0, "{:?}", verification.results[0]);
 }

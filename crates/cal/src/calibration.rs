@@ -9,28 +9,25 @@
 
 mod axis;
 mod device;
+mod drift_form;
 mod error;
-mod form;
-mod model;
-mod source;
+mod origin;
+mod trim;
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::Read;
-use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use zerorate_core::units::TemperatureScale;
 
-pub use axis::{AxisCalibration, CandidateStatistics, FitStatistics, ResidualOver, TrimCalibration};
+pub use axis::AxisCalibration;
 pub use device::{MadeRecord, NoDeviceRecord};
-pub use error::CalibrationError;
-pub use model::{BandPoint, HeldOut, StaticCubic, TimeDrift};
-pub use source::{Source, sha256_of_file};
+pub use error::{CalibrationError, CalibrationFault};
+pub use origin::{Origin, sha256};
+pub use trim::TrimCalibration;
 
-use crate::log_fit::LogFit;
-use crate::quality::TemperatureUnit;
-use crate::whole_file::write_whole;
+use crate::source::Source;
+use crate::units::TemperatureUnit;
 
 /// The version of the file that this code writes. It reads 1 as well, which has no history, drift in time, static cubic
 /// or band.
@@ -65,7 +62,7 @@ pub struct Calibration {
     /// The program that made it, with its version: [`CREATED_BY`].
     pub created_by: String,
     /// The recordings that it rests on.
-    pub sources: Vec<Source>,
+    pub sources: Vec<Origin>,
     /// The unit of every temperature in it.
     pub temperature_unit: TemperatureUnit,
     /// What a temperature code stands for on the board, in the temperature's unit; `None` for a log.
@@ -100,84 +97,71 @@ struct Head {
 }
 
 impl Calibration {
-    /// The calibration of a log. `over` says what the fit was of: rows in plain mode, groups otherwise.
-    ///
-    /// # Errors
-    /// [`CalibrationError::Rejected`], when the log was rejected: no calibration comes of it.
-    pub fn of_log(
-        fit: &LogFit,
-        over: ResidualOver,
-        sources: Vec<Source>,
+    /// A calibration made by this program, of axes by their names.
+    #[must_use]
+    pub fn new(
+        kind: Kind,
         unit_serial: Option<String>,
-    ) -> Result<Self, CalibrationError> {
-        let reasons = || fit.judgement.reasons.iter().map(|reason| reason.text.clone());
-        let Some(first) = fit.axes.first() else {
-            return Err(CalibrationError::Rejected { reasons: reasons().collect::<Vec<_>>().join("; ") });
-        };
-        Ok(Self {
-            kind: Kind::Log,
+        sources: Vec<Origin>,
+        temperature_unit: TemperatureUnit,
+        axes: BTreeMap<String, AxisCalibration>,
+    ) -> Self {
+        Self {
+            kind,
             unit_serial,
             created_by: CREATED_BY.to_owned(),
             sources,
-            temperature_unit: first.temperature_unit,
+            temperature_unit,
             temperature_scale: None,
             group_period_s: None,
-            axes: fit.axes.iter().map(|axis| (axis.name.clone(), AxisCalibration::of_fit(axis, over))).collect(),
-            warnings: reasons().collect(),
+            axes,
+            warnings: Vec::new(),
             setup: None,
-        })
+        }
     }
 
     /// Reads a calibration.
     ///
     /// # Errors
-    /// [`CalibrationError`]: when the file cannot be read, is no calibration, has a schema that this code does not know,
+    /// [`CalibrationFault`]: when the source cannot be read, is no calibration, has a schema that this code does not know,
     /// or is malformed, with line and column.
-    pub fn read(path: &Path) -> Result<Self, CalibrationError> {
-        let cannot = |source| CalibrationError::Read { path: path.to_owned(), source };
-        let mut bytes = Vec::new();
-        File::open(path).map_err(cannot)?.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;
-        let text = String::from_utf8(bytes).ok().filter(|text| text.len() as u64 <= MOST_BYTES);
-        Self::from_json(&text.ok_or_else(|| CalibrationError::NotOne { path: path.to_owned() })?, path)
+    pub fn read(source: &Source) -> Result<Self, CalibrationError> {
+        let read = || {
+            let mut bytes = Vec::new();
+            source.open()?.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
+            let text = String::from_utf8(bytes).ok().filter(|text| text.len() as u64 <= MOST_BYTES);
+            Self::from_json(&text.ok_or(CalibrationFault::NotOne)?)
+        };
+        read().map_err(|fault| source.faulty(fault))
     }
 
-    /// Reads a calibration from its text; `path` is for the error's words.
+    /// Reads a calibration from its text.
     ///
     /// # Errors
     /// As [`Self::read`].
-    pub fn from_json(text: &str, path: &Path) -> Result<Self, CalibrationError> {
-        let malformed = |error: serde_json::Error| CalibrationError::malformed(path, &error);
-        let head: Head = serde_json::from_str(text).map_err(malformed)?;
+    pub fn from_json(text: &str) -> Result<Self, CalibrationFault> {
+        let head: Head = serde_json::from_str(text)?;
         match head.schema.as_ref().map(serde_json::Value::as_u64) {
             Some(Some(found)) if (u64::from(OLDEST_SCHEMA)..=u64::from(SCHEMA)).contains(&found) => {
-                serde_json::from_str(text).map_err(malformed)
+                Ok(serde_json::from_str(text)?)
             }
-            Some(Some(found)) => Err(CalibrationError::UnknownSchema { path: path.to_owned(), found }),
-            Some(None) | None => Err(CalibrationError::NotOne { path: path.to_owned() }),
+            Some(Some(found)) => Err(CalibrationFault::UnknownSchema { found }),
+            Some(None) | None => Err(CalibrationFault::NotOne),
         }
     }
 
     /// The file's text.
     ///
     /// # Errors
-    /// [`CalibrationError::Unwritable`], when the text would not read back: a number in it is not finite.
-    pub fn to_json(&self) -> Result<String, CalibrationError> {
-        let unwritable = |error: &dyn std::fmt::Display| CalibrationError::Unwritable { what: error.to_string() };
+    /// [`CalibrationFault::Unwritable`], when the text would not read back: a number in it is not finite.
+    pub fn to_json(&self) -> Result<String, CalibrationFault> {
+        let unwritable = |error: &dyn std::fmt::Display| CalibrationFault::Unwritable { what: error.to_string() };
         let versioned = Versioned { schema: SCHEMA, calibration: self };
         let mut text = serde_json::to_string_pretty(&versioned).map_err(|error| unwritable(&error))?;
         text.push('\n');
         // JSON has no NaN: it is written as null, which only a reader notices.
-        Self::from_json(&text, Path::new("the new calibration")).map_err(|error| unwritable(&error))?;
+        Self::from_json(&text).map_err(|error| unwritable(&error))?;
         Ok(text)
-    }
-
-    /// Writes the file whole or not at all; an error leaves an earlier one as it was.
-    ///
-    /// # Errors
-    /// [`CalibrationError::Unwritable`] and [`CalibrationError::Write`].
-    pub fn write(&self, path: &Path) -> Result<(), CalibrationError> {
-        let text = self.to_json()?;
-        write_whole(path, text.as_bytes()).map_err(|source| CalibrationError::Write { path: path.to_owned(), source })
     }
 }
 

@@ -3,14 +3,16 @@
 //!
 //! Each is given where the recording holds it, and else the reason why it does not.
 
-mod direction;
 mod soak;
 
 use serde::Serialize;
 
-use crate::allan::{Allan, NoAllan};
-use crate::log_fit::{AxisFit, TracePoint};
-pub use direction::warming;
+use zerorate_fit::allan::{Allan, NoAllan};
+use zerorate_fit::direction::warming;
+use zerorate_fit::folds::{FOLDS, fold_of_row};
+
+use crate::log_fit::AxisFit;
+use crate::trace::TracePoint;
 pub use soak::{AxisNoise, NoiseOf, noise};
 
 /// Bins of temperature in which the two directions are compared.
@@ -25,9 +27,6 @@ const SLOPES: u32 = 400;
 /// The ramp's speed must vary by this part of its size at equal temperature and direction: otherwise what it does cannot be
 /// told from the curve or from hysteresis.
 const LEAST_VARIATION: f64 = 0.2;
-
-/// Contiguous blocks, each left out once, from which the error of the ramp sensitivity is told.
-const BLOCKS: usize = 8;
 
 /// What a fitted log says of one axis. Rates and temperatures are in the log's units.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -89,7 +88,7 @@ impl Characteristics {
         let warming = warming(&temperatures);
         Self {
             temperature_sensitivity: temperature_sensitivity(axis),
-            hysteresis: hysteresis(&points, &warming, axis.drift.peak_to_peak()),
+            hysteresis: hysteresis(&points, &warming, axis.calibration.drift().peak_to_peak()),
             ramp_sensitivity: ramp_sensitivity(&points, &warming),
             residual_noise: residual_noise(&points).map_err(|error| error.to_string()),
         }
@@ -97,10 +96,10 @@ impl Characteristics {
 }
 
 fn temperature_sensitivity(axis: &AxisFit) -> TemperatureSensitivity {
-    let (min, max) = (axis.drift.valid.min(), axis.drift.valid.max());
+    let (min, max) = (axis.calibration.drift().valid.min(), axis.calibration.drift().valid.max());
     let step = (max - min) / f64::from(SLOPES);
     let at = |i: u32| min + step * f64::from(i);
-    let value = |i: u32| axis.drift.evaluate(at(i)).0;
+    let value = |i: u32| axis.calibration.drift().evaluate(at(i)).0;
     let slope = |i: u32| (value(i + 1) - value(i)) / step;
     let steepest = (0..SLOPES).max_by(|a, b| slope(*a).abs().total_cmp(&slope(*b).abs())).unwrap_or(0);
     // Least squares over equally spaced temperatures.
@@ -180,7 +179,7 @@ fn ramp_sensitivity(points: &[TracePoint], warming: &[bool]) -> Result<RampSensi
         })
         .filter(|row| row.speed.is_finite() && row.residual.is_finite())
         .collect();
-    if rows.len() < 4 * BLOCKS {
+    if rows.len() < 4 * FOLDS {
         return Err("the log has no time, or too little of it".to_owned());
     }
     let size = (rows.iter().map(|row| row.speed.powi(2)).sum::<f64>() / rows.len() as f64).sqrt();
@@ -191,10 +190,11 @@ fn ramp_sensitivity(points: &[TracePoint], warming: &[bool]) -> Result<RampSensi
                 .to_owned(),
         );
     }
-    let without: Vec<f64> = (0..BLOCKS).map(|block| regression(&rows, Some(block)).0).collect();
-    let blocks = BLOCKS as f64;
-    let mean = without.iter().sum::<f64>() / blocks;
-    let variance = without.iter().map(|value| (value - mean).powi(2)).sum::<f64>() * (blocks - 1.0) / blocks;
+    // The jackknife: each fold left out once.
+    let without: Vec<f64> = (0..FOLDS).map(|fold| regression(&rows, Some(fold)).0).collect();
+    let folds = FOLDS as f64;
+    let mean = without.iter().sum::<f64>() / folds;
+    let variance = without.iter().map(|value| (value - mean).powi(2)).sum::<f64>() * (folds - 1.0) / folds;
     Ok(RampSensitivity { value, standard_error: variance.sqrt() })
 }
 
@@ -202,7 +202,10 @@ fn ramp_sensitivity(points: &[TracePoint], warming: &[bool]) -> Result<RampSensi
 /// square: by making each term orthogonal to those before it, the speed last.
 fn regression(rows: &[Ramp], without: Option<usize>) -> (f64, f64) {
     let kept: Vec<&Ramp> =
-        (0..rows.len()).filter(|i| without != Some(i * BLOCKS / rows.len())).map(|i| &rows[i]).collect();
+        (0..rows.len())
+            .filter(|i| without != Some(fold_of_row(*i as u64, rows.len() as u64)))
+            .map(|i| &rows[i])
+            .collect();
     let terms: [fn(&Ramp) -> f64; 6] = [
         |row| f64::from(u8::from(row.warming)),
         |row| f64::from(u8::from(!row.warming)),

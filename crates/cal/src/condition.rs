@@ -7,7 +7,6 @@
 mod group;
 mod level;
 mod motion;
-mod robust;
 mod settle;
 mod step;
 mod temperature;
@@ -34,13 +33,13 @@ pub enum DropReason {
     TemperatureSpike,
     /// A rate far from its neighbours.
     Spike,
-    /// In a stretch in which the unit was moved.
+    /// In an interval in which the unit was moved.
     Rotation,
     /// In the group in which the rate stepped.
     Step,
     /// In a group within which nothing was logged for long.
     Gap,
-    /// In a stretch in which the temperature stood still, and then jumped.
+    /// In an interval in which the temperature stood still, and then jumped.
     FrozenTemperature,
 }
 
@@ -84,9 +83,9 @@ impl Tally {
     }
 }
 
-/// A contiguous stretch of rows that was left out.
+/// A contiguous interval of rows that was left out.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Stretch {
+pub struct Excluded {
     /// Why.
     pub reason: DropReason,
     /// The first row and the row after the last, from 0; of a gap twice the row after it.

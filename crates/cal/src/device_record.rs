@@ -1,15 +1,15 @@
 //! Device records as files: what `device-record.bin` holds, for those who look at one.
 
-use std::fs::File;
-use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::io;
 
 use thiserror::Error;
 use zerorate_core::compensate::{DriftNumbers, FixedDrift, LawNumbers, LawRefused, Mode, Q16};
 use zerorate_core::record::{AxisRecord, DeviceRecord, MAX_RECORD_BYTES, RECORD_VERSION, RecordError};
 use zerorate_core::units::{TemperatureCode, TemperatureScale};
 
-use crate::choose::Model;
+use zerorate_fit::model::Model;
+
+use crate::source::{Faulty, Source};
 
 /// A device record that was read, its CRC-32 and version known to be right.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,39 +47,30 @@ pub struct AxisFacts {
     pub refused: Option<LawRefused>,
 }
 
+/// Why a file is not a device record, with its name.
+pub type StoredRecordError = Faulty<StoredRecordFault>;
+
 /// Why a file is not a device record.
 #[derive(Debug, Error)]
-pub enum StoredRecordError {
+pub enum StoredRecordFault {
     /// The file cannot be read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
+    #[error("cannot be read: {0}")]
+    Read(#[from] io::Error),
     /// Its bytes are no record.
-    #[error("{}: {reason}", path.display())]
-    Bytes {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with them.
-        reason: RecordError,
-    },
+    #[error("{0}")]
+    Bytes(RecordError),
 }
 
 impl StoredRecord {
     /// Reads a record.
     ///
     /// # Errors
-    /// [`StoredRecordError`], by what is wrong first: file, form, version, CRC, body.
-    pub fn read(path: &Path) -> Result<Self, StoredRecordError> {
-        let cannot = |source| StoredRecordError::Read { path: path.to_owned(), source };
-        let mut bytes = Vec::new();
+    /// [`StoredRecordFault`], by what is wrong first: file, form, version, CRC, body.
+    pub fn read(source: &Source) -> Result<Self, StoredRecordError> {
         // A longer file is something else, whatever it begins with.
-        File::open(path).map_err(cannot)?.take(MAX_RECORD_BYTES as u64).read_to_end(&mut bytes).map_err(cannot)?;
-        let record = DeviceRecord::decode(&bytes)
-            .map_err(|reason| StoredRecordError::Bytes { path: path.to_owned(), reason })?;
+        let bytes = source.start(MAX_RECORD_BYTES as u64).map_err(|error| source.faulty(error))?;
+        let record =
+            DeviceRecord::decode(&bytes).map_err(|error| source.faulty(StoredRecordFault::Bytes(error)))?;
         let crc = bytes.last_chunk().map_or(0, |crc| u32::from_le_bytes(*crc));
         Ok(Self { record, version: RECORD_VERSION, bytes: bytes.len(), crc })
     }

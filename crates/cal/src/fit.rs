@@ -1,202 +1,21 @@
-//! Least squares by an orthogonal factor kept up to date: `push`, `merge`, `finish`.
-//!
-//! Only the triangular factor of `[basis | responses]` is kept, so a fit is as small after a hundred million rows as
-//! after ten, partitions merge in any order to the same curve, and numbers stay sound when the offset of a rate is a
-//! million times its noise.
+//! What `zerorate fit` does: recognises what was given, and fits it.
 
-mod basis;
-mod factor;
-mod solution;
+use crate::log::LogFault;
+use crate::log_fit::{FitOptions, LogFit, LogFitError, fit_logs};
+use crate::ramp_fit::fit_recording;
+use crate::recording::Recording;
+use crate::source::Source;
 
-use thiserror::Error;
-use zerorate_core::drift::Scale;
-
-pub use basis::Basis;
-use factor::{BLOCK_ROWS, Factor};
-pub use solution::Solution;
-
-/// Why a fit has no solution.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-pub enum FitError {
-    /// Fewer rows than coefficients.
-    #[error("{rows} rows cannot settle {coefficients} coefficients: record more, or choose a smaller model")]
-    TooFewRows {
-        /// Rows pushed.
-        rows: u64,
-        /// Coefficients wanted.
-        coefficients: usize,
-    },
-    /// The temperatures take too few different values for the basis.
-    #[error(
-        "the temperatures do not settle {coefficients} coefficients: record a wider range, or choose a smaller model"
-    )]
-    Undetermined {
-        /// Coefficients wanted.
-        coefficients: usize,
-    },
-    /// A temperature or a rate was NaN or infinite.
-    #[error("a row that is not finite was pushed: drop such rows before the fit")]
-    NotFinite,
-}
-
-/// A least-squares fit of one or more responses to the same basis of one temperature.
-#[derive(Debug, Clone)]
-pub struct Fit {
-    scale: Scale,
-    basis: Basis,
-    responses: usize,
-    rows: u64,
-    factor: Factor,
-    /// Rows not folded yet, column-major, [`BLOCK_ROWS`] numbers a column.
-    block: Vec<f64>,
-    /// Rows in `block`.
-    filled: usize,
-}
-
-impl Fit {
-    /// An empty fit of `responses` rates, each with its own coefficients, over `scale`.
-    #[must_use]
-    pub fn new(scale: Scale, basis: Basis, responses: usize) -> Self {
-        let columns = basis.size() + responses;
-        Self {
-            scale,
-            basis,
-            responses,
-            rows: 0,
-            factor: Factor::new(columns),
-            block: vec![0.0; columns * BLOCK_ROWS],
-            filled: 0,
+/// Fits logs of one unit as one. A recording of the bench alone is fitted by its ramps ([`crate::ramp_fit`]), unless
+/// something is asked for that only the fit of a log knows.
+///
+/// # Errors
+/// [`LogFitError`].
+pub fn fit(sources: &[Source], options: &FitOptions) -> Result<LogFit, LogFitError> {
+    match sources {
+        [source] if options.is_of_ramps() && Recording::is_one(source) => {
+            Ok(fit_recording(&Recording::read(source).map_err(LogFault::named)?, source, options))
         }
-    }
-
-    /// The basis of the fit.
-    #[must_use]
-    pub fn basis(&self) -> Basis {
-        self.basis
-    }
-
-    /// The rows pushed and merged.
-    #[must_use]
-    pub fn rows(&self) -> u64 {
-        self.rows
-    }
-
-    /// Takes in one row: a temperature in the scale's unit and one rate a response. All must be finite: only the
-    /// caller knows how to count the others.
-    ///
-    /// # Panics
-    /// When there is not one rate a response.
-    pub fn push(&mut self, temperature: f64, rates: &[f64]) {
-        assert_eq!(rates.len(), self.responses, "one rate a response");
-        let x = [self.scale.x(temperature)];
-        let row = self.filled;
-        self.basis.write(&x, &mut self.block[row..], BLOCK_ROWS);
-        for (response, rate) in rates.iter().enumerate() {
-            self.block[(self.basis.size() + response) * BLOCK_ROWS + row] = *rate;
-        }
-        self.advance(1);
-    }
-
-    /// Takes in rows column by column: faster than [`Fit::push`], with the same result.
-    ///
-    /// # Panics
-    /// When there is not one column of rates a response, each as long as the temperatures.
-    pub fn push_rows(&mut self, temperatures: &[f64], rates: &[&[f64]]) {
-        assert_eq!(rates.len(), self.responses, "one column of rates a response");
-        assert!(rates.iter().all(|column| column.len() == temperatures.len()), "columns of one length");
-        let mut x = [0.0; BLOCK_ROWS];
-        let mut done = 0;
-        while done < temperatures.len() {
-            let row = self.filled;
-            let rows = (BLOCK_ROWS - row).min(temperatures.len() - done);
-            for (x, temperature) in x.iter_mut().zip(&temperatures[done..done + rows]) {
-                *x = self.scale.x(*temperature);
-            }
-            self.basis.write(&x[..rows], &mut self.block[row..], BLOCK_ROWS);
-            for (response, column) in rates.iter().enumerate() {
-                let start = (self.basis.size() + response) * BLOCK_ROWS + row;
-                self.block[start..start + rows].copy_from_slice(&column[done..done + rows]);
-            }
-            self.advance(rows);
-            done += rows;
-        }
-    }
-
-    /// Counts rows written to the block, and folds it when it is full.
-    fn advance(&mut self, rows: usize) {
-        self.filled += rows;
-        self.rows += rows as u64;
-        if self.filled == BLOCK_ROWS {
-            self.factor.fold(&mut self.block, BLOCK_ROWS, BLOCK_ROWS);
-            self.filled = 0;
-        }
-    }
-
-    /// Takes in all the rows of another fit.
-    ///
-    /// # Panics
-    /// When the other fit has another scale, basis or number of responses: their rows are not of one matrix.
-    pub fn merge(&mut self, other: &Self) {
-        assert!(
-            self.scale == other.scale && self.basis == other.basis && self.responses == other.responses,
-            "only fits of one scale, basis and number of responses can be merged"
-        );
-        self.factor.merge(&other.settled());
-        self.rows += other.rows;
-    }
-
-    /// The fit of the same rows by powers up to a lower order, or the same: a factor holds the factors of all its
-    /// leading columns. `None` for hats, and for an order above this fit's.
-    #[must_use]
-    pub fn lowered(&self, order: usize) -> Option<Self> {
-        match self.basis {
-            Basis::Powers(own) if order <= own => {
-                let mut lower = Self::new(self.scale, Basis::Powers(order), self.responses);
-                let columns: Vec<usize> = (0..=order).chain(own + 1..own + 1 + self.responses).collect();
-                lower.factor = self.settled().select(&columns);
-                lower.rows = self.rows;
-                Some(lower)
-            }
-            _ => None,
-        }
-    }
-
-    /// The residual sum of squares of this fit's rows under other coefficients than its own, rate units squared: the
-    /// error on held-out rows without a second pass over them, as `|R [beta; -1]|^2`.
-    ///
-    /// # Panics
-    /// When the coefficients are not one a function of the basis, or there is no such response.
-    #[must_use]
-    pub fn sum_of_squares_of(&self, response: usize, coefficients: &[f64]) -> f64 {
-        assert_eq!(coefficients.len(), self.basis.size(), "one coefficient a function of the basis");
-        assert!(response < self.responses, "no such response");
-        let factor = self.settled();
-        let target = self.basis.size() + response;
-        (0..=target)
-            .map(|row| {
-                let fitted: f64 = coefficients.iter().enumerate().map(|(k, c)| factor.entry(row, k) * c).sum();
-                (factor.entry(row, target) - fitted).powi(2)
-            })
-            .sum()
-    }
-
-    /// The least-squares solution of everything pushed and merged so far; more can be pushed after it.
-    ///
-    /// # Errors
-    /// When there are too few rows or too few different temperatures for the basis, or a row was not finite.
-    pub fn finish(&self) -> Result<Vec<Solution>, FitError> {
-        solution::solve(self)
-    }
-
-    /// The factor with the block's rows folded in.
-    fn settled(&self) -> Factor {
-        let mut factor = self.factor.clone();
-        if self.filled > 0 {
-            factor.fold(&mut self.block.clone(), BLOCK_ROWS, self.filled);
-        }
-        factor
+        _ => fit_logs(sources, options),
     }
 }
-
-#[cfg(test)]
-mod tests;

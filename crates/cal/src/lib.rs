@@ -1,24 +1,22 @@
 #![doc = include_str!("../README.md")]
 
-pub mod allan;
 pub mod apply;
-pub mod auto;
 pub mod calibration;
 pub mod characterise;
-pub mod choose;
 pub mod compose;
 pub mod condition;
 pub mod device_record;
-pub mod drift_fit;
+pub mod export;
 pub mod fit;
-pub mod interop;
 pub mod log;
 pub mod log_fit;
+mod parquet_source;
 pub mod quality;
-pub mod recorded;
+pub mod ramp_fit;
 pub mod recording;
-pub mod report;
+pub mod source;
 pub mod table;
-pub mod trim_fit;
+pub mod trace;
+pub mod units;
 pub mod verify;
 pub mod whole_file;

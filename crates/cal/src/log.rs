@@ -3,30 +3,24 @@
 //! The kind is recognised by content, never by name. A log goes by as batches of rows to a [`Sink`]; what is kept in
 //! memory is a batch a sensor, however long the log.
 
-mod buffer;
 mod error;
+mod of_autopilot;
 mod of_recording;
 mod of_table;
 mod sensor;
 mod survey;
 
-use std::fs::File;
-use std::io::Read;
-use std::path::{Path, PathBuf};
-
-pub(crate) use buffer::RowBuffer;
-pub use error::LogError;
-pub(crate) use of_table::TableLog;
-pub use sensor::{Sensor, SensorChoice, SensorChoiceError, SensorKind};
+pub use error::{LogError, LogFault};
+pub use imu_logs::{Rows, Sensor, SensorKind};
+pub use sensor::{SensorChoice, SensorChoiceError};
 pub(crate) use survey::AxisSurvey;
 
-use crate::interop;
-use crate::quality::{Reason, TemperatureUnit};
-use crate::recording::{Recording, RecordingError};
-use crate::table::{Columns, RateUnit};
-
-/// As many bytes as every format needs to be recognised.
-const START_BYTES: u64 = 64;
+use crate::quality::Reason;
+use crate::recording::Recording;
+use crate::source::Source;
+use crate::table::Columns;
+use crate::units::{RateUnit, TemperatureUnit};
+use of_table::TableLog;
 
 /// What one sensor of a log is, and how its rows are to be read.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,23 +33,6 @@ pub struct Stream {
     pub unit: RateUnit,
     /// The temperature's unit.
     pub temperature_unit: TemperatureUnit,
-}
-
-/// Some successive rows of one sensor.
-#[derive(Debug, Clone, Copy)]
-pub struct Rows<'a> {
-    /// The sensor, by its place among those of the log.
-    pub stream: usize,
-    /// How often time had started anew before these rows: several logs in one file.
-    pub part: u32,
-    /// The first row's number among the sensor's, from 0.
-    pub first_row: u64,
-    /// Seconds from the log's first row, one a row; NaN where not known.
-    pub time_s: &'a [f64],
-    /// Temperatures, one a row; NaN where there is none.
-    pub temperature: &'a [f64],
-    /// Values, a vector an axis, one a row; NaN where there is none.
-    pub values: &'a [Vec<f64>],
 }
 
 /// Who takes a log's rows as they go by.
@@ -78,7 +55,7 @@ pub struct Ending {
 /// A log that was opened and recognised.
 #[derive(Debug)]
 pub struct LogFile {
-    path: PathBuf,
+    source: Source,
     form: Form,
 }
 
@@ -86,44 +63,30 @@ pub struct LogFile {
 enum Form {
     Table(Box<TableLog>),
     Recording(Box<Recording>),
-    Autopilot(interop::Format),
+    Autopilot(imu_logs::Format),
 }
 
 impl LogFile {
     /// Opens a log and finds out its form; a table is read once to learn how long it lasts.
     ///
     /// # Errors
-    /// When the file cannot be read or is no log, or a table's columns are unclear or its time runs backwards.
-    pub fn open(path: &Path, columns: &Columns) -> Result<Self, LogError> {
-        let path = path.to_owned();
-        let unreadable = |source| LogError::Read { path: path.clone(), source };
-        let mut start = Vec::new();
-        File::open(&path).map_err(unreadable)?.take(START_BYTES).read_to_end(&mut start).map_err(unreadable)?;
-        let form = if let Some(format) = interop::recognise(&start) {
+    /// When the source cannot be read or is no log, or a table's columns are unclear or its time runs backwards.
+    pub fn open(source: &Source, columns: &Columns) -> Result<Self, LogError> {
+        let start = source.start(imu_logs::START_BYTES as u64).map_err(|error| source.faulty(error))?;
+        let form = if let Some(format) = imu_logs::recognise(&start) {
             Form::Autopilot(format)
-        } else {
+        } else if columns.rates.is_empty() && Recording::is_one(source) {
             // Whoever names columns wants a table of a recording too.
-            let recording = if columns.rates.is_empty() { of_recording::recognise(&path, &start) } else { None };
-            match recording {
-                Some(Ok(recording)) => Form::Recording(Box::new(recording)),
-                Some(Err(RecordingError::NotARecording { .. })) | None => {
-                    Form::Table(Box::new(TableLog::open(&path, columns)?))
-                }
-                Some(Err(error)) => return Err(error.into()),
-            }
+            Form::Recording(Box::new(Recording::read(source).map_err(LogFault::named)?))
+        } else {
+            Form::Table(Box::new(TableLog::open(source, columns)?))
         };
-        Ok(Self { path, form })
-    }
-
-    /// The file's path, as it was given.
-    #[must_use]
-    pub fn path(&self) -> &Path {
-        &self.path
+        Ok(Self { source: source.clone(), form })
     }
 
     /// The autopilot's format, if it is an autopilot's log.
     #[must_use]
-    pub fn autopilot(&self) -> Option<interop::Format> {
+    pub fn autopilot(&self) -> Option<imu_logs::Format> {
         match self.form {
             Form::Autopilot(format) => Some(format),
             Form::Table(_) | Form::Recording(_) => None,
@@ -144,16 +107,15 @@ impl LogFile {
     /// Reads the log once from beginning to end.
     ///
     /// # Errors
-    /// When the file cannot be read or holds what no log of its form can. What is whole of a log that was cut off or
+    /// When the source cannot be read or holds what no log of its form can. What is whole of a log that was cut off or
     /// damaged is read, and the [`Ending`] says so.
     pub fn read(&self, sink: &mut dyn Sink) -> Result<Ending, LogError> {
         match &self.form {
             Form::Table(table) => table.read(sink),
             Form::Recording(recording) => Ok(of_recording::read(recording, sink)),
-            Form::Autopilot(format) => interop::read(&self.path, *format, sink),
+            Form::Autopilot(format) => {
+                of_autopilot::read(&self.source, *format, sink).map_err(|error| self.source.faulty(error))
+            }
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

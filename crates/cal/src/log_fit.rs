@@ -8,29 +8,20 @@ mod gather;
 mod grouped;
 mod json;
 mod plain;
-mod residual;
 mod words;
 
-use std::path::{Path, PathBuf};
-
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
-use zerorate_core::drift::{Drift, History, Scale, ValidRange};
+use zerorate_core::drift::{Scale, ValidRange};
+use zerorate_fit::model::Model;
 
-use crate::auto::AutoFit;
-use crate::calibration::{BandPoint, HeldOut, StaticCubic, TimeDrift};
-use crate::choose::{Choice, Model, Stretches};
-use crate::condition::{Rejected, Stretch};
-use crate::interop;
-use crate::log::{LogError, Sensor, SensorChoice, Stream};
-use crate::quality::{Judgement, Reason, ReasonKind, TemperatureUnit, Verdict};
-use crate::recorded::fit_recording;
-use crate::recording::{Recording, RecordingError};
-use crate::table::{Columns, RateUnit};
-pub(crate) use residual::{Residuals, trace};
-
-/// Points in a trace, at most: more than a figure can show.
-const TRACE_POINTS: u64 = 2000;
+use crate::calibration::{AxisCalibration, Calibration, CalibrationFault, Kind, Origin};
+use crate::condition::{Excluded, Rejected};
+use crate::log::{LogError, SensorChoice, Stream};
+use crate::quality::{Judgement, Verdict};
+use crate::source::Source;
+use crate::table::Columns;
+use crate::trace::TracePoint;
+use crate::units::TemperatureUnit;
 
 /// How a log is to be fitted.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -49,53 +40,34 @@ pub struct FitOptions {
     pub sensor: Option<SensorChoice>,
 }
 
+impl FitOptions {
+    /// Whether nothing is asked for that only a log's rows can give.
+    pub(crate) fn is_of_ramps(&self) -> bool {
+        !self.plain && self.columns == Columns::default() && self.group_s.is_none() && self.sensor.is_none()
+    }
+}
+
 /// Why a log cannot be fitted. What can be judged is no error but a verdict.
 #[derive(Debug, Error)]
 pub enum LogFitError {
     /// The log cannot be read.
     #[error(transparent)]
     Log(#[from] LogError),
-    /// The bench's own recording cannot be read.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
     /// Several logs have no sensor in common.
     #[error(
-        "{}: this is another unit's log: it has {found}, and the logs before it {expected}: fit each unit by itself",
-        path.display()
+        "{name}: this is another unit's log: it has {found}, and the logs before it {expected}: fit each unit by itself"
     )]
     AnotherUnit {
-        /// The file.
-        path: PathBuf,
+        /// The log.
+        name: String,
         /// The sensors of the logs before it.
         expected: String,
         /// Its sensors.
         found: String,
     },
     /// The plain fit was asked for of several logs.
-    #[error("the plain fit is of one log, to compare it with other tools: give one log, or leave out --plain")]
+    #[error("the plain fit is of one log, to compare it with other tools: give one log, or leave out `plain`")]
     PlainOfSeveral,
-}
-
-/// A residual's size, in the rate's unit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
-    /// Root mean square about zero.
-    pub rms: f64,
-    /// Peak to peak.
-    pub pp: f64,
-}
-
-/// A point for figures: the mean over some successive rows or groups.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct TracePoint {
-    /// Seconds from the log's first row; NaN if not known.
-    pub time_s: f64,
-    /// In the temperature column's unit.
-    pub temperature: f64,
-    /// Rate less the steps taken out, in the rate column's unit.
-    pub rate: f64,
-    /// Rate less the fitted curve.
-    pub residual: f64,
 }
 
 /// The fit of one rate column.
@@ -103,87 +75,16 @@ pub struct TracePoint {
 pub struct AxisFit {
     /// The axis's name: a table's column, or `gyro0.x`.
     pub name: String,
-    /// The sensor, where the log tells of sensors.
-    pub sensor: Option<Sensor>,
     /// What the axis is good for: good or with warnings, for a rejected one has no curve.
     pub verdict: Verdict,
-    /// The rate's unit; for an accelerometer, that of its specific force.
-    pub rate_unit: RateUnit,
     /// The temperature's unit.
     pub temperature_unit: TemperatureUnit,
-    /// Where the drift is 0 by definition: an accelerometer at rest shows its constant and gravity together. `None` where
-    /// the constant is part of the drift.
-    pub reference_temperature: Option<f64>,
-    /// The curve with its valid range: the least and greatest temperature fitted.
-    pub drift: Drift,
-    /// What the drift remembers of its temperatures. `drift` and `choice` are then the static curve for when that is not
-    /// known.
-    pub history: Option<History>,
-    /// The recording's own drift in time, which is not deployed.
-    pub time_drift: Option<TimeDrift>,
-    /// The best static cubic of the same data.
-    pub static_cubic: Option<StaticCubic>,
-    /// The prediction band over temperature, coldest first.
-    pub band: Vec<BandPoint>,
-    /// How the whole choice predicts what played no part in it; `None` where nothing was chosen.
-    pub nested: Option<HeldOut>,
-    /// The model chosen, its coefficients, covariance and rivals.
-    pub choice: Choice,
-    /// Residual of the fit of everything: over rows in plain mode, over groups otherwise.
-    pub in_sample: Spread,
-    /// Residual of eight contiguous stretches, each predicted by the fit of the others, over the same rows or groups.
-    /// NaN where the others do not settle the model.
-    pub held_out: Spread,
-    /// Rows that were fitted, each counted once, in groups or not.
-    pub samples_used: u64,
-    /// Rows that were not, by reason.
+    /// What was fitted, as a calibration keeps it.
+    pub calibration: AxisCalibration,
+    /// Rows that were not fitted, by reason.
     pub samples_rejected: Vec<Rejected>,
     /// Points for figures, in order of time.
     pub trace: Vec<TracePoint>,
-}
-
-impl AxisFit {
-    /// The axis of a fit of groups ([`crate::auto`]), before anything is said of what they are groups of.
-    pub(crate) fn of_auto(
-        name: &str,
-        (rate_unit, temperature_unit): (RateUnit, TemperatureUnit),
-        auto: AutoFit,
-        trace: Vec<TracePoint>,
-    ) -> Self {
-        let choice = Choice {
-            model: Model::of_shape(&auto.drift.shape),
-            solution: auto.solution,
-            without: Vec::new(),
-            candidates: auto.candidates,
-        };
-        Self {
-            name: name.to_owned(),
-            sensor: None,
-            verdict: Verdict::Good,
-            rate_unit,
-            temperature_unit,
-            reference_temperature: None,
-            drift: auto.drift,
-            history: auto.history,
-            time_drift: auto.time_drift,
-            static_cubic: auto.static_cubic,
-            band: auto.band,
-            nested: Some(auto.nested),
-            choice,
-            in_sample: auto.in_sample,
-            held_out: auto.held_out,
-            samples_used: 0,
-            samples_rejected: Vec::new(),
-            trace,
-        }
-    }
-
-    /// The model chosen: `poly:3`, or `poly:3 + 3 plays + time`.
-    #[must_use]
-    pub fn model(&self) -> String {
-        let chosen = self.choice.candidates.iter().find(|candidate| candidate.chosen);
-        chosen.map_or_else(|| self.choice.model.to_string(), ToString::to_string)
-    }
 }
 
 /// What an axis is good for.
@@ -211,12 +112,10 @@ pub struct FoundStep {
 /// The fit of a log, or of several of one unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogFit {
-    /// The file, as it was given; of several, all with a plus between.
-    pub source: String,
-    /// The files, as they were given.
-    pub sources: Vec<PathBuf>,
+    /// The logs' names, as they were given.
+    pub sources: Vec<String>,
     /// The autopilot's format, if the logs are an autopilot's.
-    pub autopilot: Option<interop::Format>,
+    pub autopilot: Option<imu_logs::Format>,
     /// The verdict on the whole and all reasons: rejected where no axis could be fitted.
     pub judgement: Judgement,
     /// The verdict on each axis, fitted or not, in the order of the log.
@@ -225,19 +124,53 @@ pub struct LogFit {
     pub notes: Vec<String>,
     /// One fit an axis that was not rejected, in the order of the log.
     pub axes: Vec<AxisFit>,
-    /// Stretches left out; none in plain mode.
-    pub stretches: Vec<Stretch>,
+    /// Intervals left out; none in plain mode.
+    pub excluded: Vec<Excluded>,
     /// Steps taken out; none in plain mode.
     pub steps: Vec<FoundStep>,
 }
 
-/// Fits a log, or a recording of the bench: that is known by what is in it, and its groups are fitted as they are
-/// ([`crate::recorded`]).
-///
-/// # Errors
-/// As [`fit_logs`].
-pub fn fit_log(path: &Path, options: &FitOptions) -> Result<LogFit, LogFitError> {
-    fit_logs(&[path], options)
+impl LogFit {
+    pub(crate) fn new(sources: &[Source]) -> Self {
+        Self {
+            sources: sources.iter().map(|source| source.name().to_owned()).collect(),
+            autopilot: None,
+            judgement: Judgement::default(),
+            verdicts: Vec::new(),
+            notes: Vec::new(),
+            axes: Vec::new(),
+            excluded: Vec::new(),
+            steps: Vec::new(),
+        }
+    }
+
+    /// The logs in words: of several, all with a plus between.
+    #[must_use]
+    pub fn source(&self) -> String {
+        self.sources.join(" + ")
+    }
+
+    /// Every reason, a sentence each.
+    pub fn reasons(&self) -> impl Iterator<Item = &str> {
+        self.judgement.reasons.iter().map(|reason| reason.text.as_str())
+    }
+
+    /// The calibration that comes of it.
+    ///
+    /// # Errors
+    /// [`CalibrationFault::Rejected`], when the log was rejected: no calibration comes of it.
+    pub fn to_calibration(
+        &self,
+        sources: Vec<Origin>,
+        unit_serial: Option<String>,
+    ) -> Result<Calibration, CalibrationFault> {
+        let Some(first) = self.axes.first() else {
+            return Err(CalibrationFault::Rejected { reasons: self.reasons().collect::<Vec<_>>().join("; ") });
+        };
+        let axes = self.axes.iter().map(|axis| (axis.name.clone(), axis.calibration.clone())).collect();
+        let warnings = self.reasons().map(str::to_owned).collect();
+        Ok(Calibration { warnings, ..Calibration::new(Kind::Log, unit_serial, sources, first.temperature_unit, axes) })
+    }
 }
 
 /// Fits logs of one unit as one.
@@ -245,27 +178,12 @@ pub fn fit_log(path: &Path, options: &FitOptions) -> Result<LogFit, LogFitError>
 /// # Errors
 /// When one cannot be read, a column is missing or unclear, time runs backwards, or the logs are of different units. A log
 /// that can be read and is no good is rejected in [`LogFit::judgement`] instead.
-pub fn fit_logs(paths: &[&Path], options: &FitOptions) -> Result<LogFit, LogFitError> {
-    if let [path] = paths
-        && Recording::is_one(path)
-    {
-        return Ok(fit_recording(&Recording::read(path)?, path, options));
-    }
-    let mut fit = LogFit {
-        source: paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" + "),
-        sources: paths.iter().map(|path| (*path).to_owned()).collect(),
-        autopilot: None,
-        judgement: Judgement::default(),
-        verdicts: Vec::new(),
-        notes: Vec::new(),
-        axes: Vec::new(),
-        stretches: Vec::new(),
-        steps: Vec::new(),
-    };
-    match (options.plain, paths) {
-        (true, [path]) => plain::fit(path, options, &mut fit)?,
+pub fn fit_logs(sources: &[Source], options: &FitOptions) -> Result<LogFit, LogFitError> {
+    let mut fit = LogFit::new(sources);
+    match (options.plain, sources) {
+        (true, [source]) => plain::fit(source, options, &mut fit)?,
         (true, _) => return Err(LogFitError::PlainOfSeveral),
-        (false, _) => grouped::fit(paths, options, &mut fit)?,
+        (false, _) => grouped::fit(sources, options, &mut fit)?,
     }
     fit.judgement = Judgement::of_axes(&fit.judgement, fit.verdicts.iter().map(|axis| &axis.judgement));
     Ok(fit)
@@ -289,26 +207,6 @@ fn admit(
         return None;
     }
     Scale::spanning(min, max).zip(ValidRange::new(min, max))
-}
-
-/// Chooses an axis's model; a model that the rows do not settle rejects the axis.
-fn choose(
-    judgement: &mut Judgement,
-    options: &FitOptions,
-    name: &str,
-    stretches: &Stretches,
-    valid: ValidRange,
-) -> Option<(Choice, Drift)> {
-    match stretches.choose(options.model) {
-        Ok(choice) => {
-            let shape = choice.solution.shape()?;
-            Some((choice, Drift { shape, valid }))
-        }
-        Err(error) => {
-            judgement.add(Reason::new(ReasonKind::TooFewGroups, format!("{name}: {error}")));
-            None
-        }
-    }
 }
 
 #[cfg(test)]

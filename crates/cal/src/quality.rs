@@ -2,48 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The least temperature span of a calibration, degrees C: below it a curve is mostly noise.
-pub const MIN_SPAN_C: f64 = 10.0;
-
-/// The least span where temperature is in counts: 10 C at the paper's 34 counts a degree (READING.md, "What the paper
-/// leaves open").
-pub const MIN_SPAN_COUNTS: f64 = 340.0;
+use crate::units::TemperatureUnit;
 
 /// Groups a coefficient, at least: fewer, and a stretch held out takes a coefficient's data with it.
 pub const MIN_ROWS_A_COEFFICIENT: u64 = 2;
 
 /// The share of dropped rows above which a log is warned of.
 const WARNED_SHARE: f64 = 1e-3;
-
-/// The unit of a temperature column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum TemperatureUnit {
-    /// Degrees Celsius.
-    C,
-    /// Counts of an A/D.
-    #[serde(rename = "counts")]
-    Counts,
-}
-
-impl TemperatureUnit {
-    /// The least span of a calibration in this unit.
-    #[must_use]
-    pub fn min_span(self) -> f64 {
-        match self {
-            Self::C => MIN_SPAN_C,
-            Self::Counts => MIN_SPAN_COUNTS,
-        }
-    }
-
-    /// The unit as it is written after a number.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::C => "C",
-            Self::Counts => "counts",
-        }
-    }
-}
 
 /// What a log is good for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
@@ -216,7 +181,7 @@ impl Judgement {
             let advice = if allow_narrow {
                 "the calibration holds for this range alone"
             } else {
-                "record a wider range, or allow a narrow one (--allow-narrow)"
+                "record a wider range, or allow a narrow one (`allow_narrow`)"
             };
             let text = format!(
                 "the temperature spans {span:.1} {name} ({min:.1} to {max:.1}), less than {least:.0} {name}: {advice}"

@@ -6,6 +6,7 @@
 
 mod error;
 mod header;
+mod phase;
 mod reader;
 mod schema;
 mod writer;
@@ -16,7 +17,8 @@ use zerorate_core::compensate::Mode;
 use zerorate_core::group::GroupSums;
 use zerorate_core::units::Axis;
 
-pub use error::RecordingError;
+pub use error::{RecordingError, RecordingFault, WriteError};
+pub use phase::{Phase, flags};
 pub use reader::Recording;
 pub use schema::SCHEMA_VERSION;
 pub use writer::RecordingWriter;
@@ -59,8 +61,8 @@ pub struct GroupRow {
     pub group: u32,
     /// Seconds from the first group.
     pub t_s: f64,
-    /// The procedure's phase, such as `soak` or `ramp`.
-    pub phase: String,
+    /// What the chamber was doing.
+    pub phase: Phase,
     /// The axis.
     pub axis: Axis,
     /// The exact sums; the columns `temperature_counts` and `zro_counts` are their means.
@@ -75,7 +77,7 @@ pub struct GroupRow {
     pub chamber_set_c: f64,
     /// The chamber's air, degrees C; NaN if not known.
     pub chamber_c: f64,
-    /// The device's flags.
+    /// What the device said of the group: bits of [`flags`].
     pub flags: u16,
 }
 

@@ -9,24 +9,22 @@ mod error;
 mod parquet;
 mod text;
 
-use std::fs::File;
-use std::io::{Read, Seek};
-use std::path::{Path, PathBuf};
-
-pub use columns::{Columns, RateUnit, Resolved, TimeUnit, UnitError};
+pub use columns::{Columns, Resolved};
 use dialect::Dialect;
-pub use error::TableError;
+pub use error::{TableError, TableFault};
+
+use crate::source::Source;
 
 /// Rows in a batch.
 const BATCH_ROWS: usize = 8192;
 
 /// The first four bytes of every Parquet file.
-const PARQUET_MAGIC: &[u8] = b"PAR1";
+pub(crate) const PARQUET_MAGIC: &[u8] = b"PAR1";
 
 /// A log that was opened and recognised.
 #[derive(Debug, Clone)]
-pub struct TableFile {
-    path: PathBuf,
+pub struct Table {
+    source: Source,
     format: Format,
     names: Vec<String>,
 }
@@ -60,31 +58,28 @@ impl Batch {
 /// A stream of batches.
 pub type Batches = Box<dyn Iterator<Item = Result<Batch, TableError>>>;
 
-impl TableFile {
+impl Table {
     /// Opens a file and finds out its format and column names. A text file without a header has `column_1`,
     /// `column_2`, and so on.
     ///
     /// # Errors
     /// When the file cannot be read, is empty, or is neither delimited text nor Parquet.
-    pub fn open(path: &Path) -> Result<Self, TableError> {
-        let unreadable = |source| TableError::Read { path: path.to_owned(), source };
-        let mut file = File::open(path).map_err(unreadable)?;
-        let mut start = Vec::new();
-        file.by_ref().take(dialect::SAMPLE_BYTES).read_to_end(&mut start).map_err(unreadable)?;
-        file.rewind().map_err(unreadable)?;
+    pub fn open(source: &Source) -> Result<Self, TableError> {
+        let faulty = |fault: TableFault| source.faulty(fault);
+        let start = source.start(dialect::SAMPLE_BYTES).map_err(|error| faulty(error.into()))?;
         let (format, names) = if start.starts_with(PARQUET_MAGIC) {
-            (Format::Parquet, parquet::names(path, file)?)
+            (Format::Parquet, parquet::names(source).map_err(faulty)?)
         } else {
-            let (dialect, names) = dialect::detect(path, &start)?;
+            let (dialect, names) = dialect::detect(&start).map_err(faulty)?;
             (Format::Text(dialect), names)
         };
-        Ok(Self { path: path.to_owned(), format, names })
+        Ok(Self { source: source.clone(), format, names })
     }
 
-    /// The file's path, as it was given.
+    /// Where it is read from.
     #[must_use]
-    pub fn path(&self) -> &Path {
-        &self.path
+    pub fn source(&self) -> &Source {
+        &self.source
     }
 
     /// The names of all columns, in the file's order.
@@ -98,10 +93,8 @@ impl TableFile {
     /// # Errors
     /// When there is no such column; the error lists those there are.
     pub fn column(&self, name: &str) -> Result<usize, TableError> {
-        self.names.iter().position(|own| own == name).ok_or_else(|| TableError::NoSuchColumn {
-            path: self.path.clone(),
-            column: name.to_owned(),
-            columns: self.names.join(", "),
+        self.names.iter().position(|own| own == name).ok_or_else(|| {
+            self.source.faulty(TableFault::NoSuchColumn { column: name.to_owned(), columns: self.names.join(", ") })
         })
     }
 
@@ -116,18 +109,25 @@ impl TableFile {
     /// Streams the numbers of some columns and the text of every cell of the table.
     ///
     /// # Errors
-    /// As [`TableFile::batches`].
+    /// As [`Table::batches`].
     pub fn batches_with_cells(&self, columns: &[usize]) -> Result<Batches, TableError> {
         self.stream(columns, true)
     }
 
     fn stream(&self, columns: &[usize], cells: bool) -> Result<Batches, TableError> {
-        let file = File::open(&self.path).map_err(|source| TableError::Read { path: self.path.clone(), source })?;
+        let source = self.source.clone();
+        let faulty = |fault| self.source.faulty(fault);
+        let named = move |batch: Result<Batch, TableFault>| batch.map_err(|fault| source.faulty(fault));
         match &self.format {
             Format::Text(dialect) => {
-                Ok(Box::new(text::TextBatches::new(&self.path, file, dialect, &self.names, columns, cells)))
+                let reader = self.source.open().map_err(|error| faulty(error.into()))?;
+                let batches = text::TextBatches::new(reader, dialect, &self.names, columns, cells);
+                Ok(Box::new(batches.map(named)))
             }
-            Format::Parquet => Ok(Box::new(parquet::ParquetBatches::open(&self.path, file, columns, cells)?)),
+            Format::Parquet => {
+                let batches = parquet::ParquetBatches::open(&self.source, columns, cells).map_err(faulty)?;
+                Ok(Box::new(batches.map(named)))
+            }
         }
     }
 }

@@ -6,19 +6,25 @@
 
 mod limits;
 
-use std::path::{Path, PathBuf};
+use std::fmt;
 
 use serde::Serialize;
 use thiserror::Error;
-use zerorate_core::drift::{HistoryState, evaluate_dynamic};
+use zerorate_fit::model::Model;
+use zerorate_fit::predict::{Predictor, Start};
+use zerorate_fit::residual::ResidualStatistics;
 
 pub use limits::{Limit, LimitError, Limits};
 
-use crate::calibration::{AxisCalibration, Calibration, CalibrationError, sha256_of_file};
-use crate::choose::Model;
-use crate::log_fit::{AxisFit, FitOptions, LogFitError, Spread, TracePoint, fit_log};
-use crate::quality::{Reason, TemperatureUnit};
-use crate::table::{Columns, RateUnit};
+use crate::calibration::{AxisCalibration, Calibration, sha256};
+use crate::fit::fit;
+use crate::log::LogFault;
+use crate::log_fit::{AxisFit, FitOptions, LogFitError};
+use crate::quality::{Reason, ReasonKind};
+use crate::source::{Faulty, Source};
+use crate::table::Columns;
+use crate::trace::TracePoint;
+use crate::units::{RateUnit, TemperatureUnit};
 
 /// How an axis of the log did.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -28,9 +34,9 @@ pub struct VerifiedAxis {
     /// The unit of all rates.
     pub rate_unit: RateUnit,
     /// What was recorded, about its mean, over averages of about 10 s.
-    pub raw: Spread,
+    pub raw: ResidualStatistics,
     /// What the calibration leaves, about its mean.
-    pub corrected: Spread,
+    pub corrected: ResidualStatistics,
     /// The mean that the calibration leaves: the zero of this run against that of the calibration's.
     pub offset: f64,
     /// The least and the greatest temperature in the log.
@@ -80,38 +86,39 @@ pub enum VerifyError {
     /// The log cannot be read.
     #[error(transparent)]
     Log(#[from] LogFitError),
+    /// The log is no test of the calibration.
+    #[error(transparent)]
+    NoTest(#[from] Faulty<NoTest>),
+    /// A limit makes no sense for an axis.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
+}
+
+/// Why a log is no test of a calibration.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum NoTest {
     /// The log is the one that the calibration was fitted on.
     #[error(
-        "{}: the calibration was fitted on this very log (by its SHA-256), so it is no test of it: give a log of another run, or --in-sample to look all the same",
-        path.display()
+        "the calibration was fitted on this very log (by its SHA-256), so it is no test of it: give a log of another run, or allow it (`in_sample`) to look all the same"
     )]
-    InSample {
-        /// The log.
-        path: PathBuf,
-    },
+    InSample,
     /// The log is no good for this.
-    #[error("{}: {reasons}", path.display())]
+    #[error("{reasons}")]
     Unusable {
-        /// The log.
-        path: PathBuf,
         /// Why.
         reasons: String,
     },
     /// No axis in common.
-    #[error("{}: it has {found}, and the calibration is for {expected}", path.display())]
+    #[error("it has {found}, and the calibration is for {expected}")]
     NoAxis {
-        /// The log.
-        path: PathBuf,
         /// Its axes.
         found: String,
         /// The calibration's.
         expected: String,
     },
     /// The units differ.
-    #[error("{}: axis {axis} is in {found}, and the calibration's in {expected}: give --rate-unit", path.display())]
+    #[error("axis {axis} is in {found}, and the calibration's in {expected}: say which it is (`rate_unit`)")]
     Unit {
-        /// The log.
-        path: PathBuf,
         /// The axis.
         axis: String,
         /// The log's unit.
@@ -119,12 +126,6 @@ pub enum VerifyError {
         /// The calibration's.
         expected: String,
     },
-    /// The log's bytes cannot be read.
-    #[error(transparent)]
-    Source(#[from] CalibrationError),
-    /// A limit makes no sense for an axis.
-    #[error(transparent)]
-    Limit(#[from] LimitError),
 }
 
 /// Applies a calibration to a log and holds what is left against limits. With `in_sample` a log that the calibration was
@@ -133,24 +134,24 @@ pub enum VerifyError {
 /// # Errors
 /// [`VerifyError`].
 pub fn verify(
-    log: &Path,
+    log: &Source,
     calibration: &Calibration,
     columns: &Columns,
     limits: &Limits,
     in_sample: bool,
 ) -> Result<Verified, VerifyError> {
-    let sha256 = sha256_of_file(log).map_err(|source| CalibrationError::Read { path: log.to_owned(), source })?;
+    let sha256 = sha256(log).map_err(|error| LogFitError::from(log.faulty::<LogFault>(error)))?;
     let is_own = calibration.sources.iter().any(|source| source.sha256 == sha256);
     if is_own && !in_sample {
-        return Err(VerifyError::InSample { path: log.to_owned() });
+        return Err(log.faulty(NoTest::InSample).into());
     }
     // The curve of this fit is not used: the simplest will do.
     let options =
         FitOptions { columns: columns.clone(), model: Model::Poly(1), allow_narrow: true, ..FitOptions::default() };
-    let fit = fit_log(log, &options)?;
+    let fit = fit(std::slice::from_ref(log), &options)?;
     if fit.axes.is_empty() {
-        let reasons: Vec<String> = fit.judgement.reasons.iter().map(|reason| reason.text.clone()).collect();
-        return Err(VerifyError::Unusable { path: log.to_owned(), reasons: reasons.join("; ") });
+        let reasons = fit.reasons().collect::<Vec<_>>().join("; ");
+        return Err(log.faulty(NoTest::Unusable { reasons }).into());
     }
     let mut axes = Vec::new();
     for axis in &fit.axes {
@@ -159,12 +160,9 @@ pub fn verify(
         }
     }
     if axes.is_empty() {
-        let names = |names: Vec<&str>| names.join(", ");
-        return Err(VerifyError::NoAxis {
-            path: log.to_owned(),
-            found: names(fit.axes.iter().map(|axis| axis.name.as_str()).collect()),
-            expected: names(calibration.axes.keys().map(String::as_str).collect()),
-        });
+        let found = fit.axes.iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>().join(", ");
+        let expected = calibration.axes.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+        return Err(log.faulty(NoTest::NoAxis { found, expected }).into());
     }
     let mut warnings: Vec<String> =
         fit.judgement.reasons.iter().filter(|r| !is_of_span(r)).map(|r| r.text.clone()).collect();
@@ -176,7 +174,7 @@ pub fn verify(
         )
     }));
     Ok(Verified {
-        log: log.display().to_string(),
+        log: log.name().to_owned(),
         passed: axes.iter().all(|axis| axis.missed.is_empty()),
         in_sample: is_own,
         temperature_unit: calibration.temperature_unit,
@@ -187,27 +185,25 @@ pub fn verify(
 
 /// A narrow span is no fault of a log that is not fitted.
 fn is_of_span(reason: &Reason) -> bool {
-    reason.kind == crate::quality::ReasonKind::NarrowSpan
+    reason.kind == ReasonKind::NarrowSpan
 }
 
 fn verify_axis(
-    path: &Path,
+    log: &Source,
     axis: &AxisFit,
     own: &AxisCalibration,
     calibration: &Calibration,
     limits: &Limits,
 ) -> Result<VerifiedAxis, VerifyError> {
-    let unit = |found: String, expected: String| VerifyError::Unit {
-        path: path.to_owned(),
-        axis: axis.name.clone(),
-        found,
-        expected,
+    let unit = |found: &dyn fmt::Display, expected: &dyn fmt::Display| {
+        let (found, expected) = (found.to_string(), expected.to_string());
+        log.faulty::<NoTest>(NoTest::Unit { axis: axis.name.clone(), found, expected }).into()
     };
-    if axis.rate_unit != own.rate_unit {
-        return Err(unit(axis.rate_unit.to_string(), own.rate_unit.to_string()));
+    if axis.calibration.rate_unit != own.rate_unit {
+        return Err(unit(&axis.calibration.rate_unit, &own.rate_unit));
     }
     if axis.temperature_unit != calibration.temperature_unit {
-        return Err(unit(axis.temperature_unit.name().to_owned(), calibration.temperature_unit.name().to_owned()));
+        return Err(unit(&axis.temperature_unit.name(), &calibration.temperature_unit.name()));
     }
     let points = corrected(own, &axis.trace);
     let raw: Vec<f64> = points.iter().map(|point| point.raw).collect();
@@ -215,13 +211,13 @@ fn verify_axis(
     let temperatures = points.iter().map(|point| point.temperature);
     let outside = points
         .iter()
-        .filter(|point| point.temperature < own.drift.valid.min() || point.temperature > own.drift.valid.max())
+        .filter(|point| point.temperature < own.drift().valid.min() || point.temperature > own.drift().valid.max())
         .count();
-    let (corrected, offset) = spread(&left);
+    let (corrected, offset) = ResidualStatistics::about_mean(&left);
     let mut verified = VerifiedAxis {
         name: axis.name.clone(),
-        rate_unit: axis.rate_unit,
-        raw: spread(&raw).0,
+        rate_unit: own.rate_unit,
+        raw: ResidualStatistics::about_mean(&raw).0,
         corrected,
         offset,
         temperature: [
@@ -239,32 +235,15 @@ fn verify_axis(
 /// The points of a log with a calibration's bias taken off.
 fn corrected(own: &AxisCalibration, trace: &[TracePoint]) -> Vec<VerifiedPoint> {
     let finite = |point: &&TracePoint| point.temperature.is_finite() && point.rate.is_finite();
-    let mut state = HistoryState::default();
-    let mut before_s = f64::NAN;
-    let correct = |point: &TracePoint| {
-        if let Some(history) = &own.history {
-            // The history begins with the log, as it does on a device that is switched on.
-            history.advance(&own.drift, &mut state, point.temperature, point.time_s - before_s);
-            before_s = point.time_s;
-        }
-        let (bias, _, _) = evaluate_dynamic(&own.drift, own.history.as_ref(), &state, point.temperature);
-        VerifiedPoint {
-            time_s: point.time_s,
-            temperature: point.temperature,
-            raw: point.rate,
-            corrected: point.rate - bias,
-        }
+    // The history begins with the log, as it does on a device that is switched on.
+    let mut predictor = Predictor::new(&own.fit.model, Start::Unknown);
+    let correct = |point: &TracePoint| VerifiedPoint {
+        time_s: point.time_s,
+        temperature: point.temperature,
+        raw: point.rate,
+        corrected: point.rate - predictor.predict(point.time_s, point.temperature).bias,
     };
     trace.iter().filter(finite).map(correct).collect()
-}
-
-/// The size of values about their mean, and the mean.
-fn spread(values: &[f64]) -> (Spread, f64) {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let rms = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
-    let (min, max) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), v| (min.min(*v), max.max(*v)));
-    (Spread { rms, pp: max - min }, mean)
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
 //! Files that appear whole or not at all.
 
-use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
 
 /// Writes a file beside its place and moves it there when it is whole and on the disk: whoever reads `path` sees the
 /// earlier file or the new one, never a part, and an error leaves the earlier one as it was.
@@ -21,10 +22,14 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
 #[derive(Debug)]
 pub struct WholeFile {
     path: PathBuf,
-    /// Where it is until it is whole; `None` once it is, and for what is no file: a device or a pipe must not be
-    /// replaced by one.
-    partial: Option<PathBuf>,
-    file: File,
+    file: Written,
+}
+
+#[derive(Debug)]
+enum Written {
+    Beside(NamedTempFile),
+    /// A device or a pipe must not be replaced by a file.
+    There(File),
 }
 
 impl WholeFile {
@@ -34,50 +39,52 @@ impl WholeFile {
     /// When the folder is not there or not writable.
     pub fn create(path: &Path) -> io::Result<Self> {
         let is_special = fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
-        let partial = (!is_special).then(|| partial(path));
-        let file = File::create(partial.as_deref().unwrap_or(path))?;
-        Ok(Self { path: path.to_owned(), partial, file })
+        let file = if is_special {
+            Written::There(File::create(path)?)
+        } else {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            Written::Beside(builder().tempfile_in(folder.unwrap_or(Path::new(".")))?)
+        };
+        Ok(Self { path: path.to_owned(), file })
     }
 
     /// Moves the file to its place.
     ///
     /// # Errors
     /// When the disk is full or a folder is in its place.
-    pub fn finish(mut self) -> io::Result<()> {
-        if let Some(partial) = &self.partial {
+    pub fn finish(self) -> io::Result<()> {
+        if let Written::Beside(file) = self.file {
             // A rename can reach the disk before the contents do.
-            self.file.sync_all()?;
-            fs::rename(partial, &self.path)?;
-            self.partial = None;
+            file.as_file().sync_all()?;
+            file.persist(&self.path)?;
         }
         Ok(())
     }
 }
 
+/// A temporary file with the permissions of any other new file.
+fn builder() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.suffix(".partial");
+    #[cfg(unix)]
+    builder.permissions(<fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666));
+    builder
+}
+
 impl Write for WholeFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
+        match &mut self.file {
+            Written::Beside(file) => file.write(bytes),
+            Written::There(file) => file.write(bytes),
+        }
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
-    }
-}
-
-impl Drop for WholeFile {
-    fn drop(&mut self) {
-        if let Some(partial) = &self.partial {
-            // The error that ended the writing says more than one about the leftover would.
-            let _ = fs::remove_file(partial);
+        match &mut self.file {
+            Written::Beside(file) => file.flush(),
+            Written::There(file) => file.flush(),
         }
     }
-}
-
-/// The name beside a file's place; the process's number keeps two programs that write the same file apart.
-fn partial(path: &Path) -> PathBuf {
-    let mut name = OsString::from(path);
-    name.push(format!(".{}.partial", std::process::id()));
-    PathBuf::from(name)
 }
 
 #[cfg(test)]

@@ -7,24 +7,29 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fmt::Write;
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use zerorate_cal::choose::Model;
 use zerorate_cal::condition::DropReason;
-use zerorate_cal::log_fit::{FitOptions, LogFit, fit_log};
+use zerorate_cal::log_fit::{AxisFit, FitOptions, LogFit};
 use zerorate_cal::quality::{ReasonKind, Verdict};
-use zerorate_cal::table::TableFile;
+use zerorate_cal::source::Source;
+use zerorate_cal::table::Table;
+use zerorate_fit::least_squares::raw_coefficients;
+use zerorate_fit::model::Model;
 
-fn recording() -> Option<PathBuf> {
+fn recording() -> Option<Source> {
     let folder = std::env::var_os("ZERORATE_DATA")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from);
     let path = folder.join("imu-chamber-cycle/imu_raw_data.tsv");
     if path.exists() {
-        return Some(path);
+        return Some(Source::file(&path));
     }
     eprintln!("skipped: {} is not there (ZERORATE_DATA names the folder of shared data)", path.display());
     None
+}
+
+fn fit_one(source: Source, options: &FitOptions) -> LogFit {
+    zerorate_cal::fit::fit(&[source], options).unwrap()
 }
 
 /// Golden curves of numpy 2.4, rad/s at -15, 0, 30 and 70 C:
@@ -42,16 +47,17 @@ fn a_plain_cubic_is_that_of_numpy_to_a_billionth_of_the_curves_range() {
         [0.016988148109817188, 0.01634952711564554, 0.01570430671093869, 0.02030402170353232],
     ];
     let options = FitOptions { plain: true, model: Model::Poly(3), ..FitOptions::default() };
-    let fit = fit_log(&path, &options).unwrap();
+    let fit = fit_one(path, &options);
     assert_eq!(fit.axes.len(), 3);
     for (axis, golden) in fit.axes.iter().zip(golden) {
-        assert_eq!((axis.samples_used, axis.samples_rejected.len()), (8400, 0));
-        let raw = axis.choice.solution.raw_coefficients();
-        let tolerance = 1e-9 * axis.drift.peak_to_peak();
+        let (drift, used) = (axis.calibration.drift(), axis.calibration.fit.statistics.samples_used);
+        assert_eq!((used, axis.samples_rejected.len()), (8400, 0));
+        let raw = raw_coefficients(&drift.shape);
+        let tolerance = 1e-9 * drift.peak_to_peak();
         for (t, golden) in [-15.0, 0.0, 30.0, 70.0].into_iter().zip(golden) {
             let by_raw: f64 = raw.iter().rev().fold(0.0, |sum, c| sum * t + c);
             assert!((by_raw - golden).abs() < tolerance, "{} at {t}: {by_raw} {golden}", axis.name);
-            assert!((axis.drift.evaluate(t).0 - golden).abs() < tolerance);
+            assert!((drift.evaluate(t).0 - golden).abs() < tolerance);
         }
     }
 }
@@ -59,7 +65,7 @@ fn a_plain_cubic_is_that_of_numpy_to_a_billionth_of_the_curves_range() {
 #[test]
 fn units_are_guessed_and_the_start_up_row_is_left_out() {
     let Some(path) = recording() else { return };
-    let fit = fit_log(&path, &FitOptions::default()).unwrap();
+    let fit = fit_one(path, &FitOptions::default());
     assert!(
         fit.notes.iter().any(|note| note.contains("taken as us, by which the log lasts 4245 s")),
         "{:?}",
@@ -67,29 +73,31 @@ fn units_are_guessed_and_the_start_up_row_is_left_out() {
     );
     assert_eq!(fit.axes[0].samples_rejected[0].reason, DropReason::StartUp);
     // The part jumps by itself at -10.4 and at -15 C: that is its drift.
-    assert!(fit.steps.is_empty() && fit.stretches.is_empty(), "{:?} {:?}", fit.steps, fit.stretches);
+    assert!(fit.steps.is_empty() && fit.excluded.is_empty(), "{:?} {:?}", fit.steps, fit.excluded);
     // The plain cubic's held-out figures in the recording are 6.01, 1.31 and 1.83 mrad/s by the same protocol.
     for (axis, bar) in fit.axes.iter().zip([6.1e-3, 1.35e-3, 1.83e-3]) {
-        assert!(axis.held_out.rms < bar, "{} {:?}", axis.name, axis.held_out);
+        let held_out = axis.calibration.fit.statistics.held_out.unwrap();
+        assert!(held_out.rms < bar, "{} {held_out:?}", axis.name);
     }
 }
 
-/// What every claim about this recording is held to, by the outer split that the fit reports of itself: each eighth by a
+/// What every claim about this recording is held to, by the outer split that the fit reports of itself: each fold by a
 /// model chosen and fitted on the other seven. The bars are those of the protocol (`../shared/tools/held_out.py`).
 #[test]
-fn the_model_chosen_predicts_eighths_that_it_has_not_seen() {
+fn the_model_chosen_predicts_folds_that_it_has_not_seen() {
     let Some(path) = recording() else { return };
-    let fit = fit_log(&path, &FitOptions::default()).unwrap();
+    let fit = fit_one(path, &FitOptions::default());
     let bars = [[1.0e-3, 1.4e-3, 1.1 * 4.05e-3], [1.1e-3, 0.78e-3, 1.1 * 0.85e-3], [1.5e-3, 1.3e-3, 1.1 * 1.57e-3]];
     for (axis, bars) in fit.axes.iter().zip(bars) {
-        let nested = axis.nested.unwrap();
+        let nested = axis.calibration.fit.statistics.nested.unwrap();
         let figures = [nested.in_recording, nested.deployed_warm, nested.deployed_cold].map(Option::unwrap);
         for (figure, bar) in figures.into_iter().zip(bars) {
-            assert!(figure < bar, "{} {}: {nested:?}", axis.name, axis.model());
+            assert!(figure < bar, "{} {}: {nested:?}", axis.name, axis.calibration.fit.chosen_model());
         }
         assert!(nested.in_recording < nested.cubic_in_recording);
     }
-    assert!(fit.axes[0].history.is_some() && fit.axes[1].history.is_some());
+    let remembers = |axis: &AxisFit| axis.calibration.fit.model.history.is_some();
+    assert!(remembers(&fit.axes[0]) && remembers(&fit.axes[1]));
     // Parts jump by themselves at some temperatures, and this one does: that is drift, not a step.
     assert!(fit.steps.is_empty(), "{:?}", fit.steps);
 }
@@ -101,9 +109,9 @@ struct Log {
     rates: [Vec<f64>; 3],
 }
 
-fn log(path: &Path) -> Log {
+fn log(source: &Source) -> Log {
     let mut columns = vec![Vec::new(); 5];
-    for batch in TableFile::open(path).unwrap().batches(&[0, 8, 1, 2, 3]).unwrap() {
+    for batch in Table::open(source).unwrap().batches(&[0, 8, 1, 2, 3]).unwrap() {
         columns.iter_mut().zip(batch.unwrap().columns).for_each(|(all, some)| all.extend(some));
     }
     columns.iter_mut().for_each(|column| *column = column.split_off(1));
@@ -118,10 +126,7 @@ fn fit(log: &Log) -> LogFit {
         let [x, y, z] = [0, 1, 2].map(|axis: usize| log.rates[axis][row]);
         writeln!(text, "{},{},{x},{y},{z}", log.times[row], log.temperatures[row]).unwrap();
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("fault.csv");
-    fs::write(&path, text).unwrap();
-    fit_log(&path, &FitOptions::default()).unwrap()
+    fit_one(Source::bytes("fault.csv", text.into_bytes()), &FitOptions::default())
 }
 
 /// Whether a reason of this kind was given.
@@ -166,7 +171,7 @@ fn missing_temperatures_spikes_rotation_and_a_step_are_reported_and_left_out() {
         assert!(gives(&fit, kind), "{kind:?}: {:?}", fit.judgement);
         assert_eq!(fit.judgement.verdict, Verdict::Warning);
         for t in [-15.0, 0.0, 30.0, 70.0] {
-            let moved = fit.axes[0].drift.evaluate(t).0 - reference.axes[0].drift.evaluate(t).0;
+            let moved = fit.axes[0].calibration.drift().evaluate(t).0 - reference.axes[0].calibration.drift().evaluate(t).0;
             // A twentieth of the drift, of which hysteresis leaves half.
             assert!(moved.abs() < 1e-3, "{kind:?} at {t}: {moved}");
         }

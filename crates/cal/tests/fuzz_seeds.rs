@@ -1,5 +1,5 @@
 //! The fuzz targets' seeds, and a few hundred changed copies of each, through the same parsers: what the fuzzer finds once
-//! does not come back. The fuzzer itself is `cargo xtask fuzz`.
+//! does not come back. How long an input may take, and how much memory, the fuzzer watches: `cargo xtask fuzz`.
 
 // Helpers of tests may unwrap as tests do.
 #![allow(clippy::unwrap_used)]
@@ -9,16 +9,12 @@ mod parsers;
 
 use std::fs;
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 /// Changed copies of a seed.
 const CHANGED: u32 = 150;
 
 /// Cut copies of a seed.
 const CUTS: usize = 40;
-
-/// An input may take no longer, with room for a busy machine and a debug build.
-const MOST_TIME: Duration = Duration::from_secs(10);
 
 /// Numbers that look random, the same in every run (Park and Miller's generator).
 struct Dice(u64);
@@ -54,20 +50,15 @@ fn replay(target: &str, parser: fn(&[u8])) {
     let mut files: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
     assert!(!files.is_empty(), "{} has no seeds", folder.display());
-    let held = |what: &str, bytes: &[u8]| {
-        let started = Instant::now();
-        parser(bytes);
-        assert!(started.elapsed() < MOST_TIME, "{what} took {:?}", started.elapsed());
-    };
     for file in files {
-        let (seed, name) = (fs::read(&file).unwrap(), file.display().to_string());
-        held(&name, &seed);
+        let seed = fs::read(&file).unwrap();
+        parser(&seed);
         for cut in 0..CUTS {
-            held(&format!("{name}, cut"), &seed[..seed.len() * cut / CUTS]);
+            parser(&seed[..seed.len() * cut / CUTS]);
         }
         let mut dice = Dice(42);
         for _ in 0..CHANGED {
-            held(&format!("{name}, changed"), &changed(&seed, &mut dice));
+            parser(&changed(&seed, &mut dice));
         }
     }
 }

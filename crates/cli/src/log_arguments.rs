@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use zerorate_cal::calibration::ResidualOver;
-use zerorate_cal::choose::Model;
 use zerorate_cal::log::SensorChoice;
 use zerorate_cal::log_fit::FitOptions;
-use zerorate_cal::table::{Columns, RateUnit, TimeUnit};
+use zerorate_cal::source::Source;
+use zerorate_cal::table::Columns;
+use zerorate_cal::units::{RateUnit, TimeUnit};
+use zerorate_fit::drift_fit::ResidualOver;
+use zerorate_fit::model::Model;
 
 /// A group may take this long: rows of a log are no closer, and a ramp has more than a few.
 const MIN_GROUP_S: f64 = 0.01;
@@ -111,6 +113,11 @@ impl LogArguments {
     /// The logs, as paths.
     pub fn paths(&self) -> Vec<&Path> {
         self.files.iter().map(PathBuf::as_path).collect()
+    }
+
+    /// The logs, to be read.
+    pub fn sources(&self) -> Vec<Source> {
+        self.files.iter().map(Source::from).collect()
     }
 
     /// Whether the plain fit was asked for.

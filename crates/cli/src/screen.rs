@@ -4,6 +4,7 @@ mod grid;
 mod number;
 mod rate;
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 use anyhow::Result;
@@ -133,23 +134,36 @@ fn width(terminal: &Term) -> usize {
     terminal.size_checked().map_or(80, |(_, columns)| usize::from(columns)).min(WIDEST)
 }
 
+/// The lines of a sentence that was broken between words; what stands before it, and as many spaces before the others.
 fn broken(indent: &str, sentence: &str, width: usize) -> Vec<String> {
-    let hanging = console::measure_text_width(indent);
-    let mut lines = Vec::new();
-    let mut line = indent.to_owned();
-    let mut used = hanging;
-    for word in sentence.split(' ') {
-        let long = console::measure_text_width(word);
-        if used > hanging && used + long > width {
-            lines.push(std::mem::replace(&mut line, " ".repeat(hanging)));
-            used = hanging;
+    let hanging = " ".repeat(console::measure_text_width(indent));
+    let options = textwrap::Options::new(width).initial_indent(indent).subsequent_indent(&hanging);
+    let words = options.break_words(false).word_splitter(textwrap::WordSplitter::NoHyphenation);
+    let spaced = words.word_separator(textwrap::WordSeparator::AsciiSpace);
+    textwrap::wrap(&as_options(sentence), spaced).into_iter().map(Cow::into_owned).collect()
+}
+
+/// A text in which parameters are named as the libraries name them, with this command's options in their place:
+/// `` `rate_unit` `` is `--rate-unit`.
+fn as_options(text: &str) -> String {
+    let is_name = |part: &str| !part.is_empty() && part.chars().all(|c| c.is_ascii_lowercase() || c == '_');
+    let parts: Vec<&str> = text.split('`').collect();
+    let mut told = String::new();
+    let mut place = 0;
+    while place < parts.len() {
+        // A name has a mark on both sides.
+        if place > 0 && place + 1 < parts.len() && is_name(parts[place]) {
+            told.push_str("--");
+            told.push_str(&parts[place].replace('_', "-"));
+            told.push_str(parts[place + 1]);
+            place += 2;
+        } else {
+            told.push_str(if place > 0 { "`" } else { "" });
+            told.push_str(parts[place]);
+            place += 1;
         }
-        line.push_str(word);
-        line.push(' ');
-        used += long + 1;
     }
-    lines.push(line);
-    lines
+    told
 }
 
 #[cfg(test)]
@@ -164,6 +178,14 @@ mod tests {
             ["  - one two", "    three", "    four"]
         );
         assert_eq!(broken("", "unbreakablylong word", 5)[0].trim_end(), "unbreakablylong");
+    }
+
+    #[test]
+    fn parameters_are_told_as_options() {
+        let text = "it is none (`rate_unit` says which, `time` when): `listener sensor_gyro` shows it, `--out` too";
+        let told = "it is none (--rate-unit says which, --time when): `listener sensor_gyro` shows it, `--out` too";
+        assert_eq!(as_options(text), told);
+        assert_eq!(as_options("a lone ` and `"), "a lone ` and `");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use zerorate_core::units::{Axis, Celsius, Counts, Seconds};
 use zerorate_core::wire::SampleWindow;
 
 use crate::error::BenchError;
-use crate::kept::Kept;
+use crate::checkpoint::Checkpoints;
 use crate::run::{Extent, Phase, Recorder, Session, Taken};
 
 /// Groups averaged at the end of each soak: one minute of the paper's.
@@ -25,12 +25,12 @@ pub struct Soaks {
 /// # Errors
 /// [`BenchError`].
 pub fn run(session: &mut Session<'_>, recorder: &mut Recorder) -> Result<Soaks, BenchError> {
-    run_once(session, recorder, &Kept::nothing())
+    run_once(session, recorder, &Checkpoints::none())
 }
 
 /// How far the recording had got when the last of the soaks that are kept was done.
 #[must_use]
-pub fn extent(kept: &Kept, soaks: usize) -> Option<Extent> {
+pub fn extent(kept: &Checkpoints, soaks: usize) -> Option<Extent> {
     (0..soaks).rev().find_map(|index| kept.extent(&name(index)))
 }
 
@@ -42,7 +42,7 @@ fn name(index: usize) -> String {
 ///
 /// # Errors
 /// [`BenchError`].
-pub fn run_once(session: &mut Session<'_>, recorder: &mut Recorder, kept: &Kept) -> Result<Soaks, BenchError> {
+pub fn run_once(session: &mut Session<'_>, recorder: &mut Recorder, kept: &Checkpoints) -> Result<Soaks, BenchError> {
     let temperatures = session.setup.chamber.soaks_c.clone();
     let hold = Seconds(session.setup.chamber.soak_s);
     // On a bench that obeys, every run begins alike.

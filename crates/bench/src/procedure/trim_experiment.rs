@@ -7,7 +7,7 @@
 use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
-use zerorate_cal::trim_fit::{SupplyPoint, TapReading};
+use zerorate_fit::trim::{SupplyPoint, TapReading};
 use zerorate_core::trim::MAX_TAP_OFFSETS;
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps, Volts};
 use zerorate_core::wire::SampleWindow;

@@ -1,34 +1,30 @@
 use std::fmt::Write as _;
-use std::fs;
 
-use zerorate_core::drift::{Polynomial, Scale, Shape, ValidRange};
+use zerorate_core::drift::{Drift, History, Memory, Polynomial, Scale, Shape, Term, ValidRange};
+use zerorate_fit::predict::TimeDrift;
 
 use super::*;
+use crate::source::Source;
 
-const TO: AppliedTo<'static> = AppliedTo { temperature: "temp", time: None, time_unit: None, own_recording: false };
+const TO: AppliedTo<'static> = AppliedTo { temperature: "temp", time: None, time_unit: None, start: Start::Unknown };
 
 /// 1 + T / 10 over 0..20.
-fn drift(column: &str) -> AppliedDrift {
+fn model(column: &str) -> AppliedModel {
     let scale = Scale::spanning(0.0, 20.0).unwrap();
-    AppliedDrift {
-        column: column.to_owned(),
-        drift: Drift {
-            shape: Shape::Polynomial(Polynomial::new(scale, &[2.0, 1.0]).unwrap()),
-            valid: ValidRange::new(0.0, 20.0).unwrap(),
-        },
-        history: None,
-        time_drift: None,
-    }
+    let shape = Shape::Polynomial(Polynomial::new(scale, &[2.0, 1.0]).unwrap());
+    let drift = Drift { shape, valid: ValidRange::new(0.0, 20.0).unwrap() };
+    AppliedModel { column: column.to_owned(), model: DriftModel::of_curve(drift) }
+}
+
+fn apply_to(log: &str, to: &AppliedTo<'_>, models: &[AppliedModel]) -> (Result<Applied, ApplyError>, String) {
+    let table = Table::open(&Source::bytes("log.tsv", log.as_bytes())).unwrap();
+    let mut output = Vec::new();
+    let applied = apply(&table, to, models, &mut output);
+    (applied, String::from_utf8(output).unwrap())
 }
 
 fn correct(log: &str) -> (Result<Applied, ApplyError>, String) {
-    let folder = tempfile::tempdir().unwrap();
-    let (input, output) = (folder.path().join("log.tsv"), folder.path().join("out.csv"));
-    fs::write(&input, log).unwrap();
-    fs::write(&output, "earlier").unwrap();
-    let applied = apply(&input, &TO, &[drift("x"), drift("y")], &output);
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left beside it");
-    (applied, fs::read_to_string(&output).unwrap())
+    apply_to(log, &TO, &[model("x"), model("y")])
 }
 
 #[test]
@@ -51,30 +47,20 @@ fn outside_the_valid_range_the_curve_is_held_and_counted() {
 }
 
 #[test]
-fn a_log_that_cannot_be_read_leaves_the_earlier_output() {
-    let (applied, text) = correct("temp,x,y\n1,2,3\n1,oops,3\n");
-    assert!(applied.unwrap_err().to_string().contains(":3: column 'x' holds 'oops'"));
-    assert_eq!(text, "earlier");
-    let (applied, text) = correct("temp,x\n1,2\n");
+fn a_log_that_cannot_be_read_names_its_line_or_column() {
+    let (applied, _) = correct("temp,x,y\n1,2,3\n1,oops,3\n");
+    assert!(applied.unwrap_err().to_string().contains("log.tsv: line 3: column 'x' holds 'oops'"));
+    let (applied, _) = correct("temp,x\n1,2\n");
     assert!(applied.unwrap_err().to_string().contains("there is no column 'y'"));
-    assert_eq!(text, "earlier");
-}
-
-#[test]
-fn a_folder_that_cannot_be_written_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let input = folder.path().join("log.csv");
-    fs::write(&input, "temp,x\n1,2\n").unwrap();
-    let error = apply(&input, &TO, &[drift("x")], Path::new("/nowhere/out.csv")).unwrap_err().to_string();
-    assert!(error.starts_with("/nowhere/out.csv: cannot be written"), "{error}");
 }
 
 /// A play of 2 degrees beside the drift, and a drift in time of 0.001 a second about 100 s.
-fn with_history(column: &str) -> AppliedDrift {
-    let plain = drift(column);
+fn with_history(column: &str) -> AppliedModel {
+    let mut own = model(column);
     let term = Term { memory: Memory::Play { half_width: 2.0 }, weight: 0.5, share: 1.0 };
-    let history = History::new(plain.drift.shape.clone(), &[term]);
-    AppliedDrift { history, time_drift: Some(TimeDrift { per_second: 1e-3, origin_s: 100.0 }), ..plain }
+    own.model.history = History::new(own.model.drift.shape.clone(), &[term]);
+    own.model.time_drift = Some(TimeDrift { per_second: 1e-3, origin_s: 100.0 });
+    own
 }
 
 /// Heating from 5 to 15 degrees, a degree every 20 s; `rates` false leaves their cells empty.
@@ -83,12 +69,9 @@ fn ramp(to: &AppliedTo<'_>, rates: bool) -> (Applied, Vec<f64>) {
     for step in 0..=10 {
         writeln!(log, "{},{},{}", 5000 + 20_000 * step, 5 + step, if rates { "1" } else { "" }).unwrap();
     }
-    let folder = tempfile::tempdir().unwrap();
-    let (input, output) = (folder.path().join("log.csv"), folder.path().join("out.csv"));
-    fs::write(&input, log).unwrap();
-    let applied = apply(&input, to, &[with_history("x")], &output).unwrap();
-    let mut rows = csv::Reader::from_path(&output).unwrap();
-    (applied, rows.records().map(|row| row.unwrap()[3].parse().unwrap()).collect())
+    let (applied, text) = apply_to(&log, to, &[with_history("x")]);
+    let mut rows = csv::Reader::from_reader(text.as_bytes());
+    (applied.unwrap(), rows.records().map(|row| row.unwrap()[3].parse().unwrap()).collect())
 }
 
 #[test]
@@ -106,7 +89,7 @@ fn a_history_starts_with_the_first_row_and_runs_through_rows_without_rates() {
 
 #[test]
 fn in_its_own_recording_the_drift_in_time_is_added_and_the_history_believed() {
-    let to = AppliedTo { time: Some("time_ms"), time_unit: Some(TimeUnit::Ms), own_recording: true, ..TO };
+    let to = AppliedTo { time: Some("time_ms"), time_unit: Some(TimeUnit::Ms), start: Start::OwnRecording, ..TO };
     let (applied, predicted) = ramp(&to, false);
     for (step, predicted) in predicted.iter().enumerate() {
         // The middle of what is possible: half the way, and 2 from the fourth degree on.
@@ -119,13 +102,10 @@ fn in_its_own_recording_the_drift_in_time_is_added_and_the_history_believed() {
 
 #[test]
 fn a_model_that_needs_time_says_so() {
-    let folder = tempfile::tempdir().unwrap();
-    let input = folder.path().join("log.csv");
-    fs::write(&input, "clock,temp,x\n1,5,0\n2,6,0\n").unwrap();
     let refused = |to: &AppliedTo<'_>| {
-        apply(&input, to, &[with_history("x")], &folder.path().join("out.csv")).unwrap_err().to_string()
+        apply_to("clock,temp,x\n1,5,0\n2,6,0\n", to, &[with_history("x")]).0.unwrap_err().to_string()
     };
-    let own = AppliedTo { own_recording: true, ..TO };
-    assert!(refused(&own).contains("say which with --time"));
+    let own = AppliedTo { start: Start::OwnRecording, ..TO };
+    assert!(refused(&own).contains("say which (`time`)"));
     assert!(refused(&AppliedTo { time: Some("clock"), ..own }).contains("'clock' names no unit"));
 }

@@ -6,13 +6,15 @@ use zerorate_core::units::{Axis, TemperatureScale};
 
 use super::{Calibration, Kind};
 use crate::compose::{ComposeError, DigitalOnly, compose, compose_axis};
-use crate::table::RateUnit;
+use crate::units::RateUnit;
 
 /// A device record, and which of its axes can only run the digital mode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MadeRecord {
     /// The record.
     pub record: DeviceRecord,
+    /// What it was made of, X then Y.
+    pub models: [AxisModel; 2],
     /// The axes whose wiper cannot follow, and why.
     pub digital_only: Vec<(Axis, DigitalOnly)>,
 }
@@ -83,8 +85,8 @@ impl Calibration {
         let scale = self.temperature_scale.ok_or(NoDeviceRecord::NoTemperatureScale)?;
         let mut digital_only = Vec::new();
         let mut axis = |axis| self.axis_model(axis, scale, &mut digital_only);
-        let axes = [axis(Axis::X)?, axis(Axis::Y)?];
-        Ok(MadeRecord { record: compose(serial, scale, &axes)?, digital_only })
+        let models = [axis(Axis::X)?, axis(Axis::Y)?];
+        Ok(MadeRecord { record: compose(serial, scale, &models)?, models, digital_only })
     }
 
     fn axis_model(
@@ -100,7 +102,7 @@ impl Calibration {
         }
         let trim = calibration.trim.clone().ok_or(NoDeviceRecord::NoTrim { axis: name })?;
         let composed = compose_axis(
-            calibration.drift.clone(),
+            calibration.drift().clone(),
             trim.trim,
             trim.dead_band_taps,
             trim.low_pass,
@@ -109,7 +111,7 @@ impl Calibration {
         )
         .map_err(|reason| NoDeviceRecord::Axis { axis: name, reason })?;
         digital_only.extend(composed.digital_only.map(|why| (axis, why)));
-        match (&calibration.history, self.group_period_s) {
+        match (&calibration.fit.model.history, self.group_period_s) {
             (None, _) => Ok(composed.model),
             (Some(_), None) => Err(NoDeviceRecord::NoGroupPeriod { axis: name }),
             (history, Some(period_s)) => Ok(composed.with_history(history.clone(), period_s).model),

@@ -1,49 +1,38 @@
 //! Why a calibration cannot be read or written.
 
 use std::io;
-use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 use super::{CREATED_BY, OLDEST_SCHEMA, SCHEMA};
+use crate::source::Faulty;
 
-/// Why a calibration cannot be read or written.
+/// Why a calibration cannot be read, with its name.
+pub type CalibrationError = Faulty<CalibrationFault>;
+
+/// Why a calibration cannot be read or made.
 #[derive(Debug, Error)]
-pub enum CalibrationError {
+pub enum CalibrationFault {
     /// A file cannot be read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
+    #[error("cannot be read: {0}")]
+    Read(#[from] io::Error),
     /// The file is something else.
     #[error(
-        "{}: this is not a calibration (JSON with a number under \"schema\"): give the calibration.json that calibrate or fit wrote",
-        path.display()
+        "this is not a calibration (JSON with a number under \"schema\"): give the calibration.json that calibrate or fit wrote"
     )]
-    NotOne {
-        /// The file.
-        path: PathBuf,
-    },
+    NotOne,
     /// A schema that this code does not know.
     #[error(
-        "{}: schema {found}, and this program ({CREATED_BY}) knows schemas {OLDEST_SCHEMA} to {SCHEMA}: {}",
-        path.display(),
+        "schema {found}, and this program ({CREATED_BY}) knows schemas {OLDEST_SCHEMA} to {SCHEMA}: {}",
         if *found > u64::from(SCHEMA) { "use a newer zerorate" } else { "calibrate or fit again" }
     )]
     UnknownSchema {
-        /// The file.
-        path: PathBuf,
         /// The schema found.
         found: u64,
     },
     /// The text is no JSON, or a field is missing or makes no sense.
-    #[error("{}:{line}:{column}: {what}: restore the file, or calibrate again", path.display())]
+    #[error("line {line}, column {column}: {what}: restore the file, or calibrate again")]
     Malformed {
-        /// The file.
-        path: PathBuf,
         /// The line, from 1.
         line: usize,
         /// The column, from 1.
@@ -63,21 +52,13 @@ pub enum CalibrationError {
         /// What is wrong with it.
         what: String,
     },
-    /// A file cannot be written.
-    #[error("{}: cannot be written: {source}: an earlier file there is as it was", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
 }
 
-impl CalibrationError {
-    pub(super) fn malformed(path: &Path, error: &serde_json::Error) -> Self {
+impl From<serde_json::Error> for CalibrationFault {
+    fn from(error: serde_json::Error) -> Self {
         // The place is said in front, as compilers do.
         let text = error.to_string();
         let what = text.split(" at line ").next().unwrap_or(&text).to_owned();
-        Self::Malformed { path: path.to_owned(), line: error.line(), column: error.column(), what }
+        Self::Malformed { line: error.line(), column: error.column(), what }
     }
 }

@@ -1,5 +1,3 @@
-use std::fs;
-
 use proptest::prelude::*;
 use zerorate_core::compensate::{HistoryNumbers, LowPass, Mode};
 use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, Table, ValidRange};
@@ -7,13 +5,18 @@ use zerorate_core::record::MAX_RECORD_BYTES;
 use zerorate_core::trim::{TapEffects, Trim, TrimLine};
 use zerorate_core::units::{Axis, Counts, Taps};
 
+use zerorate_fit::drift_fit::{BandPoint, StaticCubic};
+use zerorate_fit::model::Model;
+use zerorate_fit::predict::TimeDrift;
+use zerorate_fit::residual::ResidualStatistics;
+use zerorate_fit::trim::TrimEstimate;
+
 use super::*;
-use crate::choose::Model;
-use crate::log_fit::{FitOptions, fit_log};
+use crate::fit::fit;
+use crate::log_fit::{FitOptions, LogFit};
 use crate::quality::Judgement;
-use crate::recorded::{RampGroup, RampMeans, fit_axis};
-use crate::table::RateUnit;
-use crate::trim_fit::TrimEstimate;
+use crate::ramp_fit::{RampGroup, RampMeans, fit_axis};
+use crate::units::RateUnit;
 
 /// A board's axis: eq. (1), X, shifted, with noise; a trim with measured effects whose numbers have all their bits.
 fn board_axis(shift: f64) -> AxisCalibration {
@@ -43,7 +46,7 @@ fn board_axis(shift: f64) -> AxisCalibration {
     let effects: Vec<Counts> = (-16..=16).map(|k| Counts(f64::from(k) * 31.3 + f64::from(k % 5) / 7.0)).collect();
     let trim = TrimCalibration {
         trim: Trim { line, measured: TapEffects::new(Taps::new(495).unwrap(), &effects) },
-        better: Some(estimate),
+        paired: Some(estimate),
         paper: Some(estimate),
         dead_band_taps: 0.15,
         low_pass: LowPass::first_order(40.0, 0.003, 0.0001),
@@ -56,31 +59,21 @@ fn board_axis(shift: f64) -> AxisCalibration {
     }
     let options = FitOptions { model: Model::Poly(2), ..FitOptions::default() };
     let fit = fit_axis("x", &means, None, &options, &mut Judgement::default()).unwrap();
-    AxisCalibration { trim: Some(trim), ..AxisCalibration::of_fit(&fit, ResidualOver::Groups) }
+    AxisCalibration { trim: Some(trim), ..fit.calibration }
 }
 
 fn board() -> Calibration {
-    let source = Source {
-        content: "full-temperature".to_owned(),
-        file: "full-temperature.parquet".to_owned(),
-        sha256: "00".repeat(32),
-    };
+    let sha256 = "0123456789abcdef".repeat(4);
+    let origin = Origin { content: "full-temperature".into(), file: "full-temperature.parquet".into(), sha256 };
+    let axes = [("x".to_owned(), board_axis(0.0)), ("y".to_owned(), board_axis(17.3))].into();
+    let serial = Some("ZR-000042".to_owned());
     Calibration {
-        kind: Kind::AnalogueBoard,
-        unit_serial: Some("ZR-0001".to_owned()),
-        created_by: CREATED_BY.to_owned(),
-        sources: vec![source],
-        temperature_unit: TemperatureUnit::Counts,
         temperature_scale: Some(TemperatureScale::QUARTER_COUNTS),
         group_period_s: Some(1.5),
-        axes: [("x".to_owned(), board_axis(0.0)), ("y".to_owned(), board_axis(17.3))].into(),
         warnings: vec!["look at this".to_owned()],
         setup: Some(serde_json::json!({ "group": { "samples": 500 } })),
+        ..Calibration::new(Kind::AnalogueBoard, serial, vec![origin], TemperatureUnit::Counts, axes)
     }
-}
-
-fn here() -> &'static Path {
-    Path::new("calibration.json")
 }
 
 fn bytes(calibration: &Calibration) -> Vec<u8> {
@@ -90,14 +83,12 @@ fn bytes(calibration: &Calibration) -> Vec<u8> {
 
 #[test]
 fn a_calibration_that_was_written_and_read_is_the_same_and_makes_the_same_record() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("calibration.json");
     let board = board();
-    board.write(&path).unwrap();
-    let read = Calibration::read(&path).unwrap();
+    let text = board.to_json().unwrap();
+    let read = Calibration::read(&Source::bytes("calibration.json", text.as_bytes())).unwrap();
     assert_eq!(read, board);
     assert_eq!(bytes(&read), bytes(&board));
-    assert_eq!(read.to_json().unwrap(), fs::read_to_string(&path).unwrap());
+    assert_eq!(read.to_json().unwrap(), text);
 }
 
 #[test]
@@ -117,59 +108,50 @@ fn the_file_names_its_units() {
     assert_eq!(x["trim"]["tap_effects"]["effects_counts"].as_array().unwrap().len(), 33);
 }
 
+fn plain_fit(rows: &str) -> LogFit {
+    let log = Source::bytes("log.csv", rows.as_bytes());
+    fit(&[log], &FitOptions { plain: true, ..FitOptions::default() }).unwrap()
+}
+
 #[test]
 fn a_log_becomes_a_calibration_of_its_columns() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("log.csv");
     let mut text = "time_s,temperature_c,gyro_x,gyro_y\n".to_owned();
     for row in 0..2000_i32 {
         let t = -20.0 + f64::from(row) * 0.03;
         let noise = f64::from((row * 617) % 1000) * 1e-7;
         text += &format!("{row},{t},{},{}\n", 1e-4 * t + noise, 2e-6 * t * t + noise);
     }
-    fs::write(&path, text).unwrap();
-    let fit = fit_log(&path, &FitOptions { plain: true, ..FitOptions::default() }).unwrap();
-    let source = Source::of_file("log", &path).unwrap();
-    let calibration = Calibration::of_log(&fit, ResidualOver::Rows, vec![source], None).unwrap();
+    let calibration = plain_fit(&text).to_calibration(Vec::new(), None).unwrap();
     assert_eq!(calibration.axes.keys().collect::<Vec<_>>(), ["gyro_x", "gyro_y"]);
-    assert_eq!(calibration.sources[0].file, "log.csv");
     let y = &calibration.axes["gyro_y"];
-    assert_eq!((y.model(), y.fit.as_ref().unwrap().residuals), (Model::Poly(2), 2000));
-    let read = Calibration::from_json(&calibration.to_json().unwrap(), here()).unwrap();
+    assert_eq!((y.model(), y.fit.statistics.residuals), (Model::Poly(2), 2000));
+    let read = Calibration::from_json(&calibration.to_json().unwrap()).unwrap();
     assert_eq!(read, calibration);
     assert_eq!(read.to_device_record(), Err(NoDeviceRecord::NotABoard));
 }
 
 #[test]
 fn a_rejected_log_makes_no_calibration() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("log.csv");
     let rows: String = (0..500).map(|row| format!("{row},25.0,0.001\n")).collect();
-    fs::write(&path, format!("time_s,temperature_c,gyro_x\n{rows}")).unwrap();
-    let fit = fit_log(&path, &FitOptions { plain: true, ..FitOptions::default() }).unwrap();
-    let source = Source::of_file("log", &path).unwrap();
-    let refused = Calibration::of_log(&fit, ResidualOver::Rows, vec![source], None).unwrap_err();
+    let fit = plain_fit(&format!("time_s,temperature_c,gyro_x\n{rows}"));
+    let refused = fit.to_calibration(Vec::new(), None).unwrap_err();
     assert!(refused.to_string().contains("the temperature stays at 25.00"), "{refused}");
 }
 
 /// The hash of "abc": FIPS 180-4's own example.
 #[test]
-fn a_source_is_known_by_the_hash_of_its_bytes() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("abc.parquet");
-    fs::write(&path, "abc").unwrap();
-    let source = Source::of_file("trim-sweep", &path).unwrap();
-    assert_eq!(source.file, "abc.parquet");
-    assert_eq!(source.sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-    let missing = Source::of_file("log", &folder.path().join("none.csv")).unwrap_err();
-    assert!(missing.to_string().contains("none.csv: cannot be read"), "{missing}");
+fn an_origin_is_known_by_the_hash_of_its_bytes() {
+    let origin = Origin::of("trim-sweep", &Source::bytes("folder/abc.parquet", *b"abc")).unwrap();
+    assert_eq!(origin.file, "abc.parquet");
+    assert_eq!(origin.sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    assert!(Origin::of("log", &"/nowhere/none.csv".into()).is_err());
 }
 
 #[test]
 fn an_unknown_schema_is_named_before_anything_else() {
-    let refused = |text: &str| Calibration::from_json(text, here()).unwrap_err().to_string();
+    let refused = |text: &str| Calibration::from_json(text).unwrap_err().to_string();
     let newer = refused(r#"{ "schema": 7, "axes": "in another form" }"#);
-    assert!(newer.starts_with("calibration.json: schema 7,") && newer.ends_with("use a newer zerorate"), "{newer}");
+    assert!(newer.starts_with("schema 7,") && newer.ends_with("use a newer zerorate"), "{newer}");
     assert!(refused(r#"{ "schema": 0 }"#).ends_with("calibrate or fit again"));
     for other in [r#"{ "plant": "paper" }"#, r#"{ "schema": "1" }"#, "{}"] {
         assert!(refused(other).contains("this is not a calibration"), "{other}");
@@ -179,8 +161,8 @@ fn an_unknown_schema_is_named_before_anything_else() {
 #[test]
 fn a_malformed_file_is_refused_with_line_and_column() {
     let text = board().to_json().unwrap();
-    let place = |text: &str| match Calibration::from_json(text, here()).unwrap_err() {
-        CalibrationError::Malformed { line, column, what, .. } => (line, column, what),
+    let place = |text: &str| match Calibration::from_json(text).unwrap_err() {
+        CalibrationFault::Malformed { line, column, what, .. } => (line, column, what),
         other => panic!("{other}"),
     };
     let cut = &text[..text.len() / 2];
@@ -188,7 +170,7 @@ fn a_malformed_file_is_refused_with_line_and_column() {
     let (line, column, what) = place(&text.replacen("\"kind\": \"analogue-board\"", "\"kind\": \"toaster\"", 1));
     assert_eq!((line, column), (3, 19));
     assert!(what.contains("unknown variant `toaster`") && !what.contains("line"), "{what}");
-    let refused = Calibration::from_json(&text.replacen("\"sources\"", "\"origins\"", 1), here()).unwrap_err();
+    let refused = Calibration::from_json(&text.replacen("\"sources\"", "\"origins\"", 1)).unwrap_err();
     assert!(refused.to_string().contains("missing field `sources`"), "{refused}");
 }
 
@@ -197,7 +179,7 @@ fn contradictions_in_a_file_are_refused() {
     let text = board().to_json().unwrap();
     let refused = |from: &str, to: &str| {
         assert!(text.contains(from), "{from}");
-        Calibration::from_json(&text.replacen(from, to, 1), here()).unwrap_err().to_string()
+        Calibration::from_json(&text.replacen(from, to, 1)).unwrap_err().to_string()
     };
     assert!(
         refused("\"model\": \"poly:2\",\n      \"drift\"", "\"model\": \"poly:3\",\n      \"drift\"")
@@ -215,27 +197,18 @@ fn contradictions_in_a_file_are_refused() {
 
 #[test]
 fn files_that_are_something_else_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("device-record.bin");
-    fs::write(&path, [0x5a, 0x52, 0xff, 0x00]).unwrap();
-    assert!(matches!(Calibration::read(&path), Err(CalibrationError::NotOne { .. })));
-    assert!(matches!(Calibration::read(&folder.path().join("none")), Err(CalibrationError::Read { .. })));
+    let refused = |source: &Source| Calibration::read(source).unwrap_err();
+    let record = refused(&Source::bytes("device-record.bin", [0x5a, 0x52, 0xff, 0x00]));
+    assert!(matches!(record.fault, CalibrationFault::NotOne), "{record}");
+    let none = refused(&"/nowhere/none".into());
+    assert!(none.to_string().starts_with("/nowhere/none: cannot be read"), "{none}");
 }
 
 #[test]
-fn what_would_not_read_back_is_not_written_and_the_earlier_file_stays() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("calibration.json");
-    board().write(&path).unwrap();
-    let earlier = fs::read(&path).unwrap();
+fn what_would_not_read_back_is_not_written() {
     let mut bad = board();
-    if let Some(fit) = bad.axes.get_mut("x").and_then(|x| x.fit.as_mut()) {
-        fit.in_sample.rms = f64::NAN;
-    }
-    assert!(matches!(bad.write(&path), Err(CalibrationError::Unwritable { .. })));
-    assert_eq!(fs::read(&path).unwrap(), earlier);
-    let nowhere = folder.path().join("missing").join("calibration.json");
-    assert!(matches!(board().write(&nowhere), Err(CalibrationError::Write { .. })));
+    bad.axes.get_mut("x").unwrap().fit.statistics.in_sample.rms = f64::NAN;
+    assert!(matches!(bad.to_json(), Err(CalibrationFault::Unwritable { .. })));
 }
 
 #[test]
@@ -286,8 +259,8 @@ proptest! {
     #[test]
     fn every_drift_reads_back_to_the_same_bits(drift in drifts()) {
         let mut calibration = board();
-        calibration.axes.get_mut("x").unwrap().drift = drift;
-        let read = Calibration::from_json(&calibration.to_json().unwrap(), here()).unwrap();
+        calibration.axes.get_mut("x").unwrap().fit.model.drift = drift;
+        let read = Calibration::from_json(&calibration.to_json().unwrap()).unwrap();
         prop_assert_eq!(read, calibration);
     }
 }
@@ -299,7 +272,7 @@ fn with_history(axis: &mut AxisCalibration) {
         Term { memory: Memory::Play { half_width: 123.4 }, weight: 0.0117, share: 0.6 },
         Term { memory: Memory::Lag { time_constant_s: 240.0 }, weight: -0.3, share: 0.4 },
     ];
-    axis.history = History::new(axis.drift.shape.clone(), &terms);
+    axis.fit.model.history = History::new(axis.drift().shape.clone(), &terms);
 }
 
 /// The board's record carries an axis's history and the time it runs by, and is refused where that is not known.
@@ -310,7 +283,7 @@ fn a_boards_history_stands_in_its_record() {
     let [x, y] = calibration.to_device_record().unwrap().record.axes;
     // Rounded to the device's integers: a group of 1.5 s.
     let (axis, scale) = (&calibration.axes["x"], calibration.temperature_scale.unwrap());
-    let rounded = HistoryNumbers::new(axis.history.as_ref().unwrap(), &axis.drift, scale, 1.5).unwrap();
+    let rounded = HistoryNumbers::new(axis.fit.model.history.as_ref().unwrap(), axis.drift(), scale, 1.5).unwrap();
     assert_eq!((x.law.history, y.law.history), (Some(rounded), None));
     calibration.group_period_s = None;
     assert_eq!(calibration.to_device_record(), Err(NoDeviceRecord::NoGroupPeriod { axis: "x" }));
@@ -322,14 +295,14 @@ fn a_calibration_with_a_history_reads_back_as_it_was_written() {
     let mut calibration = board();
     let axis = calibration.axes.get_mut("x").unwrap();
     with_history(axis);
-    axis.time_drift = Some(TimeDrift { per_second: 1e-3, origin_s: 2122.25 });
-    axis.band = vec![BandPoint { temperature: 8500.0, half_width: 1.0 / 3.0 }];
-    let spread = crate::log_fit::Spread { rms: 0.1, pp: 0.7 };
-    axis.static_cubic = Some(StaticCubic { drift: axis.drift.clone(), in_sample: spread, held_out: None });
+    axis.fit.model.time_drift = Some(TimeDrift { per_second: 1e-3, origin_s: 2122.25 });
+    axis.fit.band = vec![BandPoint { temperature: 8500.0, half_width: 1.0 / 3.0 }];
+    let in_sample = ResidualStatistics { rms: 0.1, pp: 0.7 };
+    axis.fit.static_cubic = Some(StaticCubic { drift: axis.drift().clone(), in_sample, held_out: None });
     let text = calibration.to_json().unwrap();
-    assert_eq!(Calibration::from_json(&text, Path::new("c.json")).unwrap(), calibration);
+    assert_eq!(Calibration::from_json(&text).unwrap(), calibration);
     for (good, bad) in [("\"half_width\": 123.4", "\"half_width\": -1"), ("\"share\": 0.6", "\"share\": 0.9")] {
-        let error = Calibration::from_json(&text.replace(good, bad), Path::new("c.json")).unwrap_err().to_string();
+        let error = Calibration::from_json(&text.replace(good, bad)).unwrap_err().to_string();
         assert!(error.contains("a history has 1 to 6 terms"), "{error}");
     }
 }
@@ -339,5 +312,5 @@ fn a_calibration_with_a_history_reads_back_as_it_was_written() {
 fn the_first_schema_is_still_read() {
     let calibration = board();
     let text = calibration.to_json().unwrap().replacen("\"schema\": 2", "\"schema\": 1", 1);
-    assert_eq!(Calibration::from_json(&text, Path::new("c.json")).unwrap(), calibration);
+    assert_eq!(Calibration::from_json(&text).unwrap(), calibration);
 }

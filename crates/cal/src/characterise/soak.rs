@@ -1,15 +1,16 @@
 //! The noise of a log, sample by sample: of its longest soak, or of what a calibration leaves of all of it.
 
 use std::collections::VecDeque;
-use std::path::Path;
 
 use serde::Serialize;
-use zerorate_core::drift::{HistoryState, evaluate_dynamic};
+use zerorate_fit::allan::{Allan, NoAllan};
+use zerorate_fit::predict::{Predictor, Start};
 
-use crate::allan::{Allan, NoAllan};
 use crate::calibration::{AxisCalibration, Calibration};
 use crate::log::{LogError, LogFile, Rows, SensorChoice, Sink, Stream};
-use crate::table::{Columns, RateUnit};
+use crate::source::Source;
+use crate::table::Columns;
+use crate::units::RateUnit;
 
 /// The temperature of a soak stays within this part of the least span of a calibration: 1 C. At the steepest of common
 /// drifts, 1e-3 rad/s a degree, that is a ramp of 1e-3 rad/s at most: below the flicker of parts that drift so much.
@@ -63,7 +64,7 @@ pub struct AxisNoise {
 /// # Errors
 /// When the log cannot be read. What has no noise to tell says why in [`AxisNoise::noise`].
 pub fn noise(
-    log: &Path,
+    log: &Source,
     columns: &Columns,
     sensor: Option<SensorChoice>,
     calibration: Option<&Calibration>,
@@ -95,7 +96,7 @@ impl Sink for Taking {
     }
 
     fn rows(&mut self, rows: &Rows<'_>) {
-        if let Some(series) = self.places[rows.stream].and_then(|place| self.sensors.get_mut(place)) {
+        if let Some(series) = self.places[rows.sensor].and_then(|place| self.sensors.get_mut(place)) {
             series.push(rows);
         }
     }
@@ -238,18 +239,12 @@ impl Series {
     }
 
     fn of_residual(&self, axis: usize, name: &str, temperatures: &[f64], own: &AxisCalibration) -> AxisNoise {
-        let mut state = HistoryState::default();
-        let mut before_s = f64::NAN;
+        let mut predictor = Predictor::new(&own.fit.model, Start::Unknown);
         let values = self.values(axis);
         let residuals: Vec<f64> = (0..values.len())
             .map(|place| {
-                if let Some(history) = &own.history {
-                    let time_s = self.mean(self.bins[place].time_s);
-                    history.advance(&own.drift, &mut state, temperatures[place], time_s - before_s);
-                    before_s = if time_s.is_finite() { time_s } else { before_s };
-                }
-                let now = temperatures[place];
-                values[place] - evaluate_dynamic(&own.drift, own.history.as_ref(), &state, now).0
+                let time_s = self.mean(self.bins[place].time_s);
+                values[place] - predictor.predict(time_s, temperatures[place]).bias
             })
             .collect();
         let mut found = self.describe(name, NoiseOf::Residual, 0, values.len(), temperatures);
@@ -330,10 +325,10 @@ fn longest_soak(temperatures: &[f64], most: f64) -> (usize, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quality::TemperatureUnit;
+    use crate::units::TemperatureUnit;
 
     /// A log at 10 Hz: a ramp of 200 s, a soak of 400 s, a ramp again; white noise of 0.01 a sample.
-    fn log(drift: f64) -> (tempfile::TempDir, std::path::PathBuf) {
+    fn log(drift: f64) -> Source {
         let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();
         let mut n: u64 = 42;
         for row in 0..8000_i32 {
@@ -346,16 +341,12 @@ mod tests {
             };
             text += &format!("{},{temperature},{}\n", f64::from(row) / 10.0, drift * temperature + noise);
         }
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("log.csv");
-        std::fs::write(&path, text).unwrap();
-        (folder, path)
+        Source::bytes("log.csv", text.into_bytes())
     }
 
     #[test]
     fn the_longest_soak_of_a_log_tells_its_noise() {
-        let (_folder, path) = log(0.05);
-        let found = noise(&path, &Columns::default(), None, None).unwrap().remove(0);
+        let found = noise(&log(0.05), &Columns::default(), None, None).unwrap().remove(0);
         assert_eq!(found.of, NoiseOf::Soak);
         // The soak, and what of the ramps is within a degree of it.
         assert!(found.time_s[0] > 180.0 && found.time_s[1] < 620.0, "{found:?}");
@@ -368,12 +359,10 @@ mod tests {
 
     #[test]
     fn a_ramp_is_refused_with_what_to_do_and_its_residual_is_not() {
-        let (folder, _) = log(0.05);
-        let ramp = folder.path().join("ramp.csv");
         let rows: String = (0..4000)
             .map(|row| format!("{},{},{}\n", f64::from(row) / 10.0, f64::from(row) * 0.01, f64::from(row * 7 % 13)))
             .collect();
-        std::fs::write(&ramp, format!("time_s,temperature_c,gyro_x_rad_s\n{rows}")).unwrap();
+        let ramp = Source::bytes("ramp.csv", format!("time_s,temperature_c,gyro_x_rad_s\n{rows}").into_bytes());
         let found = noise(&ramp, &Columns::default(), None, None).unwrap().remove(0);
         let refused = found.noise.unwrap_err();
         assert!(refused.contains("the temperature goes from") && refused.contains("take a soak"), "{refused}");
@@ -382,13 +371,10 @@ mod tests {
     #[test]
     fn with_a_calibration_the_whole_logs_residual_is_taken() {
         // 40 mrad/s in all: as much as parts drift, and no more than conditioning takes for drift.
-        let (_folder, path) = log(0.002);
-        let options = crate::log_fit::FitOptions::default();
-        let fit = crate::log_fit::fit_log(&path, &options).unwrap();
-        let source = crate::calibration::Source::of_file("log", &path).unwrap();
-        let over = crate::calibration::ResidualOver::Groups;
-        let calibration = Calibration::of_log(&fit, over, vec![source], None).unwrap();
-        let found = noise(&path, &Columns::default(), None, Some(&calibration)).unwrap().remove(0);
+        let log = log(0.002);
+        let fit = crate::fit::fit(std::slice::from_ref(&log), &crate::log_fit::FitOptions::default()).unwrap();
+        let calibration = fit.to_calibration(Vec::new(), None).unwrap();
+        let found = noise(&log, &Columns::default(), None, Some(&calibration)).unwrap().remove(0);
         assert_eq!(found.of, NoiseOf::Residual);
         let n = found.noise.unwrap().coefficients.angle_random_walk.value().unwrap();
         assert!((n / (0.01 * 0.1_f64.sqrt()) - 1.0).abs() < 0.05, "{n}");
@@ -407,7 +393,7 @@ mod tests {
         let time: Vec<f64> = (0..rows).map(|i| f64::from(i) * 0.01 + if i >= 200_000 { 50.0 } else { 0.0 }).collect();
         let values: Vec<f64> = (0..rows).map(|i| f64::from(i % 2)).collect();
         series.push(&Rows {
-            stream: 0,
+            sensor: 0,
             part: 0,
             first_row: 0,
             time_s: &time,

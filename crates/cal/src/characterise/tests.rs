@@ -1,5 +1,7 @@
 use super::*;
-use crate::log_fit::{FitOptions, fit_log};
+use crate::fit::fit;
+use crate::log_fit::FitOptions;
+use crate::source::Source;
 
 /// Two cycles between -10 and 50 C, the second three times as fast, as a log: a line of 1e-3 a degree, a play of 3 C by
 /// which heating is `hysteresis` above cooling, `ramp` times the temperature's speed, a little noise.
@@ -15,10 +17,8 @@ fn cycle(hysteresis: f64, ramp: f64) -> Characteristics {
         let rate = 1e-3 * t + hysteresis * (t - play) / 6.0 + ramp * speed + noise;
         text += &format!("{row},{t},{rate}\n");
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("cycle.csv");
-    std::fs::write(&path, text).unwrap();
-    let fit = fit_log(&path, &FitOptions { model: "poly:1".parse().unwrap(), ..FitOptions::default() }).unwrap();
+    let log = Source::bytes("cycle.csv", text.into_bytes());
+    let fit = fit(&[log], &FitOptions { model: "poly:1".parse().unwrap(), ..FitOptions::default() }).unwrap();
     Characteristics::of(&fit.axes[0])
 }
 
@@ -53,10 +53,7 @@ fn what_a_log_does_not_hold_is_refused_with_what_to_do() {
     for row in 0..2000_i32 {
         text += &format!("{row},{},{}\n", 0.02 * f64::from(row), f64::from((row * 617) % 1000) * 1e-7);
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("ramp.csv");
-    std::fs::write(&path, text).unwrap();
-    let fit = fit_log(&path, &FitOptions::default()).unwrap();
+    let fit = fit(&[Source::bytes("ramp.csv", text.into_bytes())], &FitOptions::default()).unwrap();
     let found = Characteristics::of(&fit.axes[0]);
     assert!(found.hysteresis.unwrap_err().contains("let it warm and cool"));
     assert!(found.ramp_sensitivity.unwrap_err().contains("fast and slowly"));

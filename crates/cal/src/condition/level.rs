@@ -1,16 +1,16 @@
-//! What can be seen on groups: stretches that are no drift, and steps of the rate.
+//! What can be seen on groups: intervals that are no drift, and steps of the rate.
 
 use super::motion::mark_moved;
 use super::settle::mark_settling;
 use super::step::take_out_steps;
 use super::temperature::mark_frozen;
-use super::{DropReason, Group, Step, Stretch, Tally};
-use crate::quality::TemperatureUnit;
+use super::{DropReason, Group, Excluded, Step, Tally};
+use crate::units::TemperatureUnit;
 
 /// A jump of the temperature of more than this share of the least span, 0.5 C, explains a jump of the rate.
 const TEMPERATURE_JUMP: f64 = 0.05;
 
-/// Two steps in opposite directions whose sizes agree to this share are one stretch of another rate.
+/// Two steps in opposite directions whose sizes agree to this share are one interval of another rate.
 const AGREEMENT: f64 = 0.1;
 
 /// A time without rows is told if it is longer than this, and than [`GAP_GROUPS`].
@@ -23,7 +23,7 @@ const GAP_GROUPS: f64 = 3.0;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Levels {
     /// Stretches left out of all axes, for a unit that is moved is moved as a whole; and gaps.
-    pub stretches: Vec<Stretch>,
+    pub excluded: Vec<Excluded>,
     /// Steps taken out.
     pub steps: Vec<Step>,
 }
@@ -57,15 +57,15 @@ pub fn level(groups: &mut [Group], tallies: &mut [Tally], unit: TemperatureUnit,
             }
         }
     }
-    let mut stretches = stretches(groups, &marks);
-    stretches.extend(gaps(groups));
-    stretches.sort_by_key(|stretch| stretch.rows);
-    Levels { stretches, steps }
+    let mut excluded = excluded(groups, &marks);
+    excluded.extend(gaps(groups));
+    excluded.sort_by_key(|interval| interval.rows);
+    Levels { excluded, steps }
 }
 
 /// Leaves out the groups of one sensor at times at which another of the same unit was moved. Gives what was left out
 /// besides what was left out before.
-pub fn leave_out_times(groups: &mut [Group], tallies: &mut [Tally], times_s: &[(f64, f64)]) -> Vec<Stretch> {
+pub fn leave_out_times(groups: &mut [Group], tallies: &mut [Tally], times_s: &[(f64, f64)]) -> Vec<Excluded> {
     let overlaps = |group: &Group| times_s.iter().any(|(from, to)| group.times_s.0 <= *to && group.times_s.1 >= *from);
     let marks: Vec<Option<DropReason>> = groups
         .iter()
@@ -77,7 +77,7 @@ pub fn leave_out_times(groups: &mut [Group], tallies: &mut [Tally], times_s: &[(
         }
     }
     leave_out(groups, &marks);
-    stretches(groups, &marks)
+    excluded(groups, &marks)
 }
 
 fn leave_out(groups: &mut [Group], marks: &[Option<DropReason>]) {
@@ -89,7 +89,7 @@ fn leave_out(groups: &mut [Group], marks: &[Option<DropReason>]) {
     }
 }
 
-/// A step up and one back down by as much are a rotation that lasted, or a disturbance: the stretch between is left out and
+/// A step up and one back down by as much are a rotation that lasted, or a disturbance: the interval between is left out and
 /// the level after it is as it was.
 fn join_opposite_steps(groups: &mut [Group], steps: &mut Vec<Step>, marks: &mut [Option<DropReason>]) {
     let mut place = 0;
@@ -154,12 +154,12 @@ fn mark_gaps_within(groups: &[Group], marks: &mut [Option<DropReason>]) {
 }
 
 /// Times without rows between groups.
-fn gaps(groups: &[Group]) -> Vec<Stretch> {
+fn gaps(groups: &[Group]) -> Vec<Excluded> {
     let limit = gap_limit(groups);
     groups
         .windows(2)
         .filter(|pair| pair[0].log == pair[1].log && pair[1].times_s.0 - pair[0].times_s.1 > limit)
-        .map(|pair| Stretch {
+        .map(|pair| Excluded {
             reason: DropReason::Gap,
             rows: (pair[0].end_row, pair[1].first_row),
             time_s: (pair[0].times_s.1, pair[1].times_s.0),
@@ -171,22 +171,22 @@ fn gaps(groups: &[Group]) -> Vec<Stretch> {
 /// A time longer than this is a gap, seconds.
 fn gap_limit(groups: &[Group]) -> f64 {
     let mut lengths: Vec<f64> = groups.iter().map(|group| group.times_s.1 - group.times_s.0).collect();
-    let typical = super::robust::median(&mut lengths);
+    let typical = zerorate_fit::robust::median(&mut lengths);
     if typical.is_finite() { (GAP_GROUPS * typical).max(GAP_S) } else { f64::INFINITY }
 }
 
-fn stretches(groups: &[Group], marks: &[Option<DropReason>]) -> Vec<Stretch> {
-    let mut found: Vec<Stretch> = Vec::new();
+fn excluded(groups: &[Group], marks: &[Option<DropReason>]) -> Vec<Excluded> {
+    let mut found: Vec<Excluded> = Vec::new();
     for (group, mark) in groups.iter().zip(marks) {
         let Some(reason) = *mark else { continue };
-        match found.last_mut().filter(|stretch| stretch.rows.1 == group.first_row && stretch.reason == reason) {
-            Some(stretch) => {
-                stretch.rows.1 = group.end_row;
-                stretch.time_s.1 = group.times_s.1;
-                stretch.temperature.0 = stretch.temperature.0.min(group.temperature);
-                stretch.temperature.1 = stretch.temperature.1.max(group.temperature);
+        match found.last_mut().filter(|interval| interval.rows.1 == group.first_row && interval.reason == reason) {
+            Some(interval) => {
+                interval.rows.1 = group.end_row;
+                interval.time_s.1 = group.times_s.1;
+                interval.temperature.0 = interval.temperature.0.min(group.temperature);
+                interval.temperature.1 = interval.temperature.1.max(group.temperature);
             }
-            None => found.push(Stretch {
+            None => found.push(Excluded {
                 reason,
                 rows: (group.first_row, group.end_row),
                 time_s: group.times_s,

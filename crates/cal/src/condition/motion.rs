@@ -1,7 +1,7 @@
 //! Groups in which the unit was moved.
 
 use super::group::typical_scatter;
-use super::robust::{centre_and_sigma, median, noise};
+use zerorate_fit::robust::{centre_and_sigma, median, noise};
 use super::{DropReason, Group};
 
 /// A group whose scatter is this many times the typical one was moved. With 21 rows a standard deviation is itself

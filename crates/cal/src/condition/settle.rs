@@ -1,6 +1,6 @@
 //! The first readings after the start, which settle towards the others.
 
-use super::robust::{median, noise};
+use zerorate_fit::robust::{MAD_TO_SIGMA, median, noise};
 use super::{DropReason, Group};
 
 /// Groups at the beginning of a log that may settle: the first minute or so.
@@ -64,5 +64,5 @@ fn extrapolated(points: &[(f64, f64)], temperature: f64) -> (f64, f64) {
     let slope = if run > 0.0 { rise / run } else { 0.0 };
     let mut off: Vec<f64> = points.iter().map(|point| (point.1 - y - slope * (point.0 - x)).abs()).collect();
     let far = if run > 0.0 { (temperature - x).powi(2) / run } else { 0.0 };
-    (y + slope * (temperature - x), 1.4826 * median(&mut off) * (1.0 + 1.0 / n + far).sqrt())
+    (y + slope * (temperature - x), MAD_TO_SIGMA * median(&mut off) * (1.0 + 1.0 / n + far).sqrt())
 }

@@ -1,6 +1,6 @@
 //! Jumps of the rate that stay.
 
-use super::robust::{centre_and_sigma, noise};
+use zerorate_fit::robust::{centre_and_sigma, noise};
 use super::{Group, Step};
 
 /// Groups on each side of a boundary from which a line is drawn to it: close by, so that the temperature's slope is in
@@ -101,7 +101,7 @@ struct Jump {
     unsteadiness: f64,
 }
 
-/// The jump at each boundary with enough groups on both sides. `used` numbers the groups, so that a stretch left out
+/// The jump at each boundary with enough groups on both sides. `used` numbers the groups, so that an interval left out
 /// keeps its length.
 fn jumps(used: &[usize], values: &[f64]) -> Vec<Jump> {
     let points: Vec<(f64, f64)> = used.iter().map(|&group| group as f64).zip(values.iter().copied()).collect();

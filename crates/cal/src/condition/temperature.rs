@@ -1,6 +1,6 @@
 //! Temperatures that are not what the gyro has: frozen, or in coarse steps.
 
-use super::robust::median;
+use zerorate_fit::robust::median;
 use super::{DropReason, Group};
 
 /// Groups in which the temperature does not change at all, at least, to be frozen.
@@ -9,7 +9,7 @@ const FROZEN_GROUPS: usize = 6;
 /// A frozen temperature ends in a jump of this many times what it changes by from group to group.
 const FROZEN_JUMP: f64 = 5.0;
 
-/// Marks stretches in which the temperature stood still although it moves elsewhere, and then jumped to where it was.
+/// Marks intervals in which the temperature stood still although it moves elsewhere, and then jumped to where it was.
 pub(super) fn mark_frozen(groups: &[Group], marks: &mut [Option<DropReason>]) {
     let flat = |group: &Group| group.temperature_range <= 0.0;
     let still = groups.iter().filter(|group| flat(group)).count();

@@ -1,6 +1,6 @@
 use super::*;
 use crate::log::Rows;
-use crate::quality::TemperatureUnit;
+use crate::units::TemperatureUnit;
 
 const ROWS: usize = 8400;
 /// Standard deviation of the noise below: uniform over 1e-3.
@@ -25,7 +25,7 @@ pub(crate) fn cycle() -> (Vec<f64>, [Vec<f64>; 2]) {
 }
 
 fn rows<'a>(time_s: &'a [f64], temperature: &'a [f64], values: &'a [Vec<f64>]) -> Rows<'a> {
-    Rows { stream: 0, part: 0, first_row: 0, time_s, temperature, values }
+    Rows { sensor: 0, part: 0, first_row: 0, time_s, temperature, values }
 }
 
 fn condition(temperatures: &[f64], rates: &[Vec<f64>]) -> (Vec<Group>, Vec<Tally>, Levels) {
@@ -92,10 +92,10 @@ fn a_rotation_is_left_out_of_every_axis_with_its_range() {
     let (temperatures, mut rates) = cycle();
     (5000..5060).for_each(|row| rates[0][row] += 2.0);
     let (groups, tallies, levels) = condition(&temperatures, &rates);
-    let [stretch] = &levels.stretches[..] else { panic!("{levels:?}") };
-    assert!(stretch.rows.0 <= 5000 && stretch.rows.1 >= 5060 && stretch.rows.1 - stretch.rows.0 <= 84);
-    assert!((2490.0..2510.0).contains(&stretch.time_s.0));
-    assert!(stretch.temperature.0 <= stretch.temperature.1);
+    let [interval] = &levels.excluded[..] else { panic!("{levels:?}") };
+    assert!(interval.rows.0 <= 5000 && interval.rows.1 >= 5060 && interval.rows.1 - interval.rows.0 <= 84);
+    assert!((2490.0..2510.0).contains(&interval.time_s.0));
+    assert!(interval.temperature.0 <= interval.temperature.1);
     assert!(tallies[1].count(DropReason::Rotation) >= 60);
     assert!(levels.steps.is_empty());
     assert!(groups.iter().all(|group| group.axes[0].rows == 0 || group.axes[0].rate < 0.1));
@@ -125,9 +125,9 @@ fn a_rotation_that_lasts_is_one_stretch_and_no_steps() {
     (4000..4800).for_each(|row| rates[0][row] += 0.2);
     let (groups, _, levels) = condition(&temperatures, &rates);
     assert_eq!(levels.steps, []);
-    let [stretch] = &levels.stretches[..] else { panic!("{levels:?}") };
-    assert_eq!(stretch.reason, DropReason::Rotation);
-    assert!(stretch.rows.0 <= 4000 && stretch.rows.1 >= 4800 && stretch.rows.1 - stretch.rows.0 <= 860, "{stretch:?}");
+    let [interval] = &levels.excluded[..] else { panic!("{levels:?}") };
+    assert_eq!(interval.reason, DropReason::Rotation);
+    assert!(interval.rows.0 <= 4000 && interval.rows.1 >= 4800 && interval.rows.1 - interval.rows.0 <= 860, "{interval:?}");
     let (clean, ..) = condition(&temperatures, &clean);
     for (group, clean) in groups.iter().zip(&clean).filter(|(group, _)| group.axes[0].rows > 0) {
         assert!((group.axes[0].rate - clean.axes[0].rate).abs() < 1e-3);
@@ -141,9 +141,9 @@ fn a_temperature_that_stands_still_and_jumps_is_left_out_and_one_that_holds_is_n
     let held = temperatures[3000];
     temperatures[3000..3400].fill(held);
     let (_, tallies, levels) = condition(&temperatures, &rates);
-    let [stretch] = &levels.stretches[..] else { panic!("{levels:?}") };
-    assert_eq!(stretch.reason, DropReason::FrozenTemperature);
-    assert!(stretch.rows.0.abs_diff(3000) <= 21 && stretch.rows.1.abs_diff(3400) <= 42, "{stretch:?}");
+    let [interval] = &levels.excluded[..] else { panic!("{levels:?}") };
+    assert_eq!(interval.reason, DropReason::FrozenTemperature);
+    assert!(interval.rows.0.abs_diff(3000) <= 21 && interval.rows.1.abs_diff(3400) <= 42, "{interval:?}");
     assert!(tallies[1].count(DropReason::FrozenTemperature) > 300);
 }
 
@@ -152,9 +152,9 @@ fn what_settles_after_the_start_is_left_out() {
     let (temperatures, mut rates) = cycle();
     (0..120).for_each(|row| rates[1][row] += 0.02 * (-(row as f64) / 25.0).exp());
     let (groups, tallies, levels) = condition(&temperatures, &rates);
-    let [stretch] = &levels.stretches[..] else { panic!("{levels:?}") };
-    assert_eq!((stretch.reason, stretch.rows.0), (DropReason::StartUp, 0));
-    assert!((42..=168).contains(&stretch.rows.1), "{stretch:?}");
+    let [interval] = &levels.excluded[..] else { panic!("{levels:?}") };
+    assert_eq!((interval.reason, interval.rows.0), (DropReason::StartUp, 0));
+    assert!((42..=168).contains(&interval.rows.1), "{interval:?}");
     assert!(tallies[0].count(DropReason::StartUp) >= 42);
     assert!(groups[0].temperature.is_finite());
 }
@@ -172,7 +172,7 @@ fn a_time_without_rows_is_told() {
     let (mut groups, mut tallies) = grouping.finish();
     assert!(groups.iter().all(|group| group.times_s.1 - group.times_s.0 < 20.0));
     let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY);
-    let [gap] = &levels.stretches[..] else { panic!("{levels:?}") };
+    let [gap] = &levels.excluded[..] else { panic!("{levels:?}") };
     assert_eq!((gap.reason, gap.rows, gap.time_s), (DropReason::Gap, (2000, 2000), (999.5, 1300.0)));
 }
 

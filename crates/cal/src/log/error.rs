@@ -1,38 +1,33 @@
 //! What can be wrong with a log, and what to do about it.
 
 use std::io;
-use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::recording::RecordingError;
-use crate::table::TableError;
+use crate::recording::RecordingFault;
+use crate::source::Faulty;
+use crate::table::TableFault;
+
+/// Why a log cannot be read, with its name.
+pub type LogError = Faulty<LogFault>;
 
 /// Why a log cannot be read.
 #[derive(Debug, Error)]
-pub enum LogError {
+pub enum LogFault {
     /// The file cannot be opened or read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
+    #[error("cannot be read: {0}")]
+    Read(#[from] io::Error),
     /// A table cannot be read.
     #[error(transparent)]
-    Table(#[from] TableError),
+    Table(#[from] TableFault),
     /// A recording of the bench cannot be read.
     #[error(transparent)]
-    Recording(#[from] RecordingError),
+    Recording(#[from] RecordingFault),
     /// A row's time is before that of the row above it.
     #[error(
-        "{}: row {row}: column '{column}' runs backwards, from {before} to {after}: the log is damaged, or several were joined: split it there",
-        path.display()
+        "row {row}: column '{column}' runs backwards, from {before} to {after}: the log is damaged, or several were joined: split it there"
     )]
     TimeBackwards {
-        /// The file.
-        path: PathBuf,
         /// The row, from 1, the header not counted.
         row: u64,
         /// The time column's name.
@@ -42,12 +37,11 @@ pub enum LogError {
         /// The time in the row.
         after: f64,
     },
-    /// An autopilot's log of a kind that is not read.
-    #[error("{}: {what}", path.display())]
-    Autopilot {
-        /// The file.
-        path: PathBuf,
-        /// What is the matter, and what to do.
-        what: String,
-    },
+}
+
+impl LogFault {
+    /// What is wrong with a table or a recording is wrong with the log.
+    pub(crate) fn named<F: Into<Self> + std::fmt::Display>(error: Faulty<F>) -> LogError {
+        Faulty { name: error.name, fault: error.fault.into() }
+    }
 }

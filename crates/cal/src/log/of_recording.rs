@@ -1,19 +1,12 @@
 //! A recording of the bench as a log: its groups are rows, its two axes are those of one sensor.
 
-use std::path::Path;
-
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 
 use super::{Ending, Rows, Sink, Stream};
-use crate::quality::{Reason, ReasonKind, TemperatureUnit};
-use crate::recording::{GroupRow, Recording, RecordingError};
-use crate::table::RateUnit;
-
-/// The recording, if the file's first bytes say that it may be one.
-pub(super) fn recognise(path: &Path, start: &[u8]) -> Option<Result<Recording, RecordingError>> {
-    (start.starts_with(b"PAR1") || start.starts_with(&[0xFF; 4])).then(|| Recording::read(path))
-}
+use crate::quality::{Reason, ReasonKind};
+use crate::recording::{GroupRow, Recording};
+use crate::units::{RateUnit, TemperatureUnit};
 
 /// Gives the groups as rows. A group in which an axis was compensated has no drift to fit: its rate is left empty.
 pub(super) fn read(recording: &Recording, sink: &mut dyn Sink) -> Ending {
@@ -53,6 +46,6 @@ pub(super) fn read(recording: &Recording, sink: &mut dyn Sink) -> Ending {
             "{compensated} readings were left out: the axis was compensated or its tap moved, and only the reading at one tap shows the drift"
         ));
     }
-    sink.rows(&Rows { stream: 0, part: 0, first_row: 0, time_s: &time_s, temperature: &temperature, values: &values });
+    sink.rows(&Rows { sensor: 0, part: 0, first_row: 0, time_s: &time_s, temperature: &temperature, values: &values });
     ending
 }

@@ -1,57 +1,9 @@
-//! Which sensor of a unit.
+//! Which sensors of a log are wanted.
 
-use std::fmt;
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
+use imu_logs::{Sensor, SensorKind};
 use thiserror::Error;
-
-/// What a sensor measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SensorKind {
-    /// Angular rate.
-    Gyro,
-    /// Specific force.
-    Accelerometer,
-}
-
-impl SensorKind {
-    /// The kind in a name: `gyro` or `accel`.
-    #[must_use]
-    pub fn short_name(self) -> &'static str {
-        match self {
-            Self::Gyro => "gyro",
-            Self::Accelerometer => "accel",
-        }
-    }
-}
-
-/// One sensor of a unit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Sensor {
-    /// What it measures.
-    pub kind: SensorKind,
-    /// Its place among the unit's sensors of its kind, from 0.
-    pub instance: u8,
-    /// The number by which the unit's software knows the part, where the log has it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub device_id: Option<u32>,
-}
-
-impl Sensor {
-    /// Names for three axes: `gyro0.x`.
-    #[must_use]
-    pub fn axis_names(&self) -> Vec<String> {
-        ["x", "y", "z"].map(|axis| format!("{self}.{axis}")).to_vec()
-    }
-}
-
-impl fmt::Display for Sensor {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}{}", self.kind.short_name(), self.instance)
-    }
-}
 
 /// Which sensors of a log are wanted: `gyro`, `accel`, `gyro0`, or a part's number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

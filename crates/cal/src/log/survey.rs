@@ -1,7 +1,8 @@
 //! The first pass over a log: how much there is, how warm, and whether time runs forwards.
 
-use super::LogError;
-use crate::table::{Batch, Resolved, TableFile, TimeUnit};
+use super::{LogError, LogFault};
+use crate::table::{Batch, Resolved, Table};
+use crate::units::TimeUnit;
 
 /// What one axis has to offer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,11 +56,11 @@ pub(super) struct Survey {
 
 impl Survey {
     /// Reads the whole log once.
-    pub(super) fn of(table: &TableFile, columns: &Resolved) -> Result<Self, LogError> {
+    pub(super) fn of(table: &Table, columns: &Resolved) -> Result<Self, LogError> {
         let mut survey =
             Self { rows: 0, first_time: f64::NAN, last_time: f64::NAN, unit_s: f64::NAN, notes: Vec::new() };
-        for batch in table.batches(&wanted(columns))? {
-            let batch = batch?;
+        for batch in table.batches(&wanted(columns)).map_err(LogFault::named)? {
+            let batch = batch.map_err(LogFault::named)?;
             survey.rows += batch.rows() as u64;
             if columns.time.is_some() {
                 survey.take_time(&batch, table, columns)?;
@@ -69,16 +70,15 @@ impl Survey {
         Ok(survey)
     }
 
-    fn take_time(&mut self, batch: &Batch, table: &TableFile, columns: &Resolved) -> Result<(), LogError> {
+    fn take_time(&mut self, batch: &Batch, table: &Table, columns: &Resolved) -> Result<(), LogError> {
         for (place, &time) in times(batch, columns).iter().enumerate().filter(|(_, time)| time.is_finite()) {
             if time < self.last_time {
-                return Err(LogError::TimeBackwards {
-                    path: table.path().to_owned(),
+                return Err(table.source().faulty(LogFault::TimeBackwards {
                     row: batch.first_row + place as u64 + 1,
                     column: columns.time.map(|column| table.names()[column].clone()).unwrap_or_default(),
                     before: self.last_time,
                     after: time,
-                });
+                }));
             }
             if self.first_time.is_nan() {
                 self.first_time = time;
@@ -88,9 +88,9 @@ impl Survey {
         Ok(())
     }
 
-    fn settle_unit(&mut self, table: &TableFile, columns: &Resolved) {
+    fn settle_unit(&mut self, table: &Table, columns: &Resolved) {
         let Some(time) = columns.time else {
-            self.notes.push("no time column was found (--time says which)".to_owned());
+            self.notes.push("no time column was found (`time` says which)".to_owned());
             return;
         };
         let name = &table.names()[time];
@@ -99,12 +99,12 @@ impl Survey {
             Some(unit) => self.unit_s = unit.seconds(),
             None => self
                 .notes
-                .push(format!("'{name}' names no unit and the log's length fits none (--time-unit says which)")),
+                .push(format!("'{name}' names no unit and the log's length fits none (`time_unit` says which)")),
         }
         if let (None, Some(unit)) = (columns.time_unit, guessed) {
             let lasts = (self.last_time - self.first_time) * unit.seconds();
             self.notes.push(format!(
-                "'{name}' names no unit: taken as {unit}, by which the log lasts {lasts:.0} s (--time-unit says otherwise)"
+                "'{name}' names no unit: taken as {unit}, by which the log lasts {lasts:.0} s (`time_unit` says otherwise)"
             ));
         }
     }

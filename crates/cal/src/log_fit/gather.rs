@@ -1,12 +1,10 @@
 //! From logs to the groups of every sensor wanted.
 
-use std::path::Path;
-
 use super::{FitOptions, LogFitError};
 use crate::condition::{GROUP_S, Group, Grouping, Length, MIN_GROUPS, Tally};
-use crate::interop;
 use crate::log::{LogFile, Rows, Sensor, SensorKind, Sink, Stream};
 use crate::quality::Reason;
+use crate::source::Source;
 
 /// Between two logs of one unit, so that their times follow one another.
 const BETWEEN_LOGS_S: f64 = 60.0;
@@ -30,7 +28,7 @@ pub(super) struct Logs {
     pub notes: Vec<String>,
     pub reasons: Vec<Reason>,
     /// The autopilot that wrote the logs, if one did.
-    pub autopilot: Option<interop::Format>,
+    pub autopilot: Option<imu_logs::Format>,
     /// The sensors that the logs have, wanted or not.
     pub seen: Vec<Sensor>,
     /// Uninterrupted logs so far.
@@ -39,17 +37,17 @@ pub(super) struct Logs {
 }
 
 /// Reads logs of one unit, one after the other.
-pub(super) fn gather(paths: &[&Path], options: &FitOptions) -> Result<Logs, LogFitError> {
+pub(super) fn gather(sources: &[Source], options: &FitOptions) -> Result<Logs, LogFitError> {
     let mut logs = Logs::default();
-    for path in paths {
-        logs.read(path, options)?;
+    for source in sources {
+        logs.read(source, options)?;
     }
     Ok(logs)
 }
 
 impl Logs {
-    fn read(&mut self, path: &Path, options: &FitOptions) -> Result<(), LogFitError> {
-        let file = LogFile::open(path, &options.columns)?;
+    fn read(&mut self, source: &Source, options: &FitOptions) -> Result<(), LogFitError> {
+        let file = LogFile::open(source, &options.columns)?;
         let length = match file.extent() {
             Some((rows, step_s)) => Length::of_extent(rows, step_s, options.group_s),
             None => Length::Seconds(options.group_s.unwrap_or(GROUP_S)),
@@ -60,23 +58,20 @@ impl Logs {
             taken = Taking::new(options, lengths, self.logs);
             ending = file.read(&mut taken)?;
         }
-        let name =
-            path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
         for note in ending.notes {
             if !self.notes.contains(&note) {
                 self.notes.push(note);
             }
         }
         self.reasons.extend(ending.reasons);
-        self.add(path, &name, file.autopilot(), taken)
+        self.add(source, file.autopilot(), taken)
     }
 
     /// Joins what was gathered of one more log to what was gathered before.
     fn add(
         &mut self,
-        path: &Path,
-        name: &str,
-        autopilot: Option<interop::Format>,
+        source: &Source,
+        autopilot: Option<imu_logs::Format>,
         taken: Taking<'_>,
     ) -> Result<(), LogFitError> {
         let first = self.sensors.is_empty() && self.logs == 0;
@@ -111,8 +106,9 @@ impl Logs {
         // One sensor fewer in one log is told; a log of which nothing fits is another unit's.
         if missing.len() == self.sensors.len() {
             let found = others.iter().map(describe).collect::<Vec<_>>().join(", ");
-            return Err(LogFitError::AnotherUnit { path: path.to_owned(), expected: missing.join(", "), found });
+            return Err(LogFitError::AnotherUnit { name: source.name().to_owned(), expected: missing.join(", "), found });
         }
+        let name = source.short_name();
         for sensor in missing {
             self.notes.push(format!("{name} has no rows of {sensor}: it is fitted by the other logs alone"));
         }
@@ -219,7 +215,7 @@ impl Sink for Taking<'_> {
     }
 
     fn rows(&mut self, rows: &Rows<'_>) {
-        let Some(taken) = self.places[rows.stream].and_then(|place| self.sensors.get_mut(place)) else { return };
+        let Some(taken) = self.places[rows.sensor].and_then(|place| self.sensors.get_mut(place)) else { return };
         taken.rows += rows.temperature.len() as u64;
         taken.first_s = if taken.first_s.is_nan() { rows.time_s[0] } else { taken.first_s };
         taken.last_s = rows.time_s[rows.time_s.len() - 1];

@@ -1,17 +1,18 @@
 //! The fit of conditioned groups.
 
-use std::path::Path;
-
 use zerorate_core::drift::Scale;
+use zerorate_fit::auto;
+use zerorate_fit::least_squares::{Basis, Fit};
+use zerorate_fit::series::Series;
 
 use super::gather::{Gathered, gather, is_accelerometer};
-use super::residual::trace;
-use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, TracePoint, admit, words};
-use crate::auto::{self, Series};
-use crate::condition::{DropReason, Group, Levels, Stretch, leave_out_times, level, smooth_stairs, weigh};
-use crate::fit::{Basis, Fit};
+use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, words};
+use crate::calibration::AxisCalibration;
+use crate::condition::{DropReason, Excluded, Group, Levels, leave_out_times, level, smooth_stairs, weigh};
 use crate::quality::{Judgement, Reason, ReasonKind};
-use crate::table::RateUnit;
+use crate::source::Source;
+use crate::trace::{Trace, TracePoint};
+use crate::units::RateUnit;
 
 /// The order of the polynomial that tells what an accelerometer shows at its reference temperature.
 const REFERENCE_ORDER: usize = 3;
@@ -21,8 +22,8 @@ const REFERENCE_ORDER: usize = 3;
 const TURNS_RAD_PER_S: f64 = 0.3;
 
 /// Fits every axis of every sensor: one pass for the groups, the rest on them.
-pub(super) fn fit(paths: &[&Path], options: &FitOptions, fit: &mut LogFit) -> Result<(), LogFitError> {
-    let mut logs = gather(paths, options)?;
+pub(super) fn fit(sources: &[Source], options: &FitOptions, fit: &mut LogFit) -> Result<(), LogFitError> {
+    let mut logs = gather(sources, options)?;
     fit.notes = std::mem::take(&mut logs.notes);
     fit.autopilot = logs.autopilot;
     logs.reasons.drain(..).for_each(|reason| fit.judgement.add(reason));
@@ -38,18 +39,18 @@ pub(super) fn fit(paths: &[&Path], options: &FitOptions, fit: &mut LogFit) -> Re
         }
         (0..sensor.stream.names.len()).for_each(|axis| weigh(&mut sensor.groups, axis));
         fit_sensor(sensor, &levels, options, fit);
-        for stretch in levels.stretches {
+        for interval in levels.excluded {
             // Sensors of one unit are moved, and stop, together.
-            let same = |known: &Stretch| known.reason == stretch.reason && overlap(known.time_s, stretch.time_s);
-            match fit.stretches.iter_mut().find(|known| same(known)) {
+            let same = |known: &Excluded| known.reason == interval.reason && overlap(known.time_s, interval.time_s);
+            match fit.excluded.iter_mut().find(|known| same(known)) {
                 Some(known) => {
-                    known.time_s = (known.time_s.0.min(stretch.time_s.0), known.time_s.1.max(stretch.time_s.1));
+                    known.time_s = (known.time_s.0.min(interval.time_s.0), known.time_s.1.max(interval.time_s.1));
                 }
-                None => fit.stretches.push(stretch),
+                None => fit.excluded.push(interval),
             }
         }
     }
-    fit.stretches.sort_by(|a, b| a.time_s.0.total_cmp(&b.time_s.0));
+    fit.excluded.sort_by(|a, b| a.time_s.0.total_cmp(&b.time_s.0));
     Ok(())
 }
 
@@ -70,14 +71,14 @@ fn condition(sensor: &mut Gathered) -> Levels {
 /// A unit is moved as a whole: what one sensor saw of it, the others leave out too.
 fn leave_out_together(sensors: &mut [Gathered], levels: &mut [Levels]) {
     let times = |levels: &Levels| -> Vec<(f64, f64)> {
-        let moved = levels.stretches.iter().filter(|stretch| stretch.reason == DropReason::Rotation);
-        moved.map(|stretch| stretch.time_s).filter(|(from, to)| from.is_finite() && to.is_finite()).collect()
+        let moved = levels.excluded.iter().filter(|interval| interval.reason == DropReason::Rotation);
+        moved.map(|interval| interval.time_s).filter(|(from, to)| from.is_finite() && to.is_finite()).collect()
     };
     let all: Vec<Vec<(f64, f64)>> = levels.iter().map(times).collect();
     for (place, (sensor, levels)) in sensors.iter_mut().zip(levels).enumerate() {
         let others: Vec<(f64, f64)> =
             all.iter().enumerate().filter(|(other, _)| *other != place).flat_map(|(_, times)| times).copied().collect();
-        levels.stretches.extend(leave_out_times(&mut sensor.groups, &mut sensor.tallies, &others));
+        levels.excluded.extend(leave_out_times(&mut sensor.groups, &mut sensor.tallies, &others));
     }
 }
 
@@ -90,11 +91,11 @@ fn take_from_reference(groups: &mut [Group], axis: usize) {
     });
     let Some(scale) = Scale::spanning(span.0, span.1) else { return };
     let order = REFERENCE_ORDER.min(used().count().saturating_sub(1));
-    let mut fit = Fit::new(scale, Basis::Powers(order), 1);
-    used().for_each(|group| fit.push(group.temperature, &[group.axes[axis].rate]));
+    let mut fit = Fit::new(scale, Basis::Powers(order));
+    used().for_each(|group| fit.push(group.temperature, group.axes[axis].rate));
     // The middle of the range is 0 of the scaled variable, where only the constant is left.
-    let Ok(solutions) = fit.finish() else { return };
-    let constant = solutions[0].coefficients[0];
+    let Ok(solution) = fit.finish() else { return };
+    let constant = solution.coefficients[0];
     groups.iter_mut().for_each(|group| group.axes[axis].rate -= constant);
 }
 
@@ -126,8 +127,8 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
     });
     let (_, valid) = admit(judgement, options, stream, axis, used().count() as u64, span)?;
     let columns = Columns::of(groups, axis);
-    let auto = match auto::fit(&columns.series(), valid, options.model) {
-        Ok(auto) => auto,
+    let fitted = match auto::fit(&columns.series(), valid, options.model) {
+        Ok(fitted) => fitted,
         Err(error) => {
             judgement.add(Reason::new(ReasonKind::TooFewGroups, format!("{name}: {error}")));
             return None;
@@ -139,14 +140,17 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
         rate: group.axes[axis].rate,
         residual: *residual,
     };
-    let trace = trace(groups.iter().zip(&auto.residuals).map(point));
+    let mut calibration = AxisCalibration::of_fit(fitted.fit, stream.unit);
+    calibration.sensor = stream.sensor;
+    calibration.reference_temperature = is_accelerometer(stream).then_some(f64::midpoint(valid.min(), valid.max()));
+    calibration.fit.statistics.samples_used = used().map(|(_, group)| u64::from(group.axes[axis].rows)).sum();
     Some(AxisFit {
-        sensor: stream.sensor,
+        name: name.clone(),
         verdict: judgement.verdict,
-        reference_temperature: is_accelerometer(stream).then_some(f64::midpoint(valid.min(), valid.max())),
-        samples_used: used().map(|(_, group)| u64::from(group.axes[axis].rows)).sum(),
+        temperature_unit: stream.temperature_unit,
+        calibration,
         samples_rejected: sensor.tallies[axis].rejected(),
-        ..AxisFit::of_auto(name, (stream.unit, stream.temperature_unit), auto, trace)
+        trace: Trace::of(groups.iter().zip(&fitted.residuals).map(point)),
     })
 }
 

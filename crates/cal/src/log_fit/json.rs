@@ -2,8 +2,9 @@
 
 use serde::ser::{Serialize, SerializeMap, SerializeStruct, Serializer};
 
+use zerorate_fit::least_squares::raw_coefficients;
+
 use super::{AxisFit, AxisVerdict, LogFit};
-use crate::calibration::CandidateStatistics;
 
 /// The schema's version.
 const SCHEMA: u32 = 1;
@@ -12,7 +13,7 @@ impl Serialize for LogFit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut fields = serializer.serialize_struct("LogFit", 6)?;
         fields.serialize_field("schema", &SCHEMA)?;
-        fields.serialize_field("source", &self.source)?;
+        fields.serialize_field("source", &self.source())?;
         fields.serialize_field("verdict", &self.judgement.verdict)?;
         fields.serialize_field("reasons", &self.judgement.reasons)?;
         fields.serialize_field("axes", &Axes(&self.axes))?;
@@ -49,31 +50,32 @@ impl Serialize for Verdicts<'_> {
 
 impl Serialize for AxisFit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let axis = &self.calibration;
+        let (model, statistics) = (&axis.fit.model, &axis.fit.statistics);
         let mut fields = serializer.serialize_struct("AxisFit", 14)?;
-        if let Some(sensor) = &self.sensor {
+        if let Some(sensor) = &axis.sensor {
             fields.serialize_field("sensor", sensor)?;
         }
-        if let Some(reference) = &self.reference_temperature {
+        if let Some(reference) = &axis.reference_temperature {
             fields.serialize_field("reference_temperature", reference)?;
         }
-        fields.serialize_field("model", &self.model())?;
-        fields.serialize_field("raw_coefficients", &self.choice.solution.raw_coefficients())?;
-        fields.serialize_field("rate_unit", &self.rate_unit)?;
+        fields.serialize_field("model", &axis.fit.chosen_model())?;
+        fields.serialize_field("raw_coefficients", &raw_coefficients(&model.drift.shape))?;
+        fields.serialize_field("rate_unit", &axis.rate_unit)?;
         fields.serialize_field("temperature_unit", &self.temperature_unit)?;
-        fields.serialize_field("temperature", &[self.drift.valid.min(), self.drift.valid.max()])?;
-        fields.serialize_field("in_sample", &self.in_sample)?;
-        fields.serialize_field("held_out", &self.held_out)?;
-        if let Some(nested) = &self.nested {
+        fields.serialize_field("temperature", &[model.drift.valid.min(), model.drift.valid.max()])?;
+        fields.serialize_field("in_sample", &statistics.in_sample)?;
+        fields.serialize_field("held_out", &statistics.held_out)?;
+        if let Some(nested) = &statistics.nested {
             fields.serialize_field("nested", nested)?;
         }
-        if let Some(drift) = &self.time_drift {
+        if let Some(drift) = &model.time_drift {
             fields.serialize_field("time_drift", drift)?;
         }
-        let candidates = CandidateStatistics::of(&self.choice.candidates);
-        if candidates.len() > 1 {
-            fields.serialize_field("candidates", &candidates)?;
+        if statistics.candidates.len() > 1 {
+            fields.serialize_field("candidates", &statistics.candidates)?;
         }
-        fields.serialize_field("samples_used", &self.samples_used)?;
+        fields.serialize_field("samples_used", &statistics.samples_used)?;
         fields.serialize_field("samples_rejected", &self.samples_rejected)?;
         fields.end()
     }

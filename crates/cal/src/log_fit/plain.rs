@@ -1,50 +1,51 @@
 //! Ordinary least squares on every row with a temperature and a rate.
 
-use std::path::Path;
-
-use zerorate_core::drift::{Drift, Scale, ValidRange};
+use zerorate_core::drift::{Scale, ValidRange};
+use zerorate_fit::choose::{Choice, FoldFits, FoldResiduals};
+use zerorate_fit::drift_fit::{DriftFit, ResidualOver};
 
 use super::gather::is_accelerometer;
-use super::residual::Residuals;
-use super::{AxisFit, AxisVerdict, FitOptions, LogFit, LogFitError, Spread, TracePoint, admit, choose};
-use crate::choose::{Choice, Stretches};
+use super::{AxisFit, AxisVerdict, FitOptions, LogFit, LogFitError, admit};
+use crate::calibration::AxisCalibration;
 use crate::condition::{DropReason, Tally};
 use crate::log::{AxisSurvey, LogError, LogFile, Rows, Sink, Stream};
-use crate::quality::{Judgement, ReasonKind};
+use crate::quality::{Judgement, Reason, ReasonKind};
+use crate::source::Source;
+use crate::trace::{Trace, TracePoint};
 
 /// Fits every axis: a pass to see what there is, one for the fits, one for the residuals.
-pub(super) fn fit(path: &Path, options: &FitOptions, fit: &mut LogFit) -> Result<(), LogFitError> {
-    let file = LogFile::open(path, &options.columns)?;
+pub(super) fn fit(source: &Source, options: &FitOptions, fit: &mut LogFit) -> Result<(), LogFitError> {
+    let file = LogFile::open(source, &options.columns)?;
     fit.autopilot = file.autopilot();
     let mut axes = survey(&file, options, fit)?;
     for axis in &mut axes {
         let span = (axis.survey.min, axis.survey.max);
         axis.admitted = admit(&mut axis.judgement, options, &axis.stream, axis.place, axis.survey.rows, span);
-        axis.stretches = axis.admitted.map(|(scale, _)| Stretches::new(scale, options.model, axis.all_rows));
+        axis.fits = axis.admitted.map(|(scale, _)| FoldFits::new(scale, options.model, axis.all_rows));
     }
     pass(&file, options, &mut |rows| {
-        for axis in axes.iter_mut().filter(|axis| axis.number == rows.stream) {
-            if let Some(stretches) = &mut axis.stretches {
-                push(stretches, rows, &rows.values[axis.place]);
+        for axis in axes.iter_mut().filter(|axis| axis.number == rows.sensor) {
+            if let Some(fits) = &mut axis.fits {
+                fits.push_rows(rows.first_row, rows.temperature, &rows.values[axis.place]);
             }
         }
     })?;
-    let chosen: Vec<Option<(Choice, Drift)>> = axes.iter_mut().map(|axis| axis.choose(options)).collect();
-    let mut residuals: Vec<Option<Residuals<'_>>> = axes
-        .iter()
-        .zip(&chosen)
-        .map(|(axis, chosen)| chosen.as_ref().map(|(choice, drift)| Residuals::new(choice, drift, axis.all_rows)))
+    let choices: Vec<Option<Choice>> = axes.iter_mut().map(|axis| axis.choose(options)).collect();
+    let mut second: Vec<Option<(FoldResiduals<'_>, Trace)>> = (axes.iter().zip(&choices))
+        .map(|(axis, choice)| Some((FoldResiduals::new(choice.as_ref()?, axis.all_rows), Trace::new(axis.all_rows))))
         .collect();
     pass(&file, options, &mut |rows| {
-        for (axis, residuals) in axes.iter().zip(&mut residuals).filter(|(axis, _)| axis.number == rows.stream) {
-            if let Some((residuals, stretches)) = residuals.as_mut().zip(axis.stretches.as_ref()) {
-                judge(residuals, stretches, rows, &rows.values[axis.place]);
+        for (axis, second) in axes.iter().zip(&mut second).filter(|(axis, _)| axis.number == rows.sensor) {
+            if let Some((residuals, trace)) = second {
+                judge(residuals, trace, rows, &rows.values[axis.place]);
             }
         }
     })?;
-    let spreads: Vec<_> = residuals.into_iter().map(|residuals| residuals.map(Residuals::finish)).collect();
-    for ((mut axis, chosen), spreads) in axes.into_iter().zip(chosen).zip(spreads) {
-        fit.axes.extend(chosen.zip(spreads).map(|(chosen, spreads)| axis.finish(chosen, spreads)));
+    for ((mut axis, choice), second) in axes.into_iter().zip(&choices).zip(second) {
+        if let (Some(choice), Some((residuals, trace)), Some((_, valid))) = (choice, second, axis.admitted) {
+            let fitted = choice.finish(valid, ResidualOver::Rows, residuals.statistics());
+            fit.axes.push(axis.finish(fitted, valid, trace));
+        }
         fit.verdicts.push(AxisVerdict { name: axis.name().to_owned(), judgement: axis.judgement });
     }
     Ok(())
@@ -60,7 +61,7 @@ struct Axis {
     all_rows: u64,
     judgement: Judgement,
     admitted: Option<(Scale, ValidRange)>,
-    stretches: Option<Stretches>,
+    fits: Option<FoldFits>,
 }
 
 /// A pass over the rows of the sensors wanted.
@@ -89,9 +90,9 @@ fn pass(file: &LogFile, options: &FitOptions, take: &mut dyn FnMut(&Rows<'_>)) -
 fn survey(file: &LogFile, options: &FitOptions, fit: &mut LogFit) -> Result<Vec<Axis>, LogError> {
     let mut surveys: Vec<(usize, Vec<AxisSurvey>, u64)> = Vec::new();
     let mut take = |rows: &Rows<'_>| {
-        let found = surveys.iter().position(|(number, ..)| *number == rows.stream);
+        let found = surveys.iter().position(|(number, ..)| *number == rows.sensor);
         let place = found.unwrap_or_else(|| {
-            surveys.push((rows.stream, vec![AxisSurvey::EMPTY; rows.values.len()], 0));
+            surveys.push((rows.sensor, vec![AxisSurvey::EMPTY; rows.values.len()], 0));
             surveys.len() - 1
         });
         let (_, axes, count) = &mut surveys[place];
@@ -113,7 +114,7 @@ fn survey(file: &LogFile, options: &FitOptions, fit: &mut LogFit) -> Result<Vec<
             all_rows,
             judgement: Judgement::default(),
             admitted: None,
-            stretches: None,
+            fits: None,
         })
     });
     Ok(axes.collect())
@@ -124,70 +125,49 @@ impl Axis {
         &self.stream.names[self.place]
     }
 
-    fn choose(&mut self, options: &FitOptions) -> Option<(Choice, Drift)> {
-        let (stretches, (_, valid)) = self.stretches.as_ref().zip(self.admitted)?;
-        choose(&mut self.judgement, options, &self.stream.names[self.place], stretches, valid)
+    /// Chooses the model; one that the rows do not settle rejects the axis.
+    fn choose(&mut self, options: &FitOptions) -> Option<Choice> {
+        match self.fits.as_ref()?.choose(options.model) {
+            Ok(choice) => Some(choice),
+            Err(error) => {
+                let text = format!("{}: {error}", self.name());
+                self.judgement.add(Reason::new(ReasonKind::TooFewGroups, text));
+                None
+            }
+        }
     }
 
-    fn finish(&mut self, (choice, drift): (Choice, Drift), spreads: (Spread, Spread, Vec<TracePoint>)) -> AxisFit {
-        let (in_sample, held_out, trace) = spreads;
-        let missing = self.survey.missing_temperature + self.survey.missing_rate;
+    fn finish(&mut self, fitted: DriftFit, valid: ValidRange, trace: Trace) -> AxisFit {
+        let AxisSurvey { missing_temperature, missing_rate, .. } = self.survey;
         let what = "no number for temperature or rate";
         let name = self.name().to_owned();
+        let missing = missing_temperature + missing_rate;
         self.judgement.dropped(ReasonKind::MissingValues, &name, what, missing, self.all_rows);
         let mut tally = Tally::default();
-        tally.add(DropReason::MissingTemperature, self.survey.missing_temperature);
-        tally.add(DropReason::MissingRate, self.survey.missing_rate);
-        let reference = f64::midpoint(drift.valid.min(), drift.valid.max());
+        tally.add(DropReason::MissingTemperature, missing_temperature);
+        tally.add(DropReason::MissingRate, missing_rate);
+        let mut calibration = AxisCalibration::of_fit(fitted, self.stream.unit);
+        calibration.sensor = self.stream.sensor;
+        calibration.reference_temperature =
+            is_accelerometer(&self.stream).then_some(f64::midpoint(valid.min(), valid.max()));
         AxisFit {
             name,
-            sensor: self.stream.sensor,
             verdict: self.judgement.verdict,
-            rate_unit: self.stream.unit,
             temperature_unit: self.stream.temperature_unit,
-            reference_temperature: is_accelerometer(&self.stream).then_some(reference),
-            drift,
-            history: None,
-            time_drift: None,
-            static_cubic: None,
-            band: Vec::new(),
-            nested: None,
-            choice,
-            in_sample,
-            held_out,
-            samples_used: self.survey.rows,
+            calibration,
             samples_rejected: tally.rejected(),
-            trace,
+            trace: trace.finish(),
         }
-    }
-}
-
-/// Pushes a batch's numeric rows to the fits of their stretches.
-fn push(stretches: &mut Stretches, rows: &Rows<'_>, rates: &[f64]) {
-    let temperatures = rows.temperature;
-    let mut start = 0;
-    while start < temperatures.len() {
-        let (stretch, end) = stretches.of_row(rows.first_row + start as u64);
-        let end = usize::try_from(end - rows.first_row).unwrap_or(usize::MAX).min(temperatures.len());
-        let (temperatures, rates) = (&temperatures[start..end], &rates[start..end]);
-        let numeric = |(t, r): &(&f64, &f64)| t.is_finite() && r.is_finite();
-        let fit = stretches.fit(stretch);
-        if temperatures.iter().zip(rates).all(|row| numeric(&row)) {
-            fit.push_rows(temperatures, &[rates]);
-        } else {
-            let (temperatures, rates): (Vec<f64>, Vec<f64>) = temperatures.iter().zip(rates).filter(numeric).unzip();
-            fit.push_rows(&temperatures, &[&rates]);
-        }
-        start = end;
     }
 }
 
 /// Takes a batch's numeric rows into the residuals.
-fn judge(residuals: &mut Residuals<'_>, stretches: &Stretches, rows: &Rows<'_>, rates: &[f64]) {
+fn judge(residuals: &mut FoldResiduals<'_>, trace: &mut Trace, rows: &Rows<'_>, rates: &[f64]) {
     for (place, (&temperature, &rate)) in rows.temperature.iter().zip(rates).enumerate() {
         if temperature.is_finite() && rate.is_finite() {
             let row = rows.first_row + place as u64;
-            residuals.push(row, stretches.of_row(row).0, rows.time_s[place], temperature, rate);
+            let residual = residuals.push(row, temperature, rate);
+            trace.push(row, &TracePoint { time_s: rows.time_s[place], temperature, rate, residual });
         }
     }
 }

@@ -1,29 +1,35 @@
 use std::fmt::Write;
-use std::fs;
-
-use tempfile::TempDir;
+use zerorate_fit::least_squares::raw_coefficients;
+use zerorate_fit::model::Model;
+use zerorate_fit::residual::ResidualStatistics;
 
 use super::*;
 use crate::condition::DropReason;
 use crate::condition::tests::cycle;
-use crate::quality::Verdict;
+use crate::quality::{ReasonKind, Verdict};
 
 /// Writes columns as the log encoder does, fits them, and gives the fit.
 fn fit(temperatures: &[f64], rates: &[Vec<f64>], options: &FitOptions) -> LogFit {
-    let (_folder, path) = write(temperatures, rates);
-    fit_log(&path, options).unwrap()
+    fit_logs(&[log(temperatures, rates)], options).unwrap()
 }
 
-fn write(temperatures: &[f64], rates: &[Vec<f64>]) -> (TempDir, PathBuf) {
+fn log(temperatures: &[f64], rates: &[Vec<f64>]) -> Source {
     let mut text = String::from("t_s,temperature_c,x_rad_s,y_rad_s\n");
     for (row, temperature) in temperatures.iter().enumerate() {
         let time = 0.5 * row as f64;
         writeln!(text, "{time},{temperature},{},{}", rates[0][row], rates[1][row]).unwrap();
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("log.csv");
-    fs::write(&path, text).unwrap();
-    (folder, path)
+    Source::bytes("log.csv", text.into_bytes())
+}
+
+fn used(axis: &AxisFit) -> u64 {
+    axis.calibration.fit.statistics.samples_used
+}
+
+/// In-sample and held out.
+fn residuals(axis: &AxisFit) -> (ResidualStatistics, ResidualStatistics) {
+    let statistics = &axis.calibration.fit.statistics;
+    (statistics.in_sample, statistics.held_out.unwrap())
 }
 
 fn plain(model: Model) -> FitOptions {
@@ -40,11 +46,12 @@ fn a_clean_cycle_is_good_and_its_curve_is_found() {
     let fit = fit(&temperatures, &rates, &FitOptions::default());
     assert_eq!((fit.judgement.verdict, fit.axes.len()), (Verdict::Good, 2));
     let [x, y] = &fit.axes[..] else { panic!() };
-    assert_eq!((x.choice.model, x.samples_used), (Model::Poly(2), 8400));
-    for (got, truth) in x.choice.solution.raw_coefficients().iter().zip([0.01, 3e-4, -2e-6]) {
+    assert_eq!((x.calibration.model(), x.calibration.fit.statistics.samples_used), (Model::Poly(2), 8400));
+    for (got, truth) in raw_coefficients(&x.calibration.drift().shape).iter().zip([0.01, 3e-4, -2e-6]) {
         assert!((got / truth - 1.0).abs() < 0.01, "{got} {truth}");
     }
-    assert!(y.in_sample.rms < 1e-4 && y.held_out.rms < 1.2 * y.in_sample.rms);
+    let (in_sample, held_out) = residuals(y);
+    assert!(in_sample.rms < 1e-4 && held_out.rms < 1.2 * in_sample.rms);
     assert_eq!(x.trace.len(), 400);
 }
 
@@ -55,7 +62,7 @@ fn plain_counts_every_numeric_row_of_each_axis_once() {
     rates[1][77] = f64::NAN;
     rates[0][4001] += 1.0;
     let fit = fit(&temperatures, &rates, &plain(Model::Poly(2)));
-    assert_eq!((fit.axes[0].samples_used, fit.axes[1].samples_used), (8232, 8231));
+    assert_eq!(fit.axes.iter().map(used).collect::<Vec<_>>(), [8232, 8231]);
     assert_eq!(
         fit.axes[1].samples_rejected,
         [
@@ -63,11 +70,13 @@ fn plain_counts_every_numeric_row_of_each_axis_once() {
             Rejected { reason: DropReason::MissingRate, count: 1 },
         ]
     );
-    assert!(fit.axes[0].in_sample.pp > 0.9, "the spike is fitted too");
+    assert!(residuals(&fit.axes[0]).0.pp > 0.9, "the spike is fitted too");
     assert_eq!(kinds(&fit), [ReasonKind::MissingValues; 2]);
-    let [candidate] = fit.axes[1].choice.candidates[..] else { panic!() };
-    assert!((candidate.held_out_rms / fit.axes[1].held_out.rms - 1.0).abs() < 1e-9, "the factor's equals a pass's");
-    assert!((candidate.in_sample_rms / fit.axes[1].in_sample.rms - 1.0).abs() < 1e-9);
+    let [candidate] = &fit.axes[1].calibration.fit.statistics.candidates[..] else { panic!() };
+    let (in_sample, held_out) = residuals(&fit.axes[1]);
+    let ratio = candidate.held_out_rms.unwrap() / held_out.rms;
+    assert!((ratio - 1.0).abs() < 1e-9, "the factor's equals a pass's");
+    assert!((candidate.in_sample_rms / in_sample.rms - 1.0).abs() < 1e-9);
 }
 
 #[test]
@@ -82,7 +91,7 @@ fn a_narrow_span_is_rejected_unless_allowed() {
     let allowed = FitOptions { allow_narrow: true, ..FitOptions::default() };
     let allowed = fit(&temperatures, &rates, &allowed);
     assert_eq!((allowed.judgement.verdict, kinds(&allowed)), (Verdict::Warning, vec![ReasonKind::NarrowSpan]));
-    let valid = allowed.axes[0].drift.valid;
+    let valid = allowed.axes[0].calibration.drift().valid;
     assert!(valid.max() - valid.min() < 10.0);
 }
 
@@ -112,7 +121,7 @@ fn spikes_rotation_and_a_step_are_reported_and_leave_the_curve_alone() {
         assert!(kinds(&fit).contains(&kind), "{kind:?}: {:?}", fit.judgement);
         assert_eq!(fit.judgement.verdict, Verdict::Warning);
         for t in [-15.0, 0.0, 30.0, 70.0] {
-            let difference = fit.axes[0].drift.evaluate(t).0 - reference.axes[0].drift.evaluate(t).0;
+            let difference = fit.axes[0].calibration.drift().evaluate(t).0 - reference.axes[0].calibration.drift().evaluate(t).0;
             assert!(difference.abs() < 3e-4, "{kind:?} at {t}: {difference}");
         }
     }
@@ -132,10 +141,8 @@ fn too_little_is_rejected_with_a_reason() {
 
 #[test]
 fn time_running_backwards_is_an_error_that_names_the_row() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("log.csv");
-    fs::write(&path, "t_s,temperature_c,x_dps\n1,20,0\n3,21,0\n2,22,0\n").unwrap();
-    let error = fit_log(&path, &FitOptions::default()).unwrap_err().to_string();
+    let log = Source::bytes("log.csv", *b"t_s,temperature_c,x_dps\n1,20,0\n3,21,0\n2,22,0\n");
+    let error = fit_logs(&[log], &FitOptions::default()).unwrap_err().to_string();
     assert!(error.contains("row 3: column 't_s' runs backwards, from 3 to 2"), "{error}");
 }
 

@@ -1,7 +1,7 @@
 //! What conditioning found, in words.
 
 use super::gather::Gathered;
-use crate::condition::{DropReason, Levels, Step, Stretch};
+use crate::condition::{DropReason, Excluded, Levels, Step};
 use crate::quality::{Judgement, Reason, ReasonKind};
 
 /// A step of the temperature of this share of the least span is coarse.
@@ -24,8 +24,8 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
         );
         judgement.add(Reason::new(ReasonKind::CoarseTemperature, text));
     }
-    for stretch in &levels.stretches {
-        if let Some(reason) = of_stretch(stretch, unit) {
+    for interval in &levels.excluded {
+        if let Some(reason) = of_excluded(interval, unit) {
             judgement.add(reason);
         }
     }
@@ -40,15 +40,15 @@ pub(super) fn is_coarse(sensor: &Gathered) -> bool {
     step.is_finite() && step >= COARSE * sensor.stream.temperature_unit.min_span()
 }
 
-fn of_stretch(stretch: &Stretch, unit: &str) -> Option<Reason> {
-    let (kind, what) = match stretch.reason {
+fn of_excluded(interval: &Excluded, unit: &str) -> Option<Reason> {
+    let (kind, what) = match interval.reason {
         DropReason::Rotation => (ReasonKind::Rotation, "the unit was moved"),
         DropReason::StartUp => (ReasonKind::StartUp, "the readings settled after the start"),
         DropReason::FrozenTemperature => (ReasonKind::FrozenTemperature, "the temperature stood still, then jumped,"),
         DropReason::Gap => {
             let text = format!(
                 "nothing was logged from {:.0} s to {:.0} s, at {:.1} to {:.1} {unit}: what happened there is not known",
-                stretch.time_s.0, stretch.time_s.1, stretch.temperature.0, stretch.temperature.1
+                interval.time_s.0, interval.time_s.1, interval.temperature.0, interval.temperature.1
             );
             return Some(Reason::new(ReasonKind::Gap, text));
         }
@@ -57,12 +57,12 @@ fn of_stretch(stretch: &Stretch, unit: &str) -> Option<Reason> {
     };
     let text = format!(
         "{what} from {:.0} s to {:.0} s (rows {} to {}, {:.1} to {:.1} {unit}): these rows were left out",
-        stretch.time_s.0,
-        stretch.time_s.1,
-        stretch.rows.0 + 1,
-        stretch.rows.1,
-        stretch.temperature.0,
-        stretch.temperature.1
+        interval.time_s.0,
+        interval.time_s.1,
+        interval.rows.0 + 1,
+        interval.rows.1,
+        interval.temperature.0,
+        interval.temperature.1
     );
     Some(Reason::new(kind, text))
 }

@@ -5,9 +5,50 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-/// Why a recording cannot be written or read.
+use crate::source::Faulty;
+
+/// Why a recording cannot be read, with its name.
+pub type RecordingError = Faulty<RecordingFault>;
+
+/// Why a recording cannot be read.
 #[derive(Debug, Error)]
-pub enum RecordingError {
+pub enum RecordingFault {
+    /// The file cannot be opened or read.
+    #[error("cannot be read: {0}")]
+    Read(#[from] io::Error),
+    /// The file is something else.
+    #[error("not a recording: neither Parquet nor an Arrow stream with a recording's columns")]
+    NotARecording,
+    /// The recording was cut off so early that no header is whole.
+    #[error("cut off before its header was whole: nothing can be recovered; record again")]
+    NothingWhole,
+    /// The file's content contradicts itself.
+    #[error("damaged: {reason}: take another copy or record again")]
+    Damaged {
+        /// What does not fit.
+        reason: String,
+    },
+    /// The recording was written by another version's schema.
+    #[error(
+        "written in schema version {found}; this program reads version {}: use the program that wrote it, or a later one",
+        super::SCHEMA_VERSION
+    )]
+    UnknownVersion {
+        /// The version in the file.
+        found: String,
+    },
+}
+
+impl RecordingFault {
+    /// What a reader of Arrow or Parquet says of a damaged file.
+    pub(super) fn damaged(reason: impl ToString) -> Self {
+        Self::Damaged { reason: reason.to_string() }
+    }
+}
+
+/// Why a recording cannot be written.
+#[derive(Debug, Error)]
+pub enum WriteError {
     /// The file cannot be made.
     #[error("{}: the recording cannot be started: {reason}: choose a folder that exists and can be written", path.display())]
     Create {
@@ -37,41 +78,5 @@ pub enum RecordingError {
         groups: u64,
         /// What the system said.
         reason: String,
-    },
-    /// The file cannot be opened or read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// The file is something else.
-    #[error("{}: not a recording: neither Parquet nor an Arrow stream with a recording's columns", path.display())]
-    NotARecording {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The recording was cut off so early that no header is whole.
-    #[error("{}: cut off before its header was whole: nothing can be recovered; record again", path.display())]
-    NothingWhole {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The file's content contradicts itself.
-    #[error("{}: damaged: {reason}: take another copy or record again", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What does not fit.
-        reason: String,
-    },
-    /// The recording was written by another version's schema.
-    #[error("{}: written in schema version {found}; this program reads version {}: use the program that wrote it, or a later one", path.display(), super::SCHEMA_VERSION)]
-    UnknownVersion {
-        /// The file.
-        path: PathBuf,
-        /// The version in the file.
-        found: String,
     },
 }

@@ -1,30 +1,27 @@
 //! The header of a stream: its schema message, checked before the decoder sees it.
 
-use std::path::Path;
-
 use arrow_ipc::convert::fb_to_schema;
 use arrow_ipc::{Field, Type, root_as_message};
 use arrow_schema::Schema;
 
-use super::RecordingError;
+use super::RecordingFault;
 
 /// The continuation and the length that come before the message.
 const PREFIX_BYTES: usize = 8;
 
 /// The schema of a stream, from its first message.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Schema, RecordingError> {
-    let cut = || RecordingError::NothingWhole { path: path.to_owned() };
-    let damaged = |reason: String| RecordingError::Damaged { path: path.to_owned(), reason };
+pub(super) fn read(bytes: &[u8]) -> Result<Schema, RecordingFault> {
+    let cut = || RecordingFault::NothingWhole;
     let length = bytes.get(4..PREFIX_BYTES).and_then(|length| length.try_into().ok()).ok_or_else(cut)?;
-    let length = usize::try_from(i32::from_le_bytes(length)).map_err(|e| damaged(e.to_string()))?;
+    let length = usize::try_from(i32::from_le_bytes(length)).map_err(RecordingFault::damaged)?;
     let message = bytes.get(PREFIX_BYTES..PREFIX_BYTES + length).ok_or_else(cut)?;
-    let message = root_as_message(message).map_err(|e| damaged(e.to_string()))?;
-    let schema = message.header_as_schema().ok_or_else(|| damaged("its first message is no schema".to_owned()))?;
-    let fields = schema.fields().ok_or_else(|| damaged("its schema has no columns".to_owned()))?;
+    let message = root_as_message(message).map_err(RecordingFault::damaged)?;
+    let schema = message.header_as_schema().ok_or_else(|| RecordingFault::damaged("its first message is no schema"))?;
+    let fields = schema.fields().ok_or_else(|| RecordingFault::damaged("its schema has no columns"))?;
     if fields.iter().all(is_one_of_ours) {
         Ok(fb_to_schema(schema))
     } else {
-        Err(damaged("a column has a type that no recording has".to_owned()))
+        Err(RecordingFault::damaged("a column has a type that no recording has"))
     }
 }
 

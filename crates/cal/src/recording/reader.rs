@@ -1,9 +1,7 @@
 //! Reading: either form, by content; a cut stream up to its last whole group.
 
-use std::fs::{self, File};
 use std::io::Read;
 use std::panic::catch_unwind;
-use std::path::Path;
 
 use arrow_array::RecordBatch;
 use arrow_buffer::Buffer;
@@ -11,11 +9,11 @@ use arrow_ipc::reader::StreamDecoder;
 use arrow_schema::{ArrowError, Schema};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
-use super::{GroupRow, RecordingError, RecordingInfo};
+use super::{GroupRow, RecordingError, RecordingFault, RecordingInfo};
 use super::{header, schema};
-
-/// What every Parquet file starts with.
-const PARQUET_MAGIC: &[u8] = b"PAR1";
+use crate::parquet_source::ParquetSource;
+use crate::source::Source;
+use crate::table::PARQUET_MAGIC;
 
 /// What every message of an Arrow stream starts with (Arrow columnar format, "Encapsulated message format").
 const CONTINUATION: &[u8] = &[0xFF; 4];
@@ -35,39 +33,40 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Whether a file is a recording, finished or not, of any version: a log of another maker is none.
+    /// Whether a source is a recording, finished or not, of any version: a log of another maker is none.
     #[must_use]
-    pub fn is_one(path: &Path) -> bool {
-        let Ok(mut file) = File::open(path) else {
-            return false;
+    pub fn is_one(source: &Source) -> bool {
+        let of_parquet = || {
+            let file = ParquetSource::new(source).ok()?;
+            let builder = ParquetRecordBatchReaderBuilder::try_new(file).ok()?;
+            schema::version(builder.schema()).map(|_| ())
         };
-        let mut start = [0; 4];
-        if file.read_exact(&mut start).is_err() {
-            return false;
-        }
-        let of_parquet =
-            || ParquetRecordBatchReaderBuilder::try_new(file).is_ok_and(|it| schema::version(it.schema()).is_some());
-        if start == *PARQUET_MAGIC { of_parquet() } else { start == *CONTINUATION }
+        let start = source.start(PARQUET_MAGIC.len() as u64).unwrap_or_default();
+        start == CONTINUATION || (start == PARQUET_MAGIC && of_parquet().is_some())
     }
 
     /// Reads a recording, finished or not.
     ///
     /// # Errors
-    /// When the file cannot be read, is no recording or one of another schema version, is damaged, or was cut off before
+    /// When the source cannot be read, is no recording or one of another schema version, is damaged, or was cut off before
     /// its header.
-    pub fn read(path: &Path) -> Result<Self, RecordingError> {
-        let cannot = |source| RecordingError::Read { path: path.to_owned(), source };
+    pub fn read(source: &Source) -> Result<Self, RecordingError> {
+        Self::read_either(source).map_err(|fault| source.faulty(fault))
+    }
+
+    fn read_either(source: &Source) -> Result<Self, RecordingFault> {
         // Somebody's log may be large: only a stream, which is the bench's own form, is read whole.
-        let mut start = Vec::new();
-        File::open(path).map_err(cannot)?.take(CONTINUATION.len() as u64).read_to_end(&mut start).map_err(cannot)?;
+        let start = source.start(CONTINUATION.len() as u64)?;
         if start == PARQUET_MAGIC {
-            read_parquet(path)
+            read_parquet(source)
         } else if start == CONTINUATION {
-            read_stream(path, fs::read(path).map_err(cannot)?)
+            let mut bytes = Vec::new();
+            source.open()?.read_to_end(&mut bytes)?;
+            read_stream(bytes)
         } else if CONTINUATION.starts_with(&start) {
-            Err(RecordingError::NothingWhole { path: path.to_owned() })
+            Err(RecordingFault::NothingWhole)
         } else {
-            Err(RecordingError::NotARecording { path: path.to_owned() })
+            Err(RecordingFault::NotARecording)
         }
     }
 
@@ -78,30 +77,27 @@ impl Recording {
     }
 }
 
-fn read_parquet(path: &Path) -> Result<Recording, RecordingError> {
-    let file = File::open(path).map_err(|source| RecordingError::Read { path: path.to_owned(), source })?;
-    let damaged = |reason: String| RecordingError::Damaged { path: path.to_owned(), reason };
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| damaged(e.to_string()))?;
-    let info = check(path, builder.schema())?;
+fn read_parquet(source: &Source) -> Result<Recording, RecordingFault> {
+    let file = ParquetSource::new(source)?;
+    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(RecordingFault::damaged)?;
+    let info = check(builder.schema())?;
     let mut rows = Vec::new();
-    for batch in builder.build().map_err(|e| damaged(e.to_string()))? {
-        let batch = batch.map_err(|e| damaged(e.to_string()))?;
-        rows.extend(schema::rows(&batch).map_err(damaged)?);
+    for batch in builder.build().map_err(RecordingFault::damaged)? {
+        rows.extend(schema::rows(&batch.map_err(RecordingFault::damaged)?).map_err(RecordingFault::damaged)?);
     }
     Ok(Recording { info, rows, cut: false })
 }
 
-fn read_stream(path: &Path, bytes: Vec<u8>) -> Result<Recording, RecordingError> {
-    let damaged = |reason: String| RecordingError::Damaged { path: path.to_owned(), reason };
+fn read_stream(bytes: Vec<u8>) -> Result<Recording, RecordingFault> {
     let cut = !bytes.ends_with(END_OF_STREAM);
-    let info = check(path, &header::read(path, &bytes)?)?;
+    let info = check(&header::read(&bytes)?)?;
     // Arrow's decoder panics on some of the messages that a damaged file can hold.
     let batches = catch_unwind(|| decode(bytes))
-        .map_err(|_| damaged("a message contradicts itself".to_owned()))?
-        .map_err(|error| damaged(error.to_string()))?;
+        .map_err(|_| RecordingFault::damaged("a message contradicts itself"))?
+        .map_err(RecordingFault::damaged)?;
     let mut rows = Vec::new();
     for batch in batches {
-        rows.extend(schema::rows(&batch).map_err(damaged)?);
+        rows.extend(schema::rows(&batch).map_err(RecordingFault::damaged)?);
     }
     Ok(Recording { info, rows, cut })
 }
@@ -114,20 +110,20 @@ fn decode(bytes: Vec<u8>) -> Result<Vec<RecordBatch>, ArrowError> {
 }
 
 impl RecordingInfo {
-    /// The metadata of a recording's schema; `path` is for the error's words.
+    /// The metadata of a recording's schema.
     ///
     /// # Errors
     /// When the schema is no recording's, or one of another version.
-    pub fn of_schema(path: &Path, schema: &Schema) -> Result<Self, RecordingError> {
-        check(path, schema)
+    pub fn of_schema(schema: &Schema) -> Result<Self, RecordingFault> {
+        check(schema)
     }
 }
 
 /// The metadata, if it is a recording's of a known version.
-fn check(path: &Path, schema: &Schema) -> Result<RecordingInfo, RecordingError> {
+fn check(schema: &Schema) -> Result<RecordingInfo, RecordingFault> {
     match schema::version(schema) {
         Some(version) if version == super::SCHEMA_VERSION.to_string() => Ok(schema::info(schema)),
-        Some(version) => Err(RecordingError::UnknownVersion { path: path.to_owned(), found: version.to_owned() }),
-        None => Err(RecordingError::NotARecording { path: path.to_owned() }),
+        Some(version) => Err(RecordingFault::UnknownVersion { found: version.to_owned() }),
+        None => Err(RecordingFault::NotARecording),
     }
 }

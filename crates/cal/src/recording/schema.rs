@@ -14,7 +14,7 @@ use zerorate_core::compensate::Mode;
 use zerorate_core::group::GroupSums;
 use zerorate_core::units::Axis;
 
-use super::{GroupRow, RecordingInfo};
+use super::{GroupRow, Phase, RecordingInfo};
 
 /// The version of the columns and metadata below.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -100,7 +100,7 @@ pub(super) fn batch(schema: &Arc<Schema>, rows: &[GroupRow]) -> Result<RecordBat
     let columns: Vec<ArrayRef> = vec![
         Arc::new(rows.iter().map(|row| row.group).collect::<UInt32Array>()),
         float(|row| row.t_s),
-        text(|row| &row.phase),
+        text(|row| row.phase.name()),
         text(|row| row.axis.name()),
         Arc::new(rows.iter().map(|row| row.sums.n).collect::<UInt32Array>()),
         sum(|sums| sums.temperature),
@@ -154,11 +154,11 @@ pub(super) fn rows(batch: &RecordBatch) -> Result<Vec<GroupRow>, String> {
                 return Err(format!("group {}: its means are not those of its sums", group.value(i)));
             }
             let unknown = |what: &str, text: &str| format!("group {}: '{text}' is no {what}", group.value(i));
-            let (axis, mode) = (axis.value(i), mode.value(i));
+            let (axis, mode, phase) = (axis.value(i), mode.value(i), phase.value(i));
             Ok(GroupRow {
                 group: group.value(i),
                 t_s: t_s.value(i),
-                phase: phase.value(i).to_owned(),
+                phase: Phase::of_name(phase).ok_or_else(|| unknown("phase", phase))?,
                 axis: Axis::BOTH.into_iter().find(|known| known.name() == axis).ok_or_else(|| unknown("axis", axis))?,
                 sums,
                 corrected_counts: corrected_counts.value(i),

@@ -24,7 +24,7 @@ fn group(number: u32) -> [GroupRow; 2] {
         GroupRow {
             group: number,
             t_s: 1.5 * f64::from(number),
-            phase: if number < 5 { "soak".into() } else { "ramp".into() },
+            phase: if number < 5 { Phase::Soak } else { Phase::Heating },
             axis,
             sums,
             corrected_counts: 8200.25,
@@ -61,13 +61,13 @@ fn a_finished_recording_is_parquet_and_reads_back_exactly() {
     assert_eq!(writer.finish().unwrap(), path);
     assert!(fs::read(&path).unwrap().starts_with(b"PAR1"));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");
-    assert_eq!(Recording::read(&path).unwrap(), Recording { info: info(), rows: rows(40), cut: false });
+    assert_eq!(Recording::read(&(&path).into()).unwrap(), Recording { info: info(), rows: rows(40), cut: false });
 }
 
 #[test]
 fn an_unfinished_recording_has_every_group_that_was_written() {
     let (_folder, stream, _) = unfinished(7);
-    let recording = Recording::read(&stream).unwrap();
+    let recording = Recording::read(&(&stream).into()).unwrap();
     assert_eq!((recording.groups(), recording.cut), (7, true));
     assert_eq!(recording.rows, rows(7));
 }
@@ -81,14 +81,14 @@ fn a_recording_cut_at_any_byte_keeps_every_whole_group() {
     for length in 0..bytes.len() {
         fs::write(&path, &bytes[..length]).unwrap();
         let whole = ends.iter().filter(|end| **end <= length).count();
-        match Recording::read(&path) {
+        match Recording::read(&(&path).into()) {
             Ok(recording) => {
                 assert!(recording.cut);
                 assert_eq!(recording.rows, rows(u32::try_from(whole).unwrap() - 1), "cut at {length}");
             }
             Err(error) => {
                 assert_eq!(whole, 0, "cut at {length}: {error}");
-                assert!(matches!(error, RecordingError::NothingWhole { .. }));
+                assert!(matches!(error.fault, RecordingFault::NothingWhole));
             }
         }
     }
@@ -102,7 +102,7 @@ fn a_damaged_byte_never_panics_and_never_changes_a_sum_unseen() {
         let mut damaged = bytes.clone();
         damaged[place] ^= 0x55;
         fs::write(&path, &damaged).unwrap();
-        if let Ok(recording) = Recording::read(&path) {
+        if let Ok(recording) = Recording::read(&(&path).into()) {
             for (row, original) in recording.rows.iter().zip(rows(3)) {
                 assert_eq!((row.sums.zro, row.sums.temperature), (original.sums.zro, original.sums.temperature));
             }
@@ -119,7 +119,7 @@ fn a_cut_parquet_file_is_damaged() {
     writer.finish().unwrap();
     let bytes = fs::read(&path).unwrap();
     fs::write(&path, &bytes[..bytes.len() - 20]).unwrap();
-    assert!(matches!(Recording::read(&path), Err(RecordingError::Damaged { .. })));
+    assert!(matches!(Recording::read(&(&path).into()).unwrap_err().fault, RecordingFault::Damaged { .. }));
 }
 
 #[test]
@@ -127,9 +127,10 @@ fn another_file_is_no_recording() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.csv");
     fs::write(&path, "t,x\n1,2\n").unwrap();
-    assert!(matches!(Recording::read(&path), Err(RecordingError::NotARecording { .. })));
-    let missing = Recording::read(Path::new("/nowhere/run.parquet"));
-    assert!(matches!(missing, Err(RecordingError::Read { .. })));
+    assert!(matches!(Recording::read(&(&path).into()).unwrap_err().fault, RecordingFault::NotARecording));
+    let missing = Recording::read(&"/nowhere/run.parquet".into()).unwrap_err();
+    assert!(matches!(missing.fault, RecordingFault::Read(_)));
+    assert!(missing.to_string().starts_with("/nowhere/run.parquet: cannot be read"), "{missing}");
 }
 
 #[test]
@@ -159,5 +160,5 @@ fn a_full_disk_says_what_is_kept() {
     std::os::unix::fs::symlink("/dev/full", folder.path().join("run.parquet.partial")).unwrap();
     let error = writer.finish().unwrap_err().to_string();
     assert!(error.contains("all 1 groups are kept in") && error.contains("run.arrows"), "{error}");
-    assert_eq!(Recording::read(&folder.path().join("run.arrows")).unwrap().rows, rows(1));
+    assert_eq!(Recording::read(&(&folder.path().join("run.arrows")).into()).unwrap().rows, rows(1));
 }

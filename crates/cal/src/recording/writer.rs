@@ -12,7 +12,7 @@ use parquet::arrow::ArrowWriter;
 use parquet::file::properties::WriterProperties;
 
 use super::schema;
-use super::{GroupRow, RecordingError, RecordingInfo};
+use super::{GroupRow, RecordingInfo, WriteError};
 
 /// Rows in a row group of the Parquet file: what [`RecordingWriter::finish`] keeps in memory.
 const ROW_GROUP_ROWS: usize = 65_536;
@@ -33,9 +33,9 @@ impl RecordingWriter {
     ///
     /// # Errors
     /// When the folder or the stream cannot be written.
-    pub fn create(path: &Path, info: &RecordingInfo) -> Result<Self, RecordingError> {
+    pub fn create(path: &Path, info: &RecordingInfo) -> Result<Self, WriteError> {
         let stream = path.with_extension("arrows");
-        let error = |reason: String| RecordingError::Create { path: stream.clone(), reason };
+        let error = |reason: String| WriteError::Create { path: stream.clone(), reason };
         if stream.exists() {
             fs::rename(&stream, path.with_extension("cut.arrows")).map_err(|e| error(e.to_string()))?;
         }
@@ -56,12 +56,12 @@ impl RecordingWriter {
     ///
     /// # Errors
     /// When they cannot be written, as with a full disk; the groups before are kept.
-    pub fn write_group(&mut self, rows: &[GroupRow]) -> Result<(), RecordingError> {
+    pub fn write_group(&mut self, rows: &[GroupRow]) -> Result<(), WriteError> {
         let result = schema::batch(&self.schema, rows).and_then(|batch| {
             self.writer.write(&batch)?;
             Ok(self.writer.get_mut().flush()?)
         });
-        result.map_err(|error| RecordingError::Write {
+        result.map_err(|error| WriteError::Write {
             path: self.stream.clone(),
             groups: self.groups,
             reason: error.to_string(),
@@ -74,13 +74,13 @@ impl RecordingWriter {
     ///
     /// # Errors
     /// When that fails: the stream then still holds every group, and an earlier Parquet file is as it was.
-    pub fn finish(mut self) -> Result<PathBuf, RecordingError> {
+    pub fn finish(mut self) -> Result<PathBuf, WriteError> {
         let partial = self.parquet.with_extension("parquet.partial");
         let result = self.rewrite(&partial);
         if let Err(reason) = result {
             // It may never have been made.
             let _ = fs::remove_file(&partial);
-            return Err(RecordingError::Finish {
+            return Err(WriteError::Finish {
                 path: self.parquet,
                 stream: self.stream,
                 groups: self.groups,

@@ -1,111 +1,7 @@
 //! Which column is which, and in what unit: as asked for, or by the names where they make it plain.
 
-use std::fmt;
-use std::str::FromStr;
-
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
-
-use super::{TableError, TableFile};
-use crate::quality::TemperatureUnit;
-
-/// The unit of a time column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TimeUnit {
-    /// Seconds.
-    S,
-    /// Milliseconds.
-    Ms,
-    /// Microseconds.
-    Us,
-    /// Nanoseconds.
-    Ns,
-}
-
-impl TimeUnit {
-    const ALL: [Self; 4] = [Self::S, Self::Ms, Self::Us, Self::Ns];
-
-    /// One unit in seconds.
-    #[must_use]
-    pub fn seconds(self) -> f64 {
-        match self {
-            Self::S => 1.0,
-            Self::Ms => 1e-3,
-            Self::Us => 1e-6,
-            Self::Ns => 1e-9,
-        }
-    }
-
-    /// The one unit by which a log lasts from 100 s to 100 000 s (28 h), as a thermal log does: the units lie a factor of
-    /// 1000 apart, so at most one fits. `None` where none does.
-    #[must_use]
-    pub fn by_duration(duration: f64) -> Option<Self> {
-        Self::ALL.into_iter().find(|unit| (100.0..100_000.0).contains(&(duration * unit.seconds())))
-    }
-}
-
-/// The unit of the rate columns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum RateUnit {
-    /// Degrees per second.
-    #[serde(rename = "dps")]
-    Dps,
-    /// Radians per second.
-    #[serde(rename = "rad/s")]
-    RadPerS,
-    /// Counts of an A/D.
-    #[serde(rename = "counts")]
-    Counts,
-    /// Metres per second squared: an accelerometer's.
-    #[serde(rename = "m/s^2")]
-    MetresPerS2,
-}
-
-/// A unit that was asked for and is none.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("'{text}' is no unit here: give {known}")]
-pub struct UnitError {
-    text: String,
-    known: &'static str,
-}
-
-impl FromStr for TimeUnit {
-    type Err = UnitError;
-    fn from_str(text: &str) -> Result<Self, UnitError> {
-        let known = Self::ALL.into_iter().find(|unit| unit.to_string() == text);
-        known.ok_or_else(|| UnitError { text: text.to_owned(), known: "s, ms, us or ns" })
-    }
-}
-
-impl fmt::Display for TimeUnit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::S => "s",
-            Self::Ms => "ms",
-            Self::Us => "us",
-            Self::Ns => "ns",
-        })
-    }
-}
-
-impl FromStr for RateUnit {
-    type Err = UnitError;
-    fn from_str(text: &str) -> Result<Self, UnitError> {
-        let known = [Self::Dps, Self::RadPerS, Self::Counts].into_iter().find(|unit| unit.to_string() == text);
-        known.ok_or_else(|| UnitError { text: text.to_owned(), known: "dps, rad/s or counts" })
-    }
-}
-
-impl fmt::Display for RateUnit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Dps => "dps",
-            Self::RadPerS => "rad/s",
-            Self::Counts => "counts",
-            Self::MetresPerS2 => "m/s^2",
-        })
-    }
-}
+use super::{Table, TableError, TableFault};
+use crate::units::{RateUnit, TemperatureUnit, TimeUnit};
 
 /// What was asked for; whatever is left open is guessed.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -149,7 +45,7 @@ impl Columns {
     /// # Errors
     /// When a column asked for is not there, or the names do not make it plain: the error lists the columns and the
     /// option that says which.
-    pub fn resolve(&self, table: &TableFile) -> Result<Resolved, TableError> {
+    pub fn resolve(&self, table: &Table) -> Result<Resolved, TableError> {
         let words: Vec<Vec<String>> = table.names().iter().map(|name| words(name)).collect();
         let places = |is: fn(&[String]) -> bool| -> Vec<usize> {
             (0..words.len()).filter(|&column| is(&words[column])).collect()
@@ -158,13 +54,13 @@ impl Columns {
             Some(name) => table.column(name)?,
             None => match places(is_temperature)[..] {
                 [only] => only,
-                ref several => return Err(unclear(table, "temperature", several, "--temperature")),
+                ref several => return Err(unclear(table, "temperature", several)),
             },
         };
         let rates = if self.rates.is_empty() {
             match guess_rates(&words) {
                 Ok(rates) => rates,
-                Err(several) => return Err(unclear(table, "rate", &several, "--rate")),
+                Err(several) => return Err(unclear(table, "rate", &several)),
             }
         } else {
             self.rates.iter().map(|name| table.column(name)).collect::<Result<_, _>>()?
@@ -177,7 +73,7 @@ impl Columns {
         let mut notes = Vec::new();
         let rate_unit = self.rate_unit.or_else(|| rate_unit(&words[rates[0]])).unwrap_or_else(|| {
             let name = &table.names()[rates[0]];
-            notes.push(format!("'{name}' names no unit: taken as rad/s (--rate-unit says otherwise)"));
+            notes.push(format!("'{name}' names no unit: taken as rad/s (`rate_unit` says otherwise)"));
             RateUnit::RadPerS
         });
         Ok(Resolved {
@@ -197,14 +93,9 @@ impl Columns {
     }
 }
 
-fn unclear(table: &TableFile, what: &'static str, found: &[usize], option: &'static str) -> TableError {
-    TableError::Unclear {
-        path: table.path().to_owned(),
-        what,
-        found: if found.is_empty() { "no column" } else { "more than one column" },
-        option,
-        columns: table.names().join(", "),
-    }
+fn unclear(table: &Table, what: &'static str, found: &[usize]) -> TableError {
+    let found = if found.is_empty() { "no column" } else { "more than one column" };
+    table.source().faulty(TableFault::Unclear { what, found, columns: table.names().join(", ") })
 }
 
 const COUNTS_WORDS: [&str; 5] = ["count", "counts", "lsb", "adc", "raw"];

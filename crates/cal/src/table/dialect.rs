@@ -1,8 +1,6 @@
 //! The delimiter and the header of a text table, from its first lines.
 
-use std::path::Path;
-
-use super::TableError;
+use super::TableFault;
 
 /// How much of a file is looked at.
 pub(super) const SAMPLE_BYTES: u64 = 64 * 1024;
@@ -21,10 +19,9 @@ pub(super) struct Dialect {
 }
 
 /// The dialect and the column names.
-pub(super) fn detect(path: &Path, start: &[u8]) -> Result<(Dialect, Vec<String>), TableError> {
-    let not_a_table = || TableError::NotATable { path: path.to_owned() };
+pub(super) fn detect(start: &[u8]) -> Result<(Dialect, Vec<String>), TableFault> {
     if start.contains(&0) {
-        return Err(not_a_table());
+        return Err(TableFault::NotATable);
     }
     let text = String::from_utf8_lossy(start);
     let mut lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
@@ -33,7 +30,7 @@ pub(super) fn detect(path: &Path, start: &[u8]) -> Result<(Dialect, Vec<String>)
         lines.pop();
     }
     let Some(first) = lines.first() else {
-        return Err(TableError::Empty { path: path.to_owned() });
+        return Err(TableFault::Empty);
     };
     // The first two lines decide: a later line of another length is an error with its number, not another delimiter.
     let delimiter = DELIMITERS
@@ -43,7 +40,7 @@ pub(super) fn detect(path: &Path, start: &[u8]) -> Result<(Dialect, Vec<String>)
             cells > 1 && lines.get(1).is_none_or(|second| split(second, delimiter).len() == cells)
         })
         .or_else(|| DELIMITERS.into_iter().find(|&delimiter| split(first, delimiter).len() > 1))
-        .ok_or_else(not_a_table)?;
+        .ok_or(TableFault::NotATable)?;
     let cells = split(first, delimiter);
     let header = cells.iter().any(|cell| number(cell).is_none());
     let names = if header {

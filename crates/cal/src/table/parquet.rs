@@ -1,8 +1,5 @@
 //! Parquet as batches: only the columns asked for are decoded, a batch at a time.
 
-use std::fs::File;
-use std::path::{Path, PathBuf};
-
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
 use arrow_array::{Array, ArrayRef, RecordBatch};
@@ -11,28 +8,29 @@ use arrow_schema::{ArrowError, DataType};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 
-use super::{BATCH_ROWS, Batch, TableError};
+use super::{BATCH_ROWS, Batch, TableFault};
+use crate::parquet_source::ParquetSource;
+use crate::source::Source;
 
 /// The names of all columns.
-pub(super) fn names(path: &Path, file: File) -> Result<Vec<String>, TableError> {
-    let builder = builder(path, file)?;
+pub(super) fn names(source: &Source) -> Result<Vec<String>, TableFault> {
+    let builder = builder(source)?;
     if builder.metadata().file_metadata().num_rows() == 0 {
-        return Err(TableError::Empty { path: path.to_owned() });
+        return Err(TableFault::Empty);
     }
     Ok(builder.schema().fields().iter().map(|field| field.name().clone()).collect())
 }
 
-fn builder(path: &Path, file: File) -> Result<ParquetRecordBatchReaderBuilder<File>, TableError> {
-    ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| damaged(path, &error))
+fn builder(source: &Source) -> Result<ParquetRecordBatchReaderBuilder<ParquetSource>, TableFault> {
+    ParquetRecordBatchReaderBuilder::try_new(ParquetSource::new(source)?).map_err(|error| damaged(&error))
 }
 
-fn damaged(path: &Path, error: &dyn std::error::Error) -> TableError {
-    TableError::Parquet { path: path.to_owned(), reason: error.to_string() }
+fn damaged(error: &dyn std::error::Error) -> TableFault {
+    TableFault::Parquet { reason: error.to_string() }
 }
 
 /// A stream of batches from a Parquet file.
 pub(super) struct ParquetBatches {
-    path: PathBuf,
     reader: ParquetRecordBatchReader,
     /// Where each column asked for lies in the batches read.
     places: Vec<usize>,
@@ -41,16 +39,13 @@ pub(super) struct ParquetBatches {
 }
 
 impl ParquetBatches {
-    pub(super) fn open(path: &Path, file: File, columns: &[usize], cells: bool) -> Result<Self, TableError> {
-        let builder = builder(path, file)?;
+    pub(super) fn open(source: &Source, columns: &[usize], cells: bool) -> Result<Self, TableFault> {
+        let builder = builder(source)?;
         for &column in columns {
             let field = builder.schema().field(column);
             if !is_numeric(field.data_type()) {
-                return Err(TableError::NotNumeric {
-                    path: path.to_owned(),
-                    column: field.name().clone(),
-                    kind: field.data_type().to_string(),
-                });
+                let (column, kind) = (field.name().clone(), field.data_type().to_string());
+                return Err(TableFault::NotNumeric { column, kind });
             }
         }
         // Columns come in the file's order, whatever the order asked for.
@@ -62,8 +57,8 @@ impl ParquetBatches {
             columns.iter().map(|column| read.binary_search(column).expect("every column asked for is read")).collect();
         let mask = ProjectionMask::roots(builder.parquet_schema(), read);
         let reader =
-            builder.with_projection(mask).with_batch_size(BATCH_ROWS).build().map_err(|error| damaged(path, &error))?;
-        Ok(Self { path: path.to_owned(), reader, places, cells, row: 0 })
+            builder.with_projection(mask).with_batch_size(BATCH_ROWS).build().map_err(|error| damaged(&error))?;
+        Ok(Self { reader, places, cells, row: 0 })
     }
 
     fn convert(&mut self, record: &RecordBatch) -> Result<Batch, ArrowError> {
@@ -76,12 +71,12 @@ impl ParquetBatches {
 }
 
 impl Iterator for ParquetBatches {
-    type Item = Result<Batch, TableError>;
+    type Item = Result<Batch, TableFault>;
 
     fn next(&mut self) -> Option<Self::Item> {
         let record = self.reader.next()?;
         let batch = record.and_then(|record| self.convert(&record));
-        Some(batch.map_err(|error| damaged(&self.path, &error)))
+        Some(batch.map_err(|error| damaged(&error)))
     }
 }
 

@@ -1,24 +1,17 @@
-use std::fs;
 use std::sync::Arc;
 
 use ::parquet::arrow::ArrowWriter;
 use arrow_array::{ArrayRef, Float32Array, Float64Array, Int64Array, RecordBatch, StringArray};
-use tempfile::TempDir;
 
 use super::*;
-use crate::quality::TemperatureUnit;
+use crate::units::{RateUnit, TemperatureUnit, TimeUnit};
 
-/// A file in a folder of its own, which goes when it is dropped.
-fn file(content: &[u8]) -> (TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("log");
-    fs::write(&path, content).unwrap();
-    (folder, path)
+fn table(content: &[u8]) -> Result<Table, TableError> {
+    Table::open(&Source::bytes("log", content))
 }
 
 fn read(content: &str) -> Result<(Vec<String>, Vec<Vec<f64>>), TableError> {
-    let (_folder, path) = file(content.as_bytes());
-    let table = TableFile::open(&path)?;
+    let table = table(content.as_bytes())?;
     let all: Vec<usize> = (0..table.names().len()).collect();
     let mut columns = vec![Vec::new(); all.len()];
     for batch in table.batches(&all)? {
@@ -29,8 +22,7 @@ fn read(content: &str) -> Result<(Vec<String>, Vec<Vec<f64>>), TableError> {
 }
 
 fn resolve(header: &str, columns: &Columns) -> Result<Resolved, TableError> {
-    let (_folder, path) = file(format!("{header}\n").as_bytes());
-    columns.resolve(&TableFile::open(&path)?)
+    columns.resolve(&table(format!("{header}\n").as_bytes())?)
 }
 
 #[test]
@@ -59,32 +51,31 @@ fn a_missing_cell_is_nan() {
 #[test]
 fn text_for_a_number_is_named_by_line_and_column() {
     let error = read("a,b\n1,2\n3,oops\n").unwrap_err().to_string();
-    assert!(error.contains("log:3: column 'b' holds 'oops'"), "{error}");
+    assert!(error.contains("log: line 3: column 'b' holds 'oops'"), "{error}");
 }
 
 #[test]
 fn a_line_cut_short_is_named() {
     let error = read("a,b\n1,2\n3\n").unwrap_err().to_string();
-    assert!(error.contains("log:3: 1 cells where the first line has 2"), "{error}");
+    assert!(error.contains("log: line 3: 1 cells where the first line has 2"), "{error}");
 }
 
 #[test]
 fn what_is_no_table_says_so() {
-    assert!(matches!(read(""), Err(TableError::Empty { .. })));
-    assert!(matches!(read("\n\n"), Err(TableError::Empty { .. })));
-    assert!(matches!(read("hello\n"), Err(TableError::NotATable { .. })));
-    assert!(matches!(read("a\0b"), Err(TableError::NotATable { .. })));
-    assert!(matches!(read("PAR1 and then nothing"), Err(TableError::Parquet { .. })));
-    let missing = TableFile::open(Path::new("/nowhere/log.csv")).unwrap_err().to_string();
+    assert!(matches!(read("").unwrap_err().fault, TableFault::Empty));
+    assert!(matches!(read("\n\n").unwrap_err().fault, TableFault::Empty));
+    assert!(matches!(read("hello\n").unwrap_err().fault, TableFault::NotATable));
+    assert!(matches!(read("a\0b").unwrap_err().fault, TableFault::NotATable));
+    assert!(matches!(read("PAR1 and then nothing").unwrap_err().fault, TableFault::Parquet { .. }));
+    let missing = Table::open(&"/nowhere/log.csv".into()).unwrap_err().to_string();
     assert!(missing.starts_with("/nowhere/log.csv: cannot be read"), "{missing}");
 }
 
 #[test]
 fn a_long_table_comes_in_batches_that_join_up() {
     let content: String = (0..20_000).map(|i| format!("{i},{}\n", 2 * i)).collect();
-    let (_folder, path) = file(content.as_bytes());
     let mut next = 0;
-    for batch in TableFile::open(&path).unwrap().batches(&[1]).unwrap() {
+    for batch in table(content.as_bytes()).unwrap().batches(&[1]).unwrap() {
         let batch = batch.unwrap();
         assert_eq!(batch.first_row, next);
         assert!((batch.columns[0][0] - 2.0 * next as f64).abs() < 1e-12);
@@ -95,7 +86,6 @@ fn a_long_table_comes_in_batches_that_join_up() {
 
 #[test]
 fn parquet_gives_only_the_columns_asked_for_with_nulls_as_nan() {
-    let (_folder, path) = file(b"");
     let columns: Vec<(&str, ArrayRef)> = vec![
         ("time_us", Arc::new(Int64Array::from(vec![1, 2, 3]))),
         ("note", Arc::new(StringArray::from(vec!["a", "b", "c"]))),
@@ -103,17 +93,16 @@ fn parquet_gives_only_the_columns_asked_for_with_nulls_as_nan() {
         ("gyro_x", Arc::new(Float64Array::from(vec![Some(0.1), None, Some(0.3)]))),
     ];
     let batch = RecordBatch::try_from_iter(columns).unwrap();
-    let mut writer = ArrowWriter::try_new(File::create(&path).unwrap(), batch.schema(), None).unwrap();
+    let mut writer = ArrowWriter::try_new(Vec::new(), batch.schema(), None).unwrap();
     writer.write(&batch).unwrap();
-    writer.close().unwrap();
 
-    let table = TableFile::open(&path).unwrap();
+    let table = table(&writer.into_inner().unwrap()).unwrap();
     let batches: Vec<Batch> = table.batches(&[3, 0]).unwrap().collect::<Result<_, _>>().unwrap();
     assert_eq!(batches[0].columns[1], [1.0, 2.0, 3.0]);
     assert!(batches[0].columns[0][1].is_nan());
     let with_cells = table.batches_with_cells(&[2]).unwrap().next().unwrap().unwrap();
     assert_eq!(with_cells.cells[1], ["2", "b", "21.0", ""]);
-    assert!(matches!(table.batches(&[1]), Err(TableError::NotNumeric { .. })));
+    assert!(matches!(table.batches(&[1]).err().unwrap().fault, TableFault::NotNumeric { .. }));
 }
 
 #[test]
@@ -129,7 +118,7 @@ fn columns_are_guessed_where_the_names_make_it_plain() {
             Ok(found) => assert_eq!((found.time, found.temperature, found.rates), (time, temperature, rates)),
             Err(error) => {
                 assert_eq!(temperature, usize::MAX, "{error}");
-                assert!(error.to_string().contains("say which with --temperature; the columns are TimeUS, I,"));
+                assert!(error.to_string().contains("say which (`temperature`); the columns are TimeUS, I,"));
             }
         }
     }

@@ -1,17 +1,14 @@
 //! Delimited text as batches.
 
-use std::fs::File;
-use std::path::{Path, PathBuf};
-
 use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord};
 
 use super::dialect::{self, Dialect};
-use super::{BATCH_ROWS, Batch, TableError};
+use super::{BATCH_ROWS, Batch, TableFault};
+use crate::source::ReadSeek;
 
 /// A stream of batches from a text file.
 pub(super) struct TextBatches {
-    path: PathBuf,
-    reader: Reader<File>,
+    reader: Reader<Box<dyn ReadSeek>>,
     /// Several spaces are one delimiter.
     joined_delimiters: bool,
     names: Vec<String>,
@@ -23,8 +20,7 @@ pub(super) struct TextBatches {
 
 impl TextBatches {
     pub(super) fn new(
-        path: &Path,
-        file: File,
+        file: Box<dyn ReadSeek>,
         dialect: &Dialect,
         names: &[String],
         columns: &[usize],
@@ -37,7 +33,6 @@ impl TextBatches {
             .flexible(true)
             .from_reader(file);
         Self {
-            path: path.to_owned(),
             reader,
             joined_delimiters: dialect.delimiter == b' ',
             names: names.to_vec(),
@@ -48,7 +43,7 @@ impl TextBatches {
         }
     }
 
-    fn read(&mut self) -> Result<Option<Batch>, TableError> {
+    fn read(&mut self) -> Result<Option<Batch>, TableFault> {
         let mut batch = Batch {
             first_row: self.row,
             columns: vec![Vec::with_capacity(BATCH_ROWS); self.columns.len()],
@@ -56,7 +51,7 @@ impl TextBatches {
         };
         let mut record = StringRecord::new();
         let mut rows = 0;
-        while rows < BATCH_ROWS && self.reader.read_record(&mut record).map_err(|error| self.error(error))? {
+        while rows < BATCH_ROWS && self.reader.read_record(&mut record).map_err(|error| self.fault(error))? {
             if self.joined_delimiters {
                 let position = record.position().cloned();
                 record = record.iter().filter(|cell| !cell.is_empty()).collect();
@@ -69,19 +64,17 @@ impl TextBatches {
         Ok((rows > 0).then_some(batch))
     }
 
-    fn append(&self, record: &StringRecord, batch: &mut Batch) -> Result<(), TableError> {
+    fn append(&self, record: &StringRecord, batch: &mut Batch) -> Result<(), TableFault> {
         let line = || record.position().map_or(0, csv::Position::line);
         if record.len() != self.names.len() {
-            return Err(TableError::Ragged {
-                path: self.path.clone(),
+            return Err(TableFault::Ragged {
                 line: line(),
                 found: record.len(),
                 expected: self.names.len(),
             });
         }
         for (&column, numbers) in self.columns.iter().zip(&mut batch.columns) {
-            let number = dialect::number(&record[column]).ok_or_else(|| TableError::NotANumber {
-                path: self.path.clone(),
+            let number = dialect::number(&record[column]).ok_or_else(|| TableFault::NotANumber {
                 line: line(),
                 column: self.names[column].clone(),
                 text: record[column].to_owned(),
@@ -94,22 +87,21 @@ impl TextBatches {
         Ok(())
     }
 
-    fn error(&self, error: csv::Error) -> TableError {
+    fn fault(&self, error: csv::Error) -> TableFault {
         match error.into_kind() {
-            ErrorKind::Io(source) => TableError::Read { path: self.path.clone(), source },
-            ErrorKind::Utf8 { pos, .. } => TableError::NotANumber {
-                path: self.path.clone(),
+            ErrorKind::Io(error) => error.into(),
+            ErrorKind::Utf8 { pos, .. } => TableFault::NotANumber {
                 line: pos.map_or(0, |pos| pos.line()),
                 column: self.names[0].clone(),
                 text: "bytes that are not text".to_owned(),
             },
-            other => TableError::Read { path: self.path.clone(), source: std::io::Error::other(format!("{other:?}")) },
+            other => std::io::Error::other(format!("{other:?}")).into(),
         }
     }
 }
 
 impl Iterator for TextBatches {
-    type Item = Result<Batch, TableError>;
+    type Item = Result<Batch, TableFault>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.failed {

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::VerifiedAxis;
-use crate::table::RateUnit;
+use crate::units::RateUnit;
 
 /// A size with its unit, as it was written: `0.5 mrad/s`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -1,10 +1,8 @@
-use std::fs;
-
 use super::*;
-use crate::calibration::{ResidualOver, Source};
+use crate::calibration::Origin;
 
 /// A log of a parabola with a second-run offset, noise by `seed`, and a sine of size `extra`.
-fn log(path: &Path, seed: i32, offset: f64, extra: f64) {
+fn log(seed: i32, offset: f64, extra: f64) -> String {
     let mut text = "time_s,temperature_c,gyro_x_rad_s,gyro_y_rad_s\n".to_owned();
     for row in 0..4000_i32 {
         let t = -10.0 + 60.0 * f64::from(row) / 4000.0;
@@ -12,30 +10,21 @@ fn log(path: &Path, seed: i32, offset: f64, extra: f64) {
         let x = offset + 1e-3 * t + 1e-5 * t * t + noise + extra * (t / 10.0).sin();
         text += &format!("{row},{t},{x},{}\n", 2e-4 * t + noise);
     }
-    fs::write(path, text).unwrap();
+    text
 }
 
-struct Bench {
-    folder: tempfile::TempDir,
-    calibration: Calibration,
+fn first() -> Source {
+    Source::bytes("first.csv", log(617, 0.0, 0.0).into_bytes())
 }
 
-impl Bench {
-    fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        let first = folder.path().join("first.csv");
-        log(&first, 617, 0.0, 0.0);
-        let fit = fit_log(&first, &FitOptions::default()).unwrap();
-        let source = Source::of_file("log", &first).unwrap();
-        let calibration = Calibration::of_log(&fit, ResidualOver::Groups, vec![source], None).unwrap();
-        Self { folder, calibration }
-    }
+fn calibration() -> Calibration {
+    let fitted = fit(&[first()], &FitOptions::default()).unwrap();
+    fitted.to_calibration(vec![Origin::of("log", &first()).unwrap()], None).unwrap()
+}
 
-    fn second(&self, offset: f64, extra: f64, limits: &Limits) -> Result<Verified, VerifyError> {
-        let path = self.folder.path().join("second.csv");
-        log(&path, 733, offset, extra);
-        verify(&path, &self.calibration, &Columns::default(), limits, false)
-    }
+fn second(offset: f64, extra: f64, limits: &Limits, own: &Calibration) -> Result<Verified, VerifyError> {
+    let log = Source::bytes("second.csv", log(733, offset, extra).into_bytes());
+    verify(&log, own, &Columns::default(), limits, false)
 }
 
 fn limits(max_rms: &str, max_pp: &str) -> Limits {
@@ -44,7 +33,7 @@ fn limits(max_rms: &str, max_pp: &str) -> Limits {
 
 #[test]
 fn a_second_run_that_repeats_the_first_passes_and_its_new_zero_is_told_apart() {
-    let verified = Bench::new().second(0.003, 0.0, &limits("0.02 mrad/s", "0.1mrad/s")).unwrap();
+    let verified = second(0.003, 0.0, &limits("0.02 mrad/s", "0.1mrad/s"), &calibration()).unwrap();
     assert!(verified.passed && !verified.in_sample, "{verified:?}");
     let x = &verified.axes[0];
     assert!((x.offset - 0.003).abs() < 1e-4, "{}", x.offset);
@@ -54,8 +43,7 @@ fn a_second_run_that_repeats_the_first_passes_and_its_new_zero_is_told_apart() {
 
 #[test]
 fn a_drift_that_has_changed_misses_its_limits_by_name() {
-    let bench = Bench::new();
-    let verified = bench.second(0.0, 1e-3, &limits("0.1 mrad/s", "10 dps")).unwrap();
+    let verified = second(0.0, 1e-3, &limits("0.1 mrad/s", "10 dps"), &calibration()).unwrap();
     assert!(!verified.passed);
     assert_eq!(verified.axes[0].missed.len(), 1, "{:?}", verified.axes[0].missed);
     assert!(verified.axes[0].missed[0].starts_with("gyro_x_rad_s: rms "), "{:?}", verified.axes[0].missed);
@@ -66,37 +54,35 @@ fn a_drift_that_has_changed_misses_its_limits_by_name() {
 
 #[test]
 fn the_log_that_was_fitted_is_no_test() {
-    let bench = Bench::new();
-    let own = bench.folder.path().join("first.csv");
-    let refused = verify(&own, &bench.calibration, &Columns::default(), &Limits::default(), false).unwrap_err();
+    let own = calibration();
+    let refused = verify(&first(), &own, &Columns::default(), &Limits::default(), false).unwrap_err();
     assert!(refused.to_string().contains("fitted on this very log"), "{refused}");
-    let looked = verify(&own, &bench.calibration, &Columns::default(), &Limits::default(), true).unwrap();
+    let looked = verify(&first(), &own, &Columns::default(), &Limits::default(), true).unwrap();
     assert!(looked.in_sample && looked.passed);
 }
 
 #[test]
 fn another_log_is_refused_with_what_it_has() {
-    let bench = Bench::new();
-    let path = bench.folder.path().join("other.csv");
-    let text = fs::read_to_string(bench.folder.path().join("first.csv")).unwrap();
-    fs::write(&path, text.replace("gyro_x_rad_s,gyro_y_rad_s", "gyro_p,gyro_q")).unwrap();
+    let own = calibration();
+    let text = log(617, 0.0, 0.0);
+    let refused = |text: String, columns: &Columns| {
+        let other = Source::bytes("other.csv", text.into_bytes());
+        verify(&other, &own, columns, &Limits::default(), false).unwrap_err().to_string()
+    };
     let columns = Columns { rates: vec!["gyro_p".to_owned(), "gyro_q".to_owned()], ..Columns::default() };
-    let refused = verify(&path, &bench.calibration, &columns, &Limits::default(), false).unwrap_err().to_string();
-    assert!(refused.contains("it has gyro_p, gyro_q, and the calibration is for gyro_x_rad_s"), "{refused}");
-    fs::write(&path, text.replace("gyro_x_rad_s,gyro_y_rad_s", "gyro_x_rad_s,gyro_y_dps")).unwrap();
+    let named = refused(text.replace("gyro_x_rad_s,gyro_y_rad_s", "gyro_p,gyro_q"), &columns);
+    assert!(named.contains("it has gyro_p, gyro_q, and the calibration is for gyro_x_rad_s"), "{named}");
     let columns = Columns { rate_unit: Some(RateUnit::Dps), ..Columns::default() };
-    fs::write(&path, &text).unwrap();
-    fs::write(&path, text + "4000,50.0,0.1,0.2\n").unwrap();
-    let refused = verify(&path, &bench.calibration, &columns, &Limits::default(), false).unwrap_err().to_string();
-    assert!(refused.contains("is in dps, and the calibration's in rad/s"), "{refused}");
+    let in_dps = refused(text + "4000,50.0,0.1,0.2\n", &columns);
+    assert!(in_dps.contains("is in dps, and the calibration's in rad/s"), "{in_dps}");
 }
 
 #[test]
 fn temperatures_outside_the_calibrated_range_are_counted_and_warned_of() {
-    let mut bench = Bench::new();
+    let mut own = calibration();
     let narrow = zerorate_core::drift::ValidRange::new(0.0, 40.0).unwrap();
-    bench.calibration.axes.values_mut().for_each(|axis| axis.drift.valid = narrow);
-    let verified = bench.second(0.0, 0.0, &Limits::default()).unwrap();
+    own.axes.values_mut().for_each(|axis| axis.fit.model.drift.valid = narrow);
+    let verified = second(0.0, 0.0, &Limits::default(), &own).unwrap();
     assert!((verified.axes[0].outside - 1.0 / 3.0).abs() < 0.02, "{}", verified.axes[0].outside);
     assert!(verified.warnings.iter().any(|warning| warning.contains("outside the calibrated")));
 }
@@ -113,7 +99,7 @@ fn limits_are_read_with_their_units_and_per_axis() {
     assert!("3 counts".parse::<Limit>().unwrap().in_unit("x", RateUnit::RadPerS).is_err());
     let limits: Limits =
         toml::from_str("max_rms = \"1 mrad/s\"\n[axes.gyro_x_rad_s]\nmax_rms = \"1 urad/s\"\n").unwrap();
-    let verified = Bench::new().second(0.0, 0.0, &limits).unwrap();
+    let verified = second(0.0, 0.0, &limits, &calibration()).unwrap();
     assert_eq!((verified.axes[0].missed.len(), verified.axes[1].missed.len()), (1, 0));
     assert!(limits.check(["gyro_x_rad_s"].into_iter()).is_ok() && limits.check(["y"].into_iter()).is_err());
     assert!(toml::from_str::<Limits>("max_rsm = \"1 dps\"").is_err());

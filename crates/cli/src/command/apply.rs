@@ -1,13 +1,17 @@
 //! `zerorate apply`.
 
+use std::io::{BufWriter, IntoInnerError};
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate_cal::apply::{AppliedDrift, AppliedTo, apply};
+use zerorate_cal::apply::{AppliedModel, AppliedTo, ApplyError, apply};
 use zerorate_cal::calibration::{Calibration, Kind};
-use zerorate_cal::table::{Columns, TableFile, TimeUnit};
+use zerorate_cal::table::{Columns, Table};
+use zerorate_cal::units::TimeUnit;
+use zerorate_cal::whole_file::WholeFile;
+use zerorate_fit::predict::Start;
 
 use super::Outcome;
 use crate::progress::Busy;
@@ -83,30 +87,38 @@ struct Done<'a> {
 
 /// What was found of the log's columns.
 struct Found {
+    table: Table,
     temperature: String,
     time: Option<String>,
     time_unit: Option<TimeUnit>,
-    drifts: Vec<AppliedDrift>,
+    models: Vec<AppliedModel>,
 }
 
 impl Apply {
     pub fn run(&self) -> Result<Outcome> {
         output::check("--out", &self.out, &[&self.log, &self.calibration])?;
-        let calibration = Calibration::read(&self.calibration)?;
-        let Found { temperature, time, time_unit, drifts } = self.columns(&calibration)?;
+        let calibration = Calibration::read(&(&self.calibration).into())?;
+        let Found { table, temperature, time, time_unit, models } = self.columns(&calibration)?;
         let busy = Busy::reading(&self.log);
         let to = AppliedTo {
             temperature: &temperature,
             time: time.as_deref(),
             time_unit,
-            own_recording: self.with_time_drift,
+            start: if self.with_time_drift { Start::OwnRecording } else { Start::Unknown },
         };
-        let applied = apply(&self.log, &to, &drifts, &self.out)?;
+        let cannot = || format!("{}: cannot be written: an earlier file there is as it was", self.out.display());
+        let mut out = BufWriter::new(WholeFile::create(&self.out).with_context(cannot)?);
+        let applied = apply(&table, &to, &models, &mut out).map_err(|error| match error {
+            ApplyError::Write(error) => anyhow::Error::new(error).context(cannot()),
+            other => other.into(),
+        })?;
+        let file = out.into_inner().map_err(IntoInnerError::into_error);
+        file.and_then(WholeFile::finish).with_context(cannot)?;
         drop(busy);
-        let min = drifts.iter().map(|drift| drift.drift.valid.min()).fold(f64::NEG_INFINITY, f64::max);
-        let max = drifts.iter().map(|drift| drift.drift.valid.max()).fold(f64::INFINITY, f64::min);
+        let min = models.iter().map(|own| own.model.drift.valid.min()).fold(f64::NEG_INFINITY, f64::max);
+        let max = models.iter().map(|own| own.model.drift.valid.max()).fold(f64::INFINITY, f64::min);
         let unit = calibration.temperature_unit.name();
-        let columns: Vec<&str> = drifts.iter().map(|drift| drift.column.as_str()).collect();
+        let columns: Vec<&str> = models.iter().map(|own| own.column.as_str()).collect();
         if self.json {
             screen::print_json(&Done {
                 schema: 1,
@@ -151,7 +163,7 @@ impl Apply {
 
     /// The columns, and what to apply to which rate column, in the log's order.
     fn columns(&self, calibration: &Calibration) -> Result<Found> {
-        let table = TableFile::open(&self.log)?;
+        let table = Table::open(&(&self.log).into())?;
         let asked = Columns {
             temperature: self.temperature.clone(),
             time: self.time.clone(),
@@ -175,21 +187,21 @@ impl Apply {
             of_log.name(),
             own.name()
         );
-        let mut drifts: Vec<(usize, AppliedDrift)> = calibration
+        let mut models: Vec<(usize, AppliedModel)> = calibration
             .axes
             .iter()
             .zip(&found.rates)
             .map(|((column, axis), &place)| {
-                let (drift, history) = (axis.drift.clone(), axis.history.clone());
-                (place, AppliedDrift { column: column.clone(), drift, history, time_drift: axis.time_drift })
+                (place, AppliedModel { column: column.clone(), model: axis.fit.model.clone() })
             })
             .collect();
-        drifts.sort_by_key(|(place, _)| *place);
+        models.sort_by_key(|(place, _)| *place);
         Ok(Found {
             temperature,
             time: found.time.map(|place| table.names()[place].clone()),
             time_unit: found.time_unit,
-            drifts: drifts.into_iter().map(|(_, drift)| drift).collect(),
+            models: models.into_iter().map(|(_, model)| model).collect(),
+            table,
         })
     }
 }

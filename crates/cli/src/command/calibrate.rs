@@ -17,7 +17,7 @@ use zerorate_bench::calibrate::calibrate_keeping;
 use zerorate_bench::calibrated::Unit;
 use zerorate_bench::choice::DeviceChoice;
 use zerorate_bench::instruments::Bench;
-use zerorate_bench::kept::Keep;
+use zerorate_bench::checkpoint::Keep;
 use zerorate_bench::manual;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::run::Progress;

@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::Args;
 use serde::Serialize;
-use zerorate_cal::allan::{Allan, Coefficient};
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::characterise::{AxisNoise, Characteristics, NoiseOf, noise};
 use zerorate_cal::log::SensorChoice;
-use zerorate_cal::log_fit::{AxisFit, FitOptions, fit_log};
-use zerorate_cal::table::RateUnit;
+use zerorate_cal::fit::fit;
+use zerorate_cal::log_fit::{AxisFit, FitOptions};
+use zerorate_cal::source::Source;
+use zerorate_cal::units::RateUnit;
+use zerorate_fit::allan::{Allan, Coefficient};
 
 use super::Outcome;
 use crate::log_arguments::ColumnArguments;
@@ -72,17 +74,18 @@ struct Sensitivities<'a> {
 
 impl Characterise {
     pub fn run(&self) -> Result<Outcome> {
-        let calibration = self.calibration.as_deref().map(Calibration::read).transpose()?;
+        let calibration = self.calibration.as_ref().map(|file| Calibration::read(&file.into())).transpose()?;
         let busy = Busy::reading(&self.log);
         let columns = self.columns.columns();
-        let noises = noise(&self.log, &columns, self.sensor, calibration.as_ref())?;
+        let log = Source::from(&self.log);
+        let noises = noise(&log, &columns, self.sensor, calibration.as_ref())?;
         if let (true, Some(calibration)) = (noises.is_empty(), &calibration) {
             let axes: Vec<&str> = calibration.axes.keys().map(String::as_str).collect();
             bail!("{}: it has none of the calibration's axes ({})", self.log.display(), axes.join(", "));
         }
         // A log of one temperature has no sensitivities, and its fit says why.
         let options = FitOptions { columns, sensor: self.sensor, allow_narrow: true, ..FitOptions::default() };
-        let fit = fit_log(&self.log, &options)?;
+        let fit = fit(&[log], &options)?;
         let sensitivities: Vec<(&AxisFit, Characteristics)> =
             fit.axes.iter().map(|axis| (axis, Characteristics::of(axis))).collect();
         drop(busy);
@@ -90,7 +93,7 @@ impl Characterise {
         if self.json {
             let sensitivities = sensitivities
                 .iter()
-                .map(|(axis, found)| Sensitivities { axis: &axis.name, rate_unit: axis.rate_unit, found })
+                .map(|(axis, found)| Sensitivities { axis: &axis.name, rate_unit: axis.calibration.rate_unit, found })
                 .collect();
             screen::print_json(&Found { schema: 1, noise: &noises, sensitivities })?;
         } else {
@@ -217,7 +220,7 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
                 format!("{:.2e} at {:.0} ({:.0} %)", found.largest, found.at, 100.0 * found.share)
             }),
             ramp.map_or("-".to_owned(), |found| format!("{:.1e} +- {:.1e}", found.value, found.standard_error)),
-            axis.rate_unit.to_string(),
+            axis.calibration.rate_unit.to_string(),
         ]);
         for (what, why) in [("hysteresis", found.hysteresis.as_ref().err()), ("ramp sensitivity", ramp.err())] {
             let sentence = why.map(|why| format!("no {what}: {why}"));

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use zerorate_cal::calibration::Calibration;
-use zerorate_cal::interop::export::{ExportOptions, Exported, ExportedAxis, ExportedSensor, Format, export};
+use zerorate_cal::export::{ExportOptions, Exported, ExportedAxis, ExportedSensor, Format, export};
 
 use super::Outcome;
 use crate::screen::{Grid, Page, aligned};
@@ -68,7 +68,7 @@ impl Export {
         if let Some(out) = &self.out {
             output::check("--out", out, &[&self.calibration])?;
         }
-        let calibration = Calibration::read(&self.calibration)?;
+        let calibration = Calibration::read(&(&self.calibration).into())?;
         let options = ExportOptions { device_id: self.device_id, instance: self.instance };
         let exported =
             export(&calibration, self.format, &options).with_context(|| format!("{}", self.calibration.display()))?;
@@ -98,7 +98,7 @@ impl Export {
                 "{sensor}, {:.1} to {:.1} C: what a cubic leaves, m{} rms held out",
                 sensor.range[0],
                 sensor.range[1],
-                sensor.kind.unit()
+                sensor.unit()
             ));
             page.grid(&losses(sensor));
         }

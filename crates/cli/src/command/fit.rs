@@ -5,13 +5,16 @@ mod summary;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Args;
 use zerorate_bench::recorded;
-use zerorate_cal::calibration::{Calibration, Source};
-use zerorate_cal::log_fit::{LogFit, fit_logs};
+use zerorate_cal::calibration::{Calibration, Origin};
+use zerorate_cal::export::Format;
+use zerorate_cal::fit::fit;
+use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::recording::Recording;
-use zerorate_cal::report::LogReport;
+use zerorate_cal::source::Source;
+use zerorate_report::LogReport;
 
 use super::Outcome;
 use crate::log_arguments::LogArguments;
@@ -83,7 +86,7 @@ impl Fit {
             }
         }
         let busy = Busy::reading(logs[0]);
-        let fit = fit_logs(&logs, &self.log.options())?;
+        let fit = fit(&self.log.sources(), &self.log.options())?;
         let written = if fit.judgement.rejected() { Vec::new() } else { self.write(&fit, &places)? };
         drop(busy);
         if self.json {
@@ -125,20 +128,24 @@ impl Fit {
             written.push(path.clone());
         }
         if let Some((path, calibration)) = places.out.as_ref().zip(calibration) {
-            calibration.write(path)?;
+            output::write(path, &calibration.to_json()?)?;
             written.push(path.clone());
         }
         Ok(written)
     }
 
     fn calibration(&self, fit: &LogFit) -> Result<Calibration> {
-        if let [file] = self.log.files.as_slice()
-            && Recording::is_one(file)
+        let sources = self.log.sources();
+        if let [source] = sources.as_slice()
+            && Recording::is_one(source)
         {
-            return Ok(recorded::calibration(file, fit)?);
+            return Ok(recorded::calibration(source, fit)?);
         }
-        let sources = self.log.files.iter().map(|file| Source::of_file("log", file)).collect::<Result<_, _>>()?;
-        Ok(Calibration::of_log(fit, self.log.over(), sources, self.serial.clone())?)
+        let origin = |source: &Source| {
+            Origin::of("log", source).with_context(|| format!("{}: cannot be read", source.name()))
+        };
+        let origins = sources.iter().map(origin).collect::<Result<_>>()?;
+        Ok(fit.to_calibration(origins, self.serial.clone())?)
     }
 
     /// What to do with a calibration: an autopilot's parameters come of an autopilot's log.
@@ -146,7 +153,7 @@ impl Fit {
         match fit.autopilot {
             Some(format) => (
                 "To get the autopilot's parameters from it",
-                format!("zerorate export {} --format {}", output::argument(out), format.parameters()),
+                format!("zerorate export {} --format {}", output::argument(out), Format::from(format)),
             ),
             None => ("To correct a log by it", apply_command(out, &self.log.files[0])),
         }

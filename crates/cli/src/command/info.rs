@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use zerorate_cal::recording::{Recording, RecordingError};
+use zerorate_cal::recording::{Recording, RecordingFault};
 
 use super::Outcome;
 use crate::progress::Busy;
@@ -167,9 +167,9 @@ fn content(file: &Path) -> Result<Content> {
         return calibration::Facts::read(file).map(Content::Calibration);
     }
     if start.starts_with(b"PAR1") || start.starts_with(&[0xFF; 4]) || ends_with("arrows") {
-        match Recording::read(file) {
+        match Recording::read(&file.into()) {
             // Parquet that the bench did not write is somebody's log.
-            Err(RecordingError::NotARecording { .. }) if start.starts_with(b"PAR1") => {}
+            Err(error) if matches!(error.fault, RecordingFault::NotARecording) && start.starts_with(b"PAR1") => {}
             recording => return Ok(Content::Recording(recording::Facts::of(&recording?))),
         }
     }

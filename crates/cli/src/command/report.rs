@@ -5,14 +5,16 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate_cal::calibration::{
-    AxisCalibration, Calibration, FitStatistics, Kind, ResidualOver, Source, sha256_of_file,
-};
-use zerorate_cal::choose::Model;
+use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, sha256};
+use zerorate_cal::fit::fit;
 use zerorate_cal::log::{Sensor, SensorChoice};
-use zerorate_cal::log_fit::{FitOptions, fit_logs};
-use zerorate_cal::report::LogReport;
-use zerorate_cal::table::{Columns, TimeUnit};
+use zerorate_cal::log_fit::FitOptions;
+use zerorate_cal::source::Source;
+use zerorate_cal::table::Columns;
+use zerorate_cal::units::TimeUnit;
+use zerorate_fit::drift_fit::{FitStatistics, ResidualOver};
+use zerorate_fit::model::Model;
+use zerorate_report::LogReport;
 
 use super::Outcome;
 use crate::progress::Busy;
@@ -82,7 +84,7 @@ impl Report {
             folder if folder.is_dir() => folder.join(CALIBRATION),
             file => file.to_owned(),
         };
-        let calibration = Calibration::read(&path)?;
+        let calibration = Calibration::read(&(&path).into())?;
         if calibration.kind == Kind::AnalogueBoard {
             bail!(
                 "{}: the calibration of an analogue board: its report is written with it, and only a log's can be made again so far",
@@ -95,7 +97,8 @@ impl Report {
         let inputs: Vec<&Path> = logs.iter().map(PathBuf::as_path).collect();
         output::check("--out", &out, &[&[path.as_path()], &inputs[..]].concat())?;
         let busy = Busy::reading(log);
-        let fit = fit_logs(&inputs, &self.options(&calibration))?;
+        let sources: Vec<Source> = logs.iter().map(Source::from).collect();
+        let fit = fit(&sources, &self.options(&calibration))?;
         let report = LogReport::from(&fit);
         drop(busy);
         output::write(&out, &report.to_html())?;
@@ -104,7 +107,7 @@ impl Report {
             screen::print_json(&Done { schema: 1, out: &out, log })?;
         } else {
             let mut page = Page::default();
-            page.sentence("", &format!("Wrote {}, from {}.", out.display(), fit.source));
+            page.sentence("", &format!("Wrote {}, from {}.", out.display(), fit.source()));
             fit.notes.iter().for_each(|note| page.sentence("  - ", note));
             page.print()?;
         }
@@ -124,8 +127,8 @@ impl Report {
     /// The options by which the calibration comes out again.
     fn options(&self, calibration: &Calibration) -> FitOptions {
         let axes = || calibration.axes.values();
-        let fits = || axes().filter_map(|axis| axis.fit.as_ref());
-        let chosen = fits().any(|fit| fit.candidates.len() > 1);
+        let fits = || axes().map(|axis| &axis.fit.statistics);
+        let chosen = fits().any(|fit: &FitStatistics| fit.candidates.len() > 1);
         let sensors: Vec<Sensor> = axes().filter_map(|axis| axis.sensor).collect();
         FitOptions {
             columns: Columns {
@@ -136,7 +139,7 @@ impl Report {
                 rate_unit: axes().next().map(|axis| axis.rate_unit),
             },
             model: if chosen { Model::Auto } else { axes().next().map_or(Model::Auto, AxisCalibration::model) },
-            plain: fits().any(|fit: &FitStatistics| fit.residual_over == ResidualOver::Rows),
+            plain: fits().any(|fit| fit.residual_over == ResidualOver::Rows),
             // What was calibrated was allowed.
             allow_narrow: true,
             sensor: choice(&sensors),
@@ -155,12 +158,12 @@ fn choice(sensors: &[Sensor]) -> Option<SensorChoice> {
 }
 
 /// A log, if it is the same to the byte.
-fn same_log(path: &Path, log: PathBuf, source: &Source) -> Result<PathBuf> {
-    let sha256 = sha256_of_file(&log).with_context(|| {
-        format!("{}: cannot be read (the log {} is needed; --log says where it is)", log.display(), source.file)
+fn same_log(path: &Path, log: PathBuf, origin: &Origin) -> Result<PathBuf> {
+    let sha256 = sha256(&(&log).into()).with_context(|| {
+        format!("{}: cannot be read (the log {} is needed; --log says where it is)", log.display(), origin.file)
     })?;
     ensure!(
-        sha256 == source.sha256,
+        sha256 == origin.sha256,
         "{}: not the log that {} was made from (its SHA-256 is another): give that with --log, or fit this one",
         log.display(),
         path.display()

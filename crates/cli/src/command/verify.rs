@@ -8,7 +8,9 @@ use clap::Args;
 use console::Style;
 use serde::Serialize;
 use zerorate_cal::calibration::{Calibration, Kind};
-use zerorate_cal::table::RateUnit;
+use zerorate_cal::source::Source;
+use zerorate_cal::table::Table;
+use zerorate_cal::units::RateUnit;
 use zerorate_cal::verify::{Limit, Limits, Verified, VerifiedAxis, verify};
 
 use super::Outcome;
@@ -78,7 +80,7 @@ struct Found<'a> {
 
 impl Verify {
     pub fn run(&self) -> Result<Outcome> {
-        let calibration = Calibration::read(&self.calibration)?;
+        let calibration = Calibration::read(&(&self.calibration).into())?;
         if calibration.kind == Kind::AnalogueBoard {
             bail!(
                 "{}: the calibration of an analogue board: its second run is part of zerorate calibrate",
@@ -87,12 +89,13 @@ impl Verify {
         }
         let limits = self.limits()?;
         limits.check(calibration.axes.keys().map(String::as_str))?;
+        let log = Source::from(&self.log);
         let busy = Busy::reading(&self.log);
         let mut columns = self.columns.columns();
         if columns.rates.is_empty() {
             columns.rates = self.known_columns(&calibration);
         }
-        let verified = verify(&self.log, &calibration, &columns, &limits, self.in_sample)?;
+        let verified = verify(&log, &calibration, &columns, &limits, self.in_sample)?;
         drop(busy);
         if self.json {
             screen::print_json(&Found { schema: 1, verified: &verified })?;
@@ -116,7 +119,7 @@ impl Verify {
     /// The calibration's axes as columns, where the log is a table that has them all.
     fn known_columns(&self, calibration: &Calibration) -> Vec<String> {
         let names: Vec<String> = calibration.axes.keys().cloned().collect();
-        let table = zerorate_cal::table::TableFile::open(&self.log).ok();
+        let table = Table::open(&(&self.log).into()).ok();
         let has_all = table.is_some_and(|table| names.iter().all(|name| table.names().contains(name)));
         if has_all { names } else { Vec::new() }
     }

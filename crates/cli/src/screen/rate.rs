@@ -1,6 +1,6 @@
 //! The unit in which rates are shown.
 
-use zerorate_cal::table::RateUnit;
+use zerorate_cal::units::RateUnit;
 
 /// Rates below this are shown in thousandths of the unit, but for counts.
 const SMALL: f64 = 0.1;

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::json;
 use zerorate_bench::setup::SetUp;
 use zerorate_cal::calibration::Calibration;
-use zerorate_cal::recording::{GroupRow, RecordingInfo, RecordingWriter};
+use zerorate_cal::recording::{GroupRow, Phase, RecordingInfo, RecordingWriter};
 
 /// Both axes of a group.
 pub fn group(number: u32) -> Vec<GroupRow> {
@@ -13,7 +13,7 @@ pub fn group(number: u32) -> Vec<GroupRow> {
         .map(|axis| GroupRow {
             group: number,
             t_s: 1.5 * f64::from(number),
-            phase: if number < 20 { "soak".into() } else { "heating".into() },
+            phase: if number < 20 { Phase::Soak } else { Phase::Heating },
             // The axes' type belongs to a crate that this one does not use, and its serde form is public.
             axis: serde_json::from_value(axis.into()).unwrap(),
             sums: sums(number),
@@ -87,7 +87,7 @@ pub fn calibration() -> String {
 
 /// The device record of that calibration.
 pub fn device_record() -> Vec<u8> {
-    let calibration = Calibration::from_json(&calibration(), Path::new("calibration.json")).unwrap();
+    let calibration = Calibration::from_json(&calibration()).unwrap();
     let mut buffer = [0; 8192];
     calibration.to_device_record().unwrap().record.encode(&mut buffer).unwrap().to_vec()
 }

@@ -50,7 +50,7 @@ fn every_whole_group_survives_a_kill_at_any_moment() {
         child.wait().unwrap();
 
         let size = fs::metadata(&stream).unwrap().len();
-        let recording = Recording::read(&stream).unwrap();
+        let recording = Recording::read(&(&stream).into()).unwrap();
         let groups = recording.groups();
         most = most.max(groups);
         assert!(recording.cut, "kill {kill}");

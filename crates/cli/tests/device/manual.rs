@@ -113,7 +113,7 @@ fn bench(on: &str) -> (Board, tempfile::TempDir) {
 }
 
 fn groups(file: &Path) -> Vec<u32> {
-    let mut groups: Vec<u32> = Recording::read(file).unwrap().rows.iter().map(|row| row.group).collect();
+    let mut groups: Vec<u32> = Recording::read(&file.into()).unwrap().rows.iter().map(|row| row.group).collect();
     groups.dedup();
     groups
 }

@@ -1,26 +1,27 @@
 //! What was chosen, what it predicts, and what it was chosen from.
 
-use zerorate_cal::choose::Candidate;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
+use zerorate_fit::drift_fit::{Candidate, HeldOut};
 
 use crate::screen::{Grid, Page, RateScale};
 
 /// The model of each axis and what it predicts of data that played no part in choosing it; nothing where nothing was
 /// chosen.
 pub fn models(page: &mut Page, fit: &LogFit) {
-    let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| axis.nested.is_some()).collect();
+    let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| nested(axis).is_some()).collect();
     let Some(first) = axes.first() else { return };
-    let cubic = |axis: &&AxisFit| axis.nested.and_then(|nested| nested.cubic_deployed).unwrap_or(0.0);
-    let scale = RateScale::of(first.rate_unit, &axes.iter().map(cubic).collect::<Vec<_>>());
+    let cubic = |axis: &&AxisFit| nested(axis).and_then(|nested| nested.cubic_deployed).unwrap_or(0.0);
+    let unit = first.calibration.rate_unit;
+    let scale = RateScale::of(unit, &axes.iter().map(cubic).collect::<Vec<_>>());
     page.heading(&format!("Model, and what it leaves of data it has not seen (rms, {})", scale.unit()));
     let mut grid = Grid::new("llrrrr");
     grid.head(["", "", "in the", "deployed,", "deployed,", "cubic,"]);
     grid.head(["", "model", "recording", "warm", "cold", "deployed"]);
-    for axis in axes.iter().filter(|axis| axis.rate_unit == first.rate_unit) {
-        let Some(nested) = axis.nested else { continue };
+    for axis in axes.iter().filter(|axis| axis.calibration.rate_unit == unit) {
+        let Some(nested) = nested(axis) else { continue };
         let figures = [nested.in_recording, nested.deployed_warm, nested.deployed_cold, nested.cubic_deployed];
         let figures = figures.map(|figure| shown(scale, figure.unwrap_or(f64::NAN)));
-        grid.row([axis.name.clone(), axis.model()].into_iter().chain(figures));
+        grid.row([axis.name.clone(), axis.calibration.fit.chosen_model()].into_iter().chain(figures));
     }
     page.grid(&grid);
     page.gap();
@@ -35,10 +36,9 @@ pub fn models(page: &mut Page, fit: &LogFit) {
 /// The candidates of every axis.
 pub fn explain(page: &mut Page, fit: &LogFit) {
     for axis in &fit.axes {
-        let candidates = &axis.choice.candidates;
-        let held_out: Vec<f64> = candidates.iter().map(|candidate| candidate.held_out_rms).collect();
-        let least = held_out.iter().copied().fold(f64::INFINITY, f64::min);
-        let scale = RateScale::of(axis.rate_unit, &[least]);
+        let candidates = &axis.calibration.fit.statistics.candidates;
+        let held_out = candidates.iter().filter_map(|candidate| candidate.held_out_rms);
+        let scale = RateScale::of(axis.calibration.rate_unit, &[held_out.fold(f64::INFINITY, f64::min)]);
         page.heading(&format!("Candidates of {}, simplest first (rms, {})", axis.name, scale.unit()));
         let mut grid = Grid::new("llrrrrrr");
         grid.head(["", "", "in-", "held", "std.", "de-", "cold", "hot"]);
@@ -46,7 +46,7 @@ pub fn explain(page: &mut Page, fit: &LogFit) {
         for candidate in candidates {
             let mark = if candidate.chosen { "*" } else { "" };
             let cells = cells(candidate).map(|value| shown(scale, value));
-            grid.row([mark.to_owned(), candidate.to_string()].into_iter().chain(cells));
+            grid.row([mark.to_owned(), candidate.model.clone()].into_iter().chain(cells));
         }
         page.grid(&grid);
     }
@@ -62,10 +62,15 @@ pub fn explain(page: &mut Page, fit: &LogFit) {
 }
 
 fn cells(candidate: &Candidate) -> [f64; 6] {
-    let further = candidate.further;
-    let [cold, hot] = further.map_or([f64::NAN; 2], |further| further.ends_rms);
-    let deployed = further.map_or(f64::NAN, |further| further.deployed_rms);
-    [candidate.in_sample_rms, candidate.held_out_rms, candidate.standard_error, deployed, cold, hot]
+    let or_none = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    let [cold, hot] = candidate.ends_rms.unwrap_or([f64::NAN; 2]);
+    let Candidate { in_sample_rms, held_out_rms, held_out_excess_standard_error, deployed_rms, .. } = candidate;
+    let errors = [*held_out_rms, *held_out_excess_standard_error, *deployed_rms].map(or_none);
+    [*in_sample_rms, errors[0], errors[1], errors[2], cold, hot]
+}
+
+fn nested(axis: &AxisFit) -> Option<HeldOut> {
+    axis.calibration.fit.statistics.nested
 }
 
 fn shown(scale: RateScale, value: f64) -> String {

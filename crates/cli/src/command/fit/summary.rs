@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use console::Style;
-use zerorate_cal::calibration::ResidualOver;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
-use zerorate_cal::report::LogReport;
-use zerorate_cal::table::RateUnit;
+use zerorate_cal::units::RateUnit;
+use zerorate_fit::drift_fit::{FitStatistics, ResidualOver};
+use zerorate_fit::residual::ResidualStatistics;
+use zerorate_report::LogReport;
 
 use super::models;
 use crate::screen::{Grid, Page, RateScale, aligned, style, thousands};
@@ -27,8 +28,8 @@ pub fn page(
     if !fit.axes.is_empty() {
         let mut units: Vec<RateUnit> = Vec::new();
         for axis in &fit.axes {
-            if !units.contains(&axis.rate_unit) {
-                units.push(axis.rate_unit);
+            if !units.contains(&axis.calibration.rate_unit) {
+                units.push(axis.calibration.rate_unit);
             }
         }
         units.iter().for_each(|unit| curves(&mut page, fit, *unit));
@@ -82,35 +83,39 @@ fn verdict(page: &mut Page, fit: &LogFit) {
             (Style::new().red(), "rejected", "no calibration comes of this log, and nothing was written")
         }
     };
-    page.sentence("", &format!("{}: {}: {meaning}", fit.source, style(colour.bold(), word)));
+    page.sentence("", &format!("{}: {}: {meaning}", fit.source(), style(colour.bold(), word)));
     fit.judgement.reasons.iter().for_each(|reason| page.sentence("  - ", &reason.text));
 }
 
 /// One row an axis of a unit: what drifts, and what the curve leaves of it.
 fn curves(page: &mut Page, fit: &LogFit, unit: RateUnit) {
-    let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| axis.rate_unit == unit).collect();
-    let drifts: Vec<f64> = axes.iter().map(|axis| axis.drift.peak_to_peak()).collect();
+    let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| axis.calibration.rate_unit == unit).collect();
+    let drifts: Vec<f64> = axes.iter().map(|axis| axis.calibration.drift().peak_to_peak()).collect();
     let scale = RateScale::of(unit, &drifts);
     page.heading(&format!("Drift over {}, in {}", temperatures(&axes), scale.unit()));
-    let column =
-        |of: &dyn Fn(&AxisFit) -> f64| aligned(&axes.iter().map(|axis| scale.of_rate(of(axis))).collect::<Vec<_>>());
+    let statistics = || axes.iter().map(|axis| &axis.calibration.fit.statistics);
+    let column = |of: &dyn Fn(&FitStatistics) -> f64| {
+        aligned(&statistics().map(|statistics| scale.of_rate(of(statistics))).collect::<Vec<_>>())
+    };
+    let held_out = |fit: &FitStatistics| fit.held_out.unwrap_or(ResidualStatistics::NONE);
     let columns = [
         aligned(&drifts.iter().map(|drift| scale.of_rate(*drift)).collect::<Vec<_>>()),
-        column(&|axis| axis.in_sample.rms),
-        column(&|axis| axis.in_sample.pp),
-        column(&|axis| axis.held_out.rms),
-        column(&|axis| axis.held_out.pp),
+        column(&|fit| fit.in_sample.rms),
+        column(&|fit| fit.in_sample.pp),
+        column(&|fit| held_out(fit).rms),
+        column(&|fit| held_out(fit).pp),
     ];
     let mut grid = Grid::new("lllrrrrrr");
-    let what = if axes[0].sensor.is_some() { "axis" } else { "rate column" };
+    let what = if axes[0].calibration.sensor.is_some() { "axis" } else { "rate column" };
     grid.head(["", "", "", "drift", "in-sample", "", "held out", "", "rows"]);
     grid.head([what, "verdict", "model", "pp", "rms", "pp", "rms", "pp", "used"]);
     for (place, axis) in axes.iter().enumerate() {
         let cells = columns.iter().map(|column| column[place].clone());
-        let beside = if axis.history.is_some() || axis.time_drift.is_some() { "+" } else { "" };
-        let model = format!("{}{beside}", axis.choice.model);
+        let own = &axis.calibration.fit.model;
+        let beside = if own.history.is_some() || own.time_drift.is_some() { "+" } else { "" };
+        let model = format!("{}{beside}", axis.calibration.model());
         let named = [axis.name.clone(), word(axis.verdict).to_owned(), model];
-        grid.row(named.into_iter().chain(cells).chain([thousands(axis.samples_used)]));
+        grid.row(named.into_iter().chain(cells).chain([thousands(axis.calibration.fit.statistics.samples_used)]));
     }
     page.grid(&grid);
 }
@@ -130,7 +135,7 @@ fn terms(page: &mut Page, fit: &LogFit, over: ResidualOver) {
              expect of new data."
         ),
     );
-    if fit.axes.iter().any(|axis| axis.reference_temperature.is_some()) {
+    if fit.axes.iter().any(|axis| axis.calibration.reference_temperature.is_some()) {
         page.sentence(
             "  ",
             "An accelerometer's drift is told from the middle of its temperature range, for at rest its constant and \
@@ -150,8 +155,8 @@ fn word(verdict: Verdict) -> &'static str {
 
 /// The valid range; of several, the least and the greatest.
 fn temperatures(axes: &[&AxisFit]) -> String {
-    let min = axes.iter().map(|axis| axis.drift.valid.min()).fold(f64::INFINITY, f64::min);
-    let max = axes.iter().map(|axis| axis.drift.valid.max()).fold(f64::NEG_INFINITY, f64::max);
+    let min = axes.iter().map(|axis| axis.calibration.drift().valid.min()).fold(f64::INFINITY, f64::min);
+    let max = axes.iter().map(|axis| axis.calibration.drift().valid.max()).fold(f64::NEG_INFINITY, f64::max);
     format!("{min:.1} to {max:.1} {}", axes[0].temperature_unit.name())
 }
 

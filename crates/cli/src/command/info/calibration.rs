@@ -4,8 +4,9 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde::Serialize;
-use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, ResidualOver, Source};
-use zerorate_cal::table::RateUnit;
+use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin};
+use zerorate_cal::units::RateUnit;
+use zerorate_fit::drift_fit::ResidualOver;
 
 use crate::screen::{Grid, Page, RateScale, aligned, significant};
 
@@ -17,7 +18,7 @@ pub struct Facts {
     calibrated: Kind,
     unit_serial: Option<String>,
     created_by: String,
-    sources: Vec<Source>,
+    sources: Vec<Origin>,
     temperature_unit: &'static str,
     axes: Vec<Axis>,
     warnings: Vec<String>,
@@ -48,7 +49,7 @@ struct Trim {
 
 impl Facts {
     pub fn read(file: &Path) -> Result<Self> {
-        let calibration = Calibration::read(file)?;
+        let calibration = Calibration::read(&file.into())?;
         Ok(Self {
             calibrated: calibration.kind,
             unit_serial: calibration.unit_serial,
@@ -120,16 +121,16 @@ impl Facts {
 
 impl Axis {
     fn of(name: &str, axis: &AxisCalibration) -> Self {
-        let fit = axis.fit.as_ref();
+        let fit = &axis.fit.statistics;
         Self {
             name: name.to_owned(),
-            model: axis.chosen_model(),
+            model: axis.fit.chosen_model(),
             rate_unit: axis.rate_unit,
-            temperature: [axis.drift.valid.min(), axis.drift.valid.max()],
-            drift_pp: axis.drift.peak_to_peak(),
-            in_sample_rms: fit.map(|fit| fit.in_sample.rms),
-            held_out_rms: fit.and_then(|fit| Some(fit.held_out?.rms)),
-            residual_over: fit.map(|fit| fit.residual_over),
+            temperature: [axis.drift().valid.min(), axis.drift().valid.max()],
+            drift_pp: axis.drift().peak_to_peak(),
+            in_sample_rms: Some(fit.in_sample.rms),
+            held_out_rms: fit.held_out.map(|residual| residual.rms),
+            residual_over: Some(fit.residual_over),
             trim: axis.trim.as_ref().map(|trim| Trim {
                 counts_per_tap: trim.trim.line.counts_per_tap().0,
                 taps_measured: trim.trim.measured.as_ref().map_or(0, |measured| measured.effects().len()),

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde::Serialize;
-use zerorate_cal::interop;
 use zerorate_cal::log::{LogFile, Rows, Sensor, Sink, Stream};
 use zerorate_cal::quality::Reason;
 use zerorate_cal::table::Columns;
@@ -52,7 +51,7 @@ impl Sink for Look {
     }
 
     fn rows(&mut self, rows: &Rows<'_>) {
-        let Some(found) = self.0.get_mut(rows.stream) else { return };
+        let Some(found) = self.0.get_mut(rows.sensor) else { return };
         found.rows += rows.temperature.len() as u64;
         for temperature in rows.temperature {
             if !temperature.is_finite() {
@@ -74,9 +73,9 @@ impl Sink for Look {
 impl Facts {
     /// The facts, if the first bytes are those of an autopilot's log.
     pub fn read(file: &Path, start: &[u8]) -> Result<Option<Self>> {
-        let Some(format) = interop::recognise(start) else { return Ok(None) };
+        let Some(format) = imu_logs::recognise(start) else { return Ok(None) };
         let mut look = Look::default();
-        let ending = LogFile::open(file, &Columns::default())?.read(&mut look)?;
+        let ending = LogFile::open(&file.into(), &Columns::default())?.read(&mut look)?;
         Ok(Some(Self { format: format.name(), sensors: look.0, notes: ending.notes, reasons: ending.reasons }))
     }
 

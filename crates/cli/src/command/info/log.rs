@@ -4,7 +4,8 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde::Serialize;
-use zerorate_cal::table::{Columns, RateUnit, Resolved, TableFile, TimeUnit};
+use zerorate_cal::table::{Columns, Resolved, Table};
+use zerorate_cal::units::{RateUnit, TimeUnit};
 
 use super::recording::duration;
 use crate::screen::{Grid, Page, RateScale, aligned, thousands};
@@ -66,7 +67,7 @@ struct Running {
 
 impl Facts {
     pub fn read(file: &Path) -> Result<Self> {
-        let table = TableFile::open(file)?;
+        let table = Table::open(&file.into())?;
         let column_names = table.names().to_vec();
         let (rows, taken_for) = match Columns::default().resolve(&table) {
             Ok(found) => {
@@ -116,7 +117,7 @@ impl Plain {
     }
 }
 
-fn plain(table: &TableFile, found: &Resolved) -> Result<(u64, Plain)> {
+fn plain(table: &Table, found: &Resolved) -> Result<(u64, Plain)> {
     let wanted: Vec<usize> =
         std::iter::once(found.temperature).chain(found.rates.iter().copied()).chain(found.time).collect();
     let (rows, columns) = run(table, &wanted)?;
@@ -139,7 +140,7 @@ fn plain(table: &TableFile, found: &Resolved) -> Result<(u64, Plain)> {
 }
 
 /// One pass: the number of rows, and each wanted column.
-fn run(table: &TableFile, wanted: &[usize]) -> Result<(u64, Vec<Running>)> {
+fn run(table: &Table, wanted: &[usize]) -> Result<(u64, Vec<Running>)> {
     let mut rows = 0;
     let mut columns = vec![Running::EMPTY; wanted.len()];
     // Without a column to read, the cells tell the rows.

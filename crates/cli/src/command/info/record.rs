@@ -50,7 +50,7 @@ impl Axis {
 
 impl Facts {
     pub fn read(file: &Path) -> Result<Self> {
-        let stored = StoredRecord::read(file)?;
+        let stored = StoredRecord::read(&file.into())?;
         let axes = ["x", "y"].into_iter().zip(stored.axes()).map(|(name, facts)| Axis::of(name, facts));
         Ok(Self {
             unit_serial: stored.record.unit.to_string(),

@@ -1,8 +1,7 @@
 //! What is in a recording of the bench.
 
 use serde::Serialize;
-use zerorate_bench::run::flags;
-use zerorate_cal::recording::{GroupRow, Recording};
+use zerorate_cal::recording::{GroupRow, Recording, flags};
 
 use crate::screen::{Grid, Page, thousands};
 
@@ -119,7 +118,7 @@ fn parts(rows: &[GroupRow]) -> Vec<Part> {
     for row in rows {
         let alike = |part: &Vec<&GroupRow>| {
             let other = part[0];
-            (other.axis, &other.phase, other.mode) == (row.axis, &row.phase, row.mode)
+            (other.axis, other.phase, other.mode) == (row.axis, row.phase, row.mode)
         };
         match parts.iter_mut().find(|part| alike(part)) {
             Some(part) => part.push(row),
@@ -130,7 +129,7 @@ fn parts(rows: &[GroupRow]) -> Vec<Part> {
         .iter()
         .map(|rows| Part {
             axis: rows[0].axis.name(),
-            phase: rows[0].phase.clone(),
+            phase: rows[0].phase.name().to_owned(),
             mode: rows[0].mode.name(),
             groups: rows.len(),
             temperature_counts: range(rows.iter().map(|row| row.sums.mean_temperature().0)),

@@ -1,0 +1,148 @@
+//! What a run of days keeps of itself: the results of each procedure that was carried through, so that a run that was
+//! stopped goes on after them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use zerorate_cal::whole_file::write_whole;
+
+use crate::error::BenchError;
+use crate::run::{Extent, Recorder};
+
+/// The folder inside the run's in which it keeps them.
+const FOLDER: &str = "finished";
+/// The file that says whose they are.
+const WHOSE: &str = "run.txt";
+
+/// Whether a run keeps what it has finished.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Keep {
+    /// It is over in seconds, and does not.
+    Nothing,
+    /// It does, and begins anew.
+    Anew,
+    /// It does, and goes on after what was finished before.
+    Resume,
+}
+
+/// The procedures that were carried through.
+#[derive(Debug)]
+pub struct Checkpoints {
+    folder: Option<PathBuf>,
+}
+
+impl Checkpoints {
+    /// Keeps nothing.
+    #[must_use]
+    pub const fn none() -> Self {
+        Self { folder: None }
+    }
+
+    /// Opens what is kept in the folder of a run. `whose` is what a run must share with the one that is resumed: its
+    /// unit and set-up.
+    ///
+    /// # Errors
+    /// [`BenchError::Unfinished`] and [`BenchError::OtherRun`]; [`BenchError::Write`].
+    pub fn open(in_progress: &Path, keep: Keep, whose: &str) -> Result<Self, BenchError> {
+        if keep == Keep::Nothing {
+            return Ok(Self::none());
+        }
+        let folder = in_progress.join(FOLDER);
+        let file = folder.join(WHOSE);
+        match (fs::read_to_string(&file), keep) {
+            (Ok(_), Keep::Anew) => return Err(BenchError::Unfinished { folder: in_progress.display().to_string() }),
+            (Ok(before), _) if before != whose => {
+                return Err(BenchError::OtherRun { folder: in_progress.display().to_string() });
+            }
+            (Ok(_), _) => {}
+            // Nothing to go on with: then it begins.
+            (Err(_), _) => {
+                fs::create_dir_all(&folder).map_err(cannot(&folder))?;
+                write_whole(&file, whose.as_bytes()).map_err(cannot(&file))?;
+            }
+        }
+        Ok(Self { folder: Some(folder) })
+    }
+
+    /// How far a recording had got when a procedure was done with it; `None` while it is not.
+    #[must_use]
+    pub fn extent(&self, procedure: &str) -> Option<Extent> {
+        let bytes = fs::read(self.file(procedure)?).ok()?;
+        postcard::take_from_bytes(&bytes).ok().map(|(extent, _)| extent)
+    }
+
+    /// The results of a procedure: those kept, or what `run` comes to, which is then kept.
+    ///
+    /// # Errors
+    /// What `run` says; [`BenchError::Write`] when the results cannot be kept.
+    pub fn once<T: Serialize + DeserializeOwned>(
+        &self,
+        procedure: &str,
+        recorder: &mut Recorder,
+        run: impl FnOnce(&mut Recorder) -> Result<T, BenchError>,
+    ) -> Result<T, BenchError> {
+        let Some(file) = self.file(procedure) else { return run(recorder) };
+        let kept = fs::read(&file).ok().and_then(|bytes| postcard::from_bytes::<(Extent, T)>(&bytes).ok());
+        if let Some((_, results)) = kept {
+            return Ok(results);
+        }
+        let results = run(recorder)?;
+        let bytes = postcard::to_stdvec(&(recorder.extent(), &results)).map_err(std::io::Error::other);
+        bytes.and_then(|bytes| write_whole(&file, &bytes)).map_err(cannot(&file))?;
+        Ok(results)
+    }
+
+    /// The run is whole: nothing is kept any more.
+    pub fn forget(self) {
+        if let Some(folder) = self.folder {
+            // What cannot be removed is in nobody's way but the next run's, which says so.
+            let _ = fs::remove_dir_all(folder);
+        }
+    }
+
+    fn file(&self, procedure: &str) -> Option<PathBuf> {
+        self.folder.as_ref().map(|folder| folder.join(format!("{procedure}.bin")))
+    }
+}
+
+fn cannot(path: &Path) -> impl FnOnce(std::io::Error) -> BenchError {
+    let path = path.display().to_string();
+    move |source| BenchError::Write { path, source }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn once(kept: &Checkpoints, value: u32) -> u32 {
+        kept.once("ramp", &mut Recorder::discarding(), |_| Ok(value)).unwrap()
+    }
+
+    #[test]
+    fn what_was_finished_is_not_run_again_and_what_failed_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let kept = Checkpoints::open(folder.path(), Keep::Anew, "unit 1").unwrap();
+        let failed = kept.once("ramp", &mut Recorder::discarding(), |_| {
+            Err::<u32, _>(BenchError::Compose("the line is gone".into()))
+        });
+        assert!(failed.is_err() && kept.extent("ramp").is_none());
+        assert_eq!((once(&kept, 7), once(&kept, 8)), (7, 7));
+        let resumed = Checkpoints::open(folder.path(), Keep::Resume, "unit 1").unwrap();
+        assert!(resumed.extent("ramp").is_some());
+        assert_eq!(once(&resumed, 9), 7);
+        resumed.forget();
+        assert_eq!(once(&Checkpoints::open(folder.path(), Keep::Anew, "unit 1").unwrap(), 9), 9);
+    }
+
+    #[test]
+    fn an_unfinished_run_is_neither_thrown_away_nor_mixed_with_another() {
+        let folder = tempfile::tempdir().unwrap();
+        Checkpoints::open(folder.path(), Keep::Anew, "unit 1").unwrap();
+        let anew = Checkpoints::open(folder.path(), Keep::Anew, "unit 1").unwrap_err().to_string();
+        assert!(anew.contains("`resume`"), "{anew}");
+        let other = Checkpoints::open(folder.path(), Keep::Resume, "unit 2").unwrap_err();
+        assert!(matches!(other, BenchError::OtherRun { .. }), "{other}");
+    }
+}

@@ -1,0 +1,259 @@
+//! What is known of a unit before it is compensated: the full-temperature test and the trim experiment, their fits, and the
+//! calibration composed of them.
+
+use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, TrimCalibration};
+use zerorate_cal::compose::{DigitalOnly, chatter_warning, steepest_slope_taps};
+use zerorate_cal::log_fit::{AxisFit, FitOptions};
+use zerorate_cal::quality::{Judgement, Verdict};
+use zerorate_cal::ramp_fit::{RampGroup, RampMeans, fit_axis};
+use zerorate_cal::units::TemperatureUnit;
+use zerorate_core::compensate::Mode;
+use zerorate_core::drift::Drift;
+use zerorate_core::record::{AxisModel, DeviceRecord};
+use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps, TemperatureScale};
+use zerorate_core::wire::Request;
+use zerorate_fit::predict::{Predictor, Start};
+use zerorate_fit::trim::{TrimFit, fit_trim, tap_effects};
+
+use crate::checkpoint::Checkpoints;
+use crate::error::BenchError;
+use crate::evaluate::drift_pp;
+use crate::instruments::Witness;
+use crate::procedure::{full_temperature, trim_experiment};
+use crate::run::{Recorder, Session, Taken, row};
+
+/// What is known of one axis before it is compensated.
+#[derive(Debug, Clone)]
+pub struct MeasuredAxis {
+    /// The drift and how well it holds.
+    pub drift: AxisFit,
+    /// What the device would take off at each group of the ramp, had it begun with the first, counts.
+    pub predicted: Vec<f64>,
+    /// The trim part's line, both ways.
+    pub trim: TrimFit,
+    /// The law, as the record holds it.
+    pub law: AxisModel,
+    /// Set where the wiper cannot follow.
+    pub digital_only: Option<DigitalOnly>,
+    /// Zero-rate output over the ramp's hour, counts peak to peak.
+    pub drift_pp_counts: f64,
+    /// The plant's truth: the largest distance of the fitted curve from the deterministic drift of this run, counts.
+    pub curve_error_counts: Option<f64>,
+    /// The plant's truth: the slope of the taps that the experiment used, taps per count.
+    pub plant_slope_taps_per_count: Option<f64>,
+}
+
+/// What is known of a unit before it is compensated.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    /// The groups of the full-temperature test's hour.
+    pub ramp: Vec<Taken>,
+    /// Chamber time of the full-temperature test, its soak included.
+    pub ramp_time: Seconds,
+    /// X and Y.
+    pub axes: [MeasuredAxis; 2],
+    /// What came of it.
+    pub calibration: Calibration,
+    /// The record for the device.
+    pub record: DeviceRecord,
+}
+
+/// The full-temperature test, as a checkpoint.
+pub const FULL_TEMPERATURE: &str = "full-temperature";
+/// The trim experiment, as a checkpoint.
+pub const TRIM_SWEEP: &str = "trim-sweep";
+
+/// Stores the middle tap for power-up, on a simulated board, which is always new. On a real one that is done once, when
+/// it is first set up (the register wears): it is advised.
+///
+/// # Errors
+/// [`BenchError`].
+pub fn first_time(session: &mut Session<'_>) -> Result<(), BenchError> {
+    if !session.bench.surroundings.obeys() {
+        session.progress.note("a new board? `zerorate device first-time` makes the middle tap that of power-up, once");
+        return Ok(());
+    }
+    session.begin()?;
+    session.bench.device.order(Request::StorePowerUpTap)?;
+    Ok(())
+}
+
+/// The full-temperature test and the trim experiment, each into its recording; their fits, and the calibration.
+///
+/// # Errors
+/// [`BenchError`].
+pub fn measure(
+    session: &mut Session<'_>,
+    serial: &str,
+    full: Recorder,
+    sweep: Recorder,
+) -> Result<Measured, BenchError> {
+    measure_on(session, serial, full, sweep, &Checkpoints::none())
+}
+
+/// The same, of what was not carried through before.
+///
+/// # Errors
+/// [`BenchError`].
+pub fn measure_on(
+    session: &mut Session<'_>,
+    serial: &str,
+    mut full: Recorder,
+    mut sweep: Recorder,
+    checkpoints: &Checkpoints,
+) -> Result<Measured, BenchError> {
+    let (ramp, ramp_time) = checkpoints.once(FULL_TEMPERATURE, &mut full, |full| {
+        let began = session.elapsed;
+        let ramp = full_temperature::run(session, full)?;
+        // A ramp that is rejected is no checkpoint, so that the run can go on with another.
+        Axis::BOTH.into_iter().try_for_each(|axis| fit_ramp(session, &ramp, axis).map(|_| ()))?;
+        Ok((ramp, session.elapsed - began))
+    })?;
+    full.finish()?;
+    let [x, y] = Axis::BOTH.map(|axis| fit_ramp(session, &ramp, axis));
+    let drifts = [x?, y?];
+
+    let measured = checkpoints.once(TRIM_SWEEP, &mut sweep, |sweep| {
+        trim_experiment::run(session, drifts.each_ref().map(|fit| extremes(fit.calibration.drift())), sweep)
+    })?;
+    sweep.finish()?;
+
+    let mut trims = Vec::new();
+    for axis in Axis::BOTH {
+        let (setup, failed) = (session.setup, |reason: &dyn std::fmt::Display| fit_error(axis, reason));
+        let points = &measured.points[axis.index()];
+        let trim = fit_trim(points, setup.centre(), setup.middle()).map_err(|error| failed(&error))?;
+        let effects = tap_effects(&measured.sweep[axis.index()], setup.middle()).map_err(|error| failed(&error))?;
+        let model = trim.trim(setup.centre(), Some(effects)).map_err(|error| failed(&error))?;
+        let calibration = TrimCalibration {
+            trim: model,
+            paired: Some(trim.paired),
+            paper: Some(trim.paper),
+            dead_band_taps: setup.trim.dead_band_taps,
+            low_pass: setup.low_pass(),
+            start_up_mode: Mode::Hybrid,
+        };
+        trims.push((trim, calibration));
+    }
+    compose(session, serial, ramp, ramp_time, drifts, trims)
+}
+
+/// The calibration of what was fitted, and its record.
+fn compose(
+    session: &Session<'_>,
+    serial: &str,
+    ramp: Vec<Taken>,
+    ramp_time: Seconds,
+    drifts: [AxisFit; 2],
+    trims: Vec<(TrimFit, TrimCalibration)>,
+) -> Result<Measured, BenchError> {
+    let with_trim = |(axis, (drift, (_, trim))): (Axis, (&AxisFit, &(TrimFit, TrimCalibration)))| {
+        let calibration = AxisCalibration { trim: Some(trim.clone()), ..drift.calibration.clone() };
+        (axis.name().to_owned(), calibration)
+    };
+    let axes = Axis::BOTH.into_iter().zip(drifts.iter().zip(&trims)).map(with_trim).collect();
+    let mut calibration = Calibration {
+        temperature_scale: Some(TemperatureScale::QUARTER_COUNTS),
+        group_period_s: Some(session.setup.group_period().0),
+        setup: serde_json::to_value(session.setup).ok(),
+        ..Calibration::new(Kind::AnalogueBoard, Some(serial.to_owned()), Vec::new(), TemperatureUnit::Counts, axes)
+    };
+    let made = calibration.to_device_record().map_err(|error| BenchError::Compose(error.to_string()))?;
+    let mut measured = Vec::new();
+    for (((axis, drift), (trim, _)), law) in Axis::BOTH.into_iter().zip(drifts).zip(trims).zip(made.models) {
+        let name = axis.name().to_uppercase();
+        let digital_only = made.digital_only.iter().find(|(own, _)| *own == axis).map(|(_, why)| *why);
+        if let Some(digital_only) = &digital_only {
+            calibration.warnings.push(format!("axis {name}: {digital_only}"));
+            let trim = calibration.axes.get_mut(axis.name()).and_then(|own| own.trim.as_mut());
+            trim.into_iter().for_each(|trim| trim.start_up_mode = law.start_up_mode);
+        }
+        let slope = steepest_slope_taps(&law.drift, &law.trim.line);
+        if let Some(warning) = chatter_warning(temperature_noise(&ramp, axis), slope, law.dead_band) {
+            calibration.warnings.push(format!("axis {name}: {warning}"));
+        }
+        measured.push(MeasuredAxis {
+            drift_pp_counts: drift_pp(&ramp, axis),
+            predicted: predictions(&drift, ramp.iter().map(|taken| (taken.time.0, taken.temperature(axis).0))),
+            curve_error_counts: curve_error(&ramp, axis, &drift),
+            plant_slope_taps_per_count: session.bench.witness.as_deref().map(|w| plant_slope(w, axis, &trim)),
+            drift,
+            trim,
+            law,
+            digital_only,
+        });
+    }
+    let axes = measured.try_into().map_err(|_| fit_error(Axis::X, &"an axis is missing"))?;
+    Ok(Measured { ramp, ramp_time, axes, calibration, record: made.record })
+}
+
+fn fit_error(axis: Axis, reason: &dyn std::fmt::Display) -> BenchError {
+    BenchError::Fit { axis, reason: reason.to_string() }
+}
+
+/// The fit of a ramp, judged as `zerorate fit` judges its recording.
+fn fit_ramp(session: &Session<'_>, ramp: &[Taken], axis: Axis) -> Result<AxisFit, BenchError> {
+    let mut means = RampMeans::default();
+    for taken in ramp {
+        let unknown = Celsius(f64::NAN);
+        means.push(&RampGroup::from(&row(taken, axis, (taken.report.group.0, taken.time.0), unknown, unknown)));
+    }
+    let options = FitOptions { model: session.setup.model(), ..FitOptions::default() };
+    let mut judgement = Judgement::default();
+    let fit = fit_axis(axis.name(), &means, None, &options, &mut judgement);
+    fit.filter(|_| !judgement.rejected()).ok_or_else(|| {
+        let rejecting = judgement.reasons.into_iter().filter(|reason| reason.kind.verdict() == Verdict::Rejected);
+        let reasons: Vec<String> = rejecting.map(|reason| reason.text).collect();
+        BenchError::Rejected { reasons: reasons.join("; ") }
+    })
+}
+
+/// What the device would take off at each of some times, seconds, and temperatures, counts, had it begun with the first.
+fn predictions(fit: &AxisFit, groups: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
+    let mut predictor = Predictor::new(&fit.calibration.fit.model, Start::Unknown);
+    groups.map(|(time_s, temperature)| predictor.predict(time_s, temperature).bias).collect()
+}
+
+/// The lowest and the highest reading of a drift.
+fn extremes(drift: &Drift) -> [Counts; 2] {
+    let valid = drift.valid;
+    let ends = [valid.min(), valid.max()].into_iter().chain(drift.turning_points());
+    let readings = ends.map(|temperature| drift.evaluate(temperature).0);
+    let (least, most) = readings.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), v| (l.min(v), m.max(v)));
+    [Counts(least), Counts(most)]
+}
+
+/// The noise of a group's mean temperature, counts rms: from the scatter of its samples.
+fn temperature_noise(ramp: &[Taken], axis: Axis) -> f64 {
+    let variance_of_mean = |taken: &Taken| {
+        let sums = &taken.report.axes[axis.index()].sums;
+        sums.variance_of_temperature() / f64::from(sums.n)
+    };
+    #[allow(clippy::cast_precision_loss)]
+    let n = ramp.len() as f64;
+    (ramp.iter().map(variance_of_mean).sum::<f64>() / n).sqrt()
+}
+
+fn curve_error(ramp: &[Taken], axis: Axis, fit: &AxisFit) -> Option<f64> {
+    let truths: Option<Vec<_>> =
+        ramp.iter().map(|taken| Some((taken.time.0, taken.truth.as_ref()?.axes[axis.index()].clone()))).collect();
+    let truths = truths?;
+    let predicted = predictions(fit, truths.iter().map(|(time_s, truth)| (*time_s, truth.temperature_counts)));
+    let off = predicted.iter().zip(&truths).map(|(predicted, (_, truth))| (predicted - truth.drift_counts).abs());
+    Some(off.fold(0.0, f64::max))
+}
+
+/// The slope of the plant's own taps over those that the experiment ended at, by least squares.
+fn plant_slope(witness: &dyn Witness, axis: Axis, trim: &TrimFit) -> f64 {
+    let taps = trim.points.iter().map(|point| point.tap.get());
+    let (first, last) = taps.fold((u16::MAX, 0), |(first, last), tap| (first.min(tap), last.max(tap)));
+    let truths: Vec<(f64, f64)> =
+        (first..=last).filter_map(Taps::new).map(|tap| (f64::from(tap.get()), witness.tap_counts(axis, tap))).collect();
+    #[allow(clippy::cast_precision_loss)]
+    let n = truths.len() as f64;
+    let (mean_tap, mean_counts) =
+        (truths.iter().map(|t| t.0).sum::<f64>() / n, truths.iter().map(|t| t.1).sum::<f64>() / n);
+    let products: f64 = truths.iter().map(|t| (t.0 - mean_tap) * (t.1 - mean_counts)).sum();
+    let squares: f64 = truths.iter().map(|t| (t.0 - mean_tap) * (t.0 - mean_tap)).sum();
+    -squares / products
+}

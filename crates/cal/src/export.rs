@@ -1,0 +1,233 @@
+//! A calibration in the terms of others: autopilots' parameters, source code in C, tables.
+//!
+//! The autopilots evaluate a cubic of temperature and nothing else, so they get the best one there is ([`Cubic`]),
+//! and the file says what it costs against the model that was chosen. Source code gets the model itself.
+
+mod ardupilot;
+mod c;
+mod code;
+mod cubic;
+mod px4;
+mod sensors;
+mod table;
+
+use std::fmt;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+pub use cubic::{Cubic, Loss};
+pub use sensors::{ExportedAxis, ExportedSensor};
+
+use crate::calibration::Calibration;
+use crate::units::RateUnit;
+
+/// A form in which a calibration can be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// PX4's parameter file, as QGroundControl loads it.
+    Px4,
+    /// ArduPilot's parameter file, as Mission Planner and MAVProxy load it.
+    ArduPilot,
+    /// ArduPilot's parameters as the MethodicConfigurator keeps them.
+    MethodicConfigurator,
+    /// A header in C99.
+    C,
+    /// The static cubics in JSON.
+    Json,
+    /// The curves as a table over temperature.
+    Csv,
+}
+
+impl Format {
+    /// All of them, in the order in which help lists them.
+    pub const ALL: [Self; 6] =
+        [Self::Px4, Self::ArduPilot, Self::MethodicConfigurator, Self::C, Self::Json, Self::Csv];
+
+    /// Whether the format holds a cubic of temperature and no more.
+    #[must_use]
+    pub fn is_static_cubic(self) -> bool {
+        matches!(self, Self::Px4 | Self::ArduPilot | Self::MethodicConfigurator | Self::Json)
+    }
+
+    /// What a file of it is usually called.
+    #[must_use]
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Self::Px4 => "calibration.params",
+            Self::ArduPilot => "calibration.parm",
+            Self::MethodicConfigurator => "03_imu_temperature_calibration_results.param",
+            Self::C => "zerorate_calibration.h",
+            Self::Json => "calibration.static.json",
+            Self::Csv => "calibration.csv",
+        }
+    }
+}
+
+impl From<imu_logs::Format> for Format {
+    /// The form in which the autopilot that wrote a log takes parameters.
+    fn from(log: imu_logs::Format) -> Self {
+        match log {
+            imu_logs::Format::ULog => Self::Px4,
+            imu_logs::Format::DataFlash => Self::ArduPilot,
+        }
+    }
+}
+
+/// A format that was asked for and is none.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("'{0}' is no format: give px4, ardupilot, methodic-configurator, c, json or csv; in Rust the crate zerorate-core evaluates the device record itself")]
+pub struct FormatError(String);
+
+impl FromStr for Format {
+    type Err = FormatError;
+    fn from_str(text: &str) -> Result<Self, FormatError> {
+        Self::ALL.into_iter().find(|format| format.to_string() == text).ok_or_else(|| FormatError(text.to_owned()))
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Px4 => "px4",
+            Self::ArduPilot => "ardupilot",
+            Self::MethodicConfigurator => "methodic-configurator",
+            Self::C => "c",
+            Self::Json => "json",
+            Self::Csv => "csv",
+        })
+    }
+}
+
+/// What a log did not say, and the user may.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ExportOptions {
+    /// The sensor's device id, where the calibration has none.
+    pub device_id: Option<u32>,
+    /// The sensor's place, from 0, where the calibration has none.
+    pub instance: Option<u8>,
+}
+
+/// A calibration in a format.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exported {
+    /// The file's text.
+    pub text: String,
+    /// The sensors in it.
+    pub sensors: Vec<ExportedSensor>,
+    /// What to know and to do, a sentence each; they stand in the file too where it has comments.
+    pub notes: Vec<String>,
+}
+
+/// Why a calibration cannot be exported.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ExportError {
+    /// Nothing to export.
+    #[error("the calibration has no axis")]
+    NoAxis,
+    /// The rates are no angular rates.
+    #[error(
+        "axis {axis} is in {unit}, and {format} takes rad/s: this calibration is of an analogue board, which has no digital sensor's parameters; give it to c, json or csv"
+    )]
+    NotARate {
+        /// The axis's name.
+        axis: String,
+        /// Its unit.
+        unit: RateUnit,
+        /// The format.
+        format: Format,
+    },
+    /// The temperatures are no temperatures.
+    #[error(
+        "the calibration's temperatures are in counts, and {format} takes degrees C: give it to c, json or csv"
+    )]
+    NotInDegrees {
+        /// The format.
+        format: Format,
+    },
+    /// PX4 finds a sensor by its id.
+    #[error(
+        "{sensor} has no device id, and PX4 finds a sensor's parameters by it (TC_G0_ID): give its number (`device_id`; in PX4's console, `listener sensor_gyro` shows it), or fit the ULog itself"
+    )]
+    NoDeviceId {
+        /// The sensor.
+        sensor: String,
+    },
+    /// More sensors of a kind than the autopilot has places for.
+    #[error("{sensor}: {format} has places for {places} sensors of a kind")]
+    NoPlace {
+        /// The sensor.
+        sensor: String,
+        /// The format.
+        format: Format,
+        /// Its places.
+        places: u8,
+    },
+    /// Two axes claim one place.
+    #[error(
+        "'{first}' and '{second}' are both axis {axis} of {sensor}: name the columns so that x, y and z can be told"
+    )]
+    SameAxis {
+        /// An axis's name.
+        first: String,
+        /// Another's.
+        second: String,
+        /// The letter.
+        axis: char,
+        /// The sensor.
+        sensor: String,
+    },
+    /// An axis's letter cannot be told.
+    #[error("'{axis}' does not say whether it is x, y or z: {format} must know; name the column so")]
+    NoLetter {
+        /// The axis's name.
+        axis: String,
+        /// The format.
+        format: Format,
+    },
+    /// The curve's numbers do not fit the integers of the source code.
+    #[error("axis {axis}: its curve cannot be written in 32-bit integers: {why}")]
+    TooLarge {
+        /// The axis's name.
+        axis: String,
+        /// What does not fit.
+        why: String,
+    },
+}
+
+/// Writes a calibration in a format.
+///
+/// # Errors
+/// [`ExportError`], when the calibration lacks what the format needs.
+pub fn export(calibration: &Calibration, format: Format, options: &ExportOptions) -> Result<Exported, ExportError> {
+    if calibration.axes.is_empty() {
+        return Err(ExportError::NoAxis);
+    }
+    match format {
+        Format::Px4 => px4::write(calibration, options),
+        Format::ArduPilot => ardupilot::write(calibration, options, ' '),
+        Format::MethodicConfigurator => ardupilot::write(calibration, options, ','),
+        Format::C => c::write(calibration),
+        Format::Json => table::write_json(calibration, options),
+        Format::Csv => Ok(table::write_csv(calibration)),
+    }
+}
+
+/// Where the calibration came from, a line each, for the head of a file.
+fn origin(calibration: &Calibration) -> Vec<String> {
+    let mut lines = vec![format!("written by {}", crate::calibration::CREATED_BY)];
+    lines.extend(calibration.unit_serial.as_ref().map(|serial| format!("unit {}", one_line(serial))));
+    let of = |source: &crate::calibration::Origin| {
+        format!("from {}, SHA-256 {}", one_line(&source.file), one_line(&source.sha256))
+    };
+    lines.extend(calibration.sources.iter().map(of));
+    lines
+}
+
+/// A text from outside as it may stand in a comment: nothing in it ends the comment or the line.
+fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>().replace("*/", "* /")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,217 @@
+//! Which axes of a calibration belong to which sensor.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::cubic::{Cubic, Loss};
+use super::{ExportError, ExportOptions, Format};
+use crate::calibration::Calibration;
+use crate::log::{Sensor, SensorKind};
+use crate::units::{RateUnit, TemperatureUnit};
+
+/// One sensor with up to three axes, in the autopilots' units: rad/s or m/s^2, degrees C.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ExportedSensor {
+    /// What it measures: of a gyro rad/s; of an accelerometer m/s^2 from the reference temperature on, for at rest gravity
+    /// hides the constant.
+    pub kind: SensorKind,
+    /// Its place among those of its kind, from 0.
+    pub instance: u8,
+    /// The autopilot's number for the part.
+    pub device_id: Option<u32>,
+    /// The temperatures over which all its axes hold.
+    pub range: [f64; 2],
+    /// X, Y and Z; `None` where the calibration has none of it.
+    pub axes: [Option<ExportedAxis>; 3],
+}
+
+/// One axis of a sensor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ExportedAxis {
+    /// Its name in the calibration.
+    pub name: String,
+    /// The model that was chosen.
+    pub model: String,
+    /// The cubic.
+    pub cubic: Cubic,
+    /// What the cubic costs.
+    pub loss: Loss,
+}
+
+impl fmt::Display for ExportedSensor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.kind {
+            SensorKind::Gyro => write!(f, "gyro {}", self.instance),
+            SensorKind::Accelerometer => write!(f, "accelerometer {}", self.instance),
+        }
+    }
+}
+
+impl ExportedSensor {
+    /// The unit of its cubics.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        match self.kind {
+            SensorKind::Gyro => "rad/s",
+            SensorKind::Accelerometer => "m/s^2",
+        }
+    }
+}
+
+/// The sensors of a calibration, gyros first, by their places.
+pub(super) fn sensors(
+    calibration: &Calibration,
+    options: &ExportOptions,
+    format: Format,
+) -> Result<Vec<ExportedSensor>, ExportError> {
+    if calibration.temperature_unit == TemperatureUnit::Counts {
+        return Err(ExportError::NotInDegrees { format });
+    }
+    let mut sensors: Vec<ExportedSensor> = Vec::new();
+    for (name, axis) in &calibration.axes {
+        let (kind, instance, device_id) = whose(name, axis.sensor, options);
+        let not_a_rate = || ExportError::NotARate { axis: name.clone(), unit: axis.rate_unit, format };
+        let factor = factor(axis.rate_unit, kind).ok_or_else(not_a_rate)?;
+        let place = letter(name).ok_or_else(|| ExportError::NoLetter { axis: name.clone(), format })?;
+        let cubic = Cubic::of(axis);
+        let loss = Loss::of(axis, &cubic).times(factor);
+        let model = super::code::model_of(axis);
+        let exported = ExportedAxis { name: name.clone(), model, cubic: cubic.times(factor), loss };
+        let at = sensors.iter().position(|sensor| (sensor.kind, sensor.instance) == (kind, instance));
+        let at = at.unwrap_or_else(|| {
+            let range = [f64::NEG_INFINITY, f64::INFINITY];
+            sensors.push(ExportedSensor { kind, instance, device_id, range, axes: [None, None, None] });
+            sensors.len() - 1
+        });
+        let sensor = &mut sensors[at];
+        if let Some(other) = &sensor.axes[place] {
+            return Err(ExportError::SameAxis {
+                first: other.name.clone(),
+                second: name.clone(),
+                axis: LETTERS[place],
+                sensor: sensor.to_string(),
+            });
+        }
+        let [min, max] = exported.cubic.range;
+        sensor.range = [sensor.range[0].max(min), sensor.range[1].min(max)];
+        sensor.axes[place] = Some(exported);
+    }
+    sensors.sort_by_key(|sensor| (sensor.kind, sensor.instance));
+    Ok(sensors)
+}
+
+/// The letters of the axes, by their places.
+pub(super) const LETTERS: [char; 3] = ['X', 'Y', 'Z'];
+
+/// The sensor that an axis's name tells: `gyro0.x` or `accel1.z`; a table's column is of one gyro.
+fn whose(name: &str, sensor: Option<Sensor>, options: &ExportOptions) -> (SensorKind, u8, Option<u32>) {
+    if let Some(sensor) = sensor {
+        return (sensor.kind, sensor.instance, sensor.device_id.or(options.device_id));
+    }
+    let of = |prefix: &str| name.strip_prefix(prefix)?.split_once('.')?.0.parse().ok();
+    let (kind, instance) = match (of("gyro"), of("accel")) {
+        (Some(instance), _) => (SensorKind::Gyro, instance),
+        (None, Some(instance)) => (SensorKind::Accelerometer, instance),
+        (None, None) => (SensorKind::Gyro, options.instance.unwrap_or(0)),
+    };
+    (kind, instance, options.device_id)
+}
+
+/// What to know of a sensor's cubics, a sentence an axis.
+pub(super) fn remarks(sensor: &ExportedSensor) -> Vec<String> {
+    let unit = sensor.unit();
+    let mut remarks = vec![format!(
+        "{sensor}: from {:.2} to {:.2} C; outside, the curve is held at its end",
+        sensor.range[0], sensor.range[1]
+    )];
+    for (axis, letter) in sensor.axes.iter().zip(LETTERS) {
+        remarks.push(match axis {
+            None => format!("{sensor} {letter}: not calibrated, left at 0"),
+            Some(axis) => format!("{sensor} {letter}: {}", axis.cost(unit)),
+        });
+    }
+    remarks
+}
+
+impl ExportedAxis {
+    /// What the cubic costs, as a phrase.
+    #[must_use]
+    pub fn cost(&self, unit: &str) -> String {
+        let Loss { chosen_rms, cubic_rms, furthest } = self.loss;
+        match (chosen_rms, cubic_rms) {
+            (Some(chosen), Some(cubic)) if (chosen - cubic).abs() <= 1e-9 * chosen.abs() => {
+                format!(
+                    "{} is a cubic or less, nothing is lost; it leaves {chosen:.3e} {unit} rms held out",
+                    self.model
+                )
+            }
+            (Some(chosen), Some(cubic)) => {
+                let costs = format!(
+                    "this cubic leaves {cubic:.3e} {unit} rms held out, the chosen {} {chosen:.3e} ({:+.0} %)",
+                    self.model,
+                    100.0 * (cubic / chosen - 1.0)
+                );
+                // A history leans on the cubic itself: there is no distance to speak of.
+                if furthest < 1e-6 * cubic {
+                    return costs;
+                }
+                format!("{costs}; it is {furthest:.1e} {unit} from the chosen curve at most")
+            }
+            _ => format!("this cubic is {furthest:.1e} {unit} from the chosen {} at most", self.model),
+        }
+    }
+}
+
+/// What a calibration's unit is in the autopilots'.
+fn factor(unit: RateUnit, kind: SensorKind) -> Option<f64> {
+    match (unit, kind) {
+        (RateUnit::RadPerS, SensorKind::Gyro) => Some(1.0),
+        (RateUnit::Dps, SensorKind::Gyro) => Some(1.0_f64.to_radians()),
+        (RateUnit::MetresPerS2, SensorKind::Accelerometer) => Some(1.0),
+        _ => None,
+    }
+}
+
+/// The place of an axis by its name: a word of its own (`gyro.x`, `x_rad_s`, `gyro[0]`) or a capital at a word's end
+/// (`GyrX`).
+fn letter(name: &str) -> Option<usize> {
+    let words = || name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    let place = |word: &str| match word {
+        "x" | "X" | "0" => Some(0),
+        "y" | "Y" | "1" => Some(1),
+        "z" | "Z" | "2" => Some(2),
+        _ => None,
+    };
+    let at_end = |word: &str| match word.chars().last()? {
+        'X' => Some(0),
+        'Y' => Some(1),
+        'Z' => Some(2),
+        _ => None,
+    };
+    words().filter_map(place).next_back().or_else(|| words().filter_map(at_end).next_back())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_are_told_by_the_names_that_logs_have() {
+        let letters: Vec<Option<usize>> =
+            ["gyro0.x", "imu.gyro.y", "z_rad_s", "GyrX", "gyro[1]", "gyro_rad[2]", "rate"]
+                .into_iter()
+                .map(letter)
+                .collect();
+        assert_eq!(letters, [Some(0), Some(1), Some(2), Some(0), Some(1), Some(2), None]);
+    }
+
+    #[test]
+    fn sensors_are_told_by_the_names_that_imports_give() {
+        let none = ExportOptions::default();
+        assert_eq!(whose("gyro2.x", None, &none), (SensorKind::Gyro, 2, None));
+        assert_eq!(whose("accel0.z", None, &none), (SensorKind::Accelerometer, 0, None));
+        let given = ExportOptions { device_id: Some(7), instance: Some(1) };
+        assert_eq!(whose("gyro_x", None, &given), (SensorKind::Gyro, 1, Some(7)));
+    }
+}

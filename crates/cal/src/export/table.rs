@@ -1,0 +1,73 @@
+//! A calibration for other programs: the static cubics as JSON, the curves as a table.
+
+use serde::Serialize;
+
+use super::sensors::sensors;
+use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format};
+use crate::calibration::{AxisCalibration, CREATED_BY, Calibration, Origin};
+use crate::units::TemperatureUnit;
+
+/// Steps of the table over the range.
+const STEPS: u32 = 200;
+
+/// The schema of the JSON.
+const SCHEMA: u32 = 1;
+
+#[derive(Serialize)]
+struct Form<'a> {
+    schema: u32,
+    created_by: &'static str,
+    unit_serial: &'a Option<String>,
+    sources: &'a [Origin],
+    /// What the coefficients are: bias = sum of coefficients[k] (T - reference)^k, T clamped to the range.
+    formula: &'static str,
+    units: [&'static str; 3],
+    sensors: &'a [ExportedSensor],
+}
+
+pub(super) fn write_json(calibration: &Calibration, options: &ExportOptions) -> Result<Exported, ExportError> {
+    let sensors = sensors(calibration, options, Format::Json)?;
+    let form = Form {
+        schema: SCHEMA,
+        created_by: CREATED_BY,
+        unit_serial: &calibration.unit_serial,
+        sources: &calibration.sources,
+        formula: "bias = c0 + c1 d + c2 d^2 + c3 d^3, d = clamp(T, range) - reference; corrected = reading - bias",
+        units: ["T in C", "gyro in rad/s", "accelerometer in m/s^2"],
+        sensors: &sensors,
+    };
+    // Nothing in the form can fail to be written: its keys are texts and its numbers are a calibration's, which are finite.
+    let text = serde_json::to_string_pretty(&form).unwrap_or_default() + "\n";
+    Ok(Exported { text, sensors, notes: Vec::new() })
+}
+
+/// The static curves at equal steps of temperature over all their ranges; a cell is empty outside an axis's own.
+pub(super) fn write_csv(calibration: &Calibration) -> Exported {
+    let axes = || calibration.axes.values();
+    let least = axes().map(|axis| axis.drift().valid.min()).fold(f64::INFINITY, f64::min);
+    let most = axes().map(|axis| axis.drift().valid.max()).fold(f64::NEG_INFINITY, f64::max);
+    let unit = match calibration.temperature_unit {
+        TemperatureUnit::C => "temperature_c",
+        TemperatureUnit::Counts => "temperature_counts",
+    };
+    let mut rows: Vec<Vec<String>> = vec![
+        std::iter::once(unit.to_owned())
+            .chain(calibration.axes.iter().map(|(name, axis)| format!("{name} bias, {}", axis.rate_unit)))
+            .collect(),
+    ];
+    for step in 0..=STEPS {
+        let temperature = least + (most - least) * f64::from(step) / f64::from(STEPS);
+        let cell = |axis: &AxisCalibration| {
+            let inside = (axis.drift().valid.min()..=axis.drift().valid.max()).contains(&temperature);
+            if inside { axis.drift().evaluate(temperature).0.to_string() } else { String::new() }
+        };
+        rows.push(std::iter::once(temperature.to_string()).chain(axes().map(cell)).collect());
+    }
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        // A vector takes every record, and all have one length.
+        let _ = writer.write_record(&row);
+    }
+    let text = writer.into_inner().ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default();
+    Exported { text, sensors: Vec::new(), notes: Vec::new() }
+}

@@ -1,0 +1,255 @@
+//! The fit of a recording of the bench: the group means of its ramps, axis by axis.
+//!
+//! What speaks against a unit is judged on counts and extremes ([`AxisSurvey`], [`Residuals`]), not on the groups
+//! themselves, so that a query engine that only gives sums comes to the same verdicts with the same words.
+
+mod judge;
+mod survey;
+
+use zerorate_core::drift::{MAX_ORDER, Scale, Shape};
+use zerorate_core::units::Axis;
+use zerorate_fit::auto;
+use zerorate_fit::drift_fit::DriftFit;
+use zerorate_fit::least_squares::{Basis, Fit, FitError};
+use zerorate_fit::model::Model;
+use zerorate_fit::ramp::{DriftFitError, fit_drift, span};
+use zerorate_fit::residual::Residuals;
+use zerorate_fit::series::Series;
+
+pub use judge::{judge_residual, judge_survey};
+pub use survey::{AxisSurvey, FoldSurvey, fold_of};
+
+use crate::calibration::AxisCalibration;
+use crate::log_fit::{AxisFit, AxisVerdict, FitOptions, LogFit};
+use crate::quality::{Judgement, Reason, ReasonKind, Verdict};
+use crate::recording::{GroupRow, Recording, flags};
+use crate::source::Source;
+use crate::trace::{Trace, TracePoint};
+use crate::units::{RateUnit, TemperatureUnit};
+
+/// The order of the polynomial whose residuals are searched for wild groups.
+pub const JUDGED_ORDER: usize = MAX_ORDER;
+
+/// One axis of one group of a ramp.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RampGroup {
+    /// The group's number.
+    pub group: u32,
+    /// Seconds from the recording's first group.
+    pub time_s: f64,
+    /// Mean temperature, counts.
+    pub temperature: f64,
+    /// Mean zero-rate reading, counts.
+    pub reading: f64,
+    /// Samples in it.
+    pub samples: u32,
+    /// The device's flags.
+    pub flags: u16,
+    /// The wiper's position, taps.
+    pub tap: u16,
+}
+
+impl From<&GroupRow> for RampGroup {
+    fn from(row: &GroupRow) -> Self {
+        Self {
+            group: row.group,
+            time_s: row.t_s,
+            temperature: row.sums.mean_temperature().0,
+            reading: row.sums.mean_zro().0,
+            samples: row.sums.n,
+            flags: row.flags,
+            tap: row.tap,
+        }
+    }
+}
+
+/// The groups of one axis's ramps, in the order in which they were taken; those without a sample are left out.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RampMeans {
+    /// The groups' numbers.
+    pub groups: Vec<u32>,
+    /// Seconds from the recording's first group.
+    pub times_s: Vec<f64>,
+    /// Mean temperatures, counts.
+    pub temperatures: Vec<f64>,
+    /// Mean zero-rate readings, counts.
+    pub readings: Vec<f64>,
+    /// Samples in all of them.
+    pub samples: u64,
+    /// Groups at an end of the converter.
+    pub saturated: u64,
+    /// The lowest and the highest tap, where there is a group.
+    pub taps: Option<(u16, u16)>,
+}
+
+impl RampMeans {
+    /// The ramps of an axis of a recording.
+    #[must_use]
+    pub fn of(recording: &Recording, axis: Axis) -> Self {
+        let mut means = Self::default();
+        let ramps = |row: &&GroupRow| row.axis == axis && row.phase.is_ramp();
+        for row in recording.rows.iter().filter(ramps) {
+            means.push(&RampGroup::from(row));
+        }
+        means
+    }
+
+    /// Takes in one group; one without samples is left out.
+    pub fn push(&mut self, group: &RampGroup) {
+        if group.samples == 0 {
+            return;
+        }
+        self.groups.push(group.group);
+        self.times_s.push(group.time_s);
+        self.temperatures.push(group.temperature);
+        self.readings.push(group.reading);
+        self.samples += u64::from(group.samples);
+        self.saturated += u64::from(group.flags & flags::SATURATED != 0);
+        let (lowest, highest) = self.taps.unwrap_or((group.tap, group.tap));
+        self.taps = Some((lowest.min(group.tap), highest.max(group.tap)));
+    }
+}
+
+/// Fits the ramps of a recording, each axis by itself. Group means are fitted as they are: they are what conditioning
+/// makes of a log. `auto` chooses among all models, history included, and believes wild groups less; a model asked for is
+/// fitted by ordinary least squares, each group counted once.
+#[must_use]
+pub fn fit_recording(recording: &Recording, source: &Source, options: &FitOptions) -> LogFit {
+    let mut fit = LogFit::new(std::slice::from_ref(source));
+    let expected = recording.info.ramp_groups();
+    for axis in Axis::BOTH {
+        let means = RampMeans::of(recording, axis);
+        let mut judgement = Judgement::default();
+        fit.axes.extend(fit_axis(axis.name(), &means, expected, options, &mut judgement));
+        for reason in &judgement.reasons {
+            fit.judgement.add_as(verdict_of(reason, options.allow_narrow), reason.clone());
+        }
+        fit.verdicts.push(AxisVerdict { name: axis.name().to_owned(), judgement });
+    }
+    // A board is calibrated as a whole or not at all.
+    if fit.judgement.rejected() {
+        fit.axes.clear();
+    }
+    fit
+}
+
+/// What a reason makes of a unit.
+#[must_use]
+pub fn verdict_of(reason: &Reason, allow_narrow: bool) -> Verdict {
+    match reason.kind {
+        ReasonKind::NarrowSpan if allow_narrow => Verdict::Warning,
+        kind => kind.verdict(),
+    }
+}
+
+/// Judges and fits the ramps of one axis. `expected` is the number of groups that the set-up gives a ramp. An axis that
+/// is rejected for its groups is not fitted; one that is rejected for its residual is, so that it can be looked at.
+pub fn fit_axis(
+    name: &str,
+    means: &RampMeans,
+    expected: Option<u64>,
+    options: &FitOptions,
+    judgement: &mut Judgement,
+) -> Option<AxisFit> {
+    let mut own = Judgement::default();
+    judge_survey(&mut own, name, &AxisSurvey::of(means), expected, options);
+    let fitted = if own.rejected() { None } else { fit(name, means, options, &mut own) };
+    if let Some((_, residuals)) = &fitted {
+        judge_residual(&mut own, name, residuals);
+    }
+    let verdict = own.verdict;
+    for reason in own.reasons {
+        judgement.add_as(verdict_of(&reason, options.allow_narrow), reason);
+    }
+    fitted.map(|(fit, _)| AxisFit { verdict, ..fit })
+}
+
+fn fit(
+    name: &str,
+    means: &RampMeans,
+    options: &FitOptions,
+    judgement: &mut Judgement,
+) -> Option<(AxisFit, Residuals)> {
+    let fitted = match options.model {
+        Model::Auto => fit_chosen(name, means),
+        model => fit_asked(name, means, model),
+    };
+    match fitted {
+        Ok(fitted) => Some(fitted),
+        Err(error) => {
+            let kind = match &error {
+                DriftFitError::Stuck { .. } => ReasonKind::StuckTemperature,
+                DriftFitError::Fit(FitError::NotFinite) | DriftFitError::NotFinite { .. } => ReasonKind::NoFiniteRows,
+                _ => ReasonKind::TooFewGroups,
+            };
+            judgement.add(Reason::new(kind, format!("{name}: {error}")));
+            None
+        }
+    }
+}
+
+/// The fit by `auto`: robust, its order and terms chosen by held-out error, with a history where the recording holds both
+/// directions of the ramp.
+fn fit_chosen(name: &str, means: &RampMeans) -> Result<(AxisFit, Residuals), DriftFitError> {
+    let (_, measured) = span(&means.temperatures, &means.readings, Model::Auto)?;
+    let groups = means.readings.len();
+    let (weight, log) = (vec![1.0; groups], vec![0; groups]);
+    let series = Series {
+        time_s: &means.times_s,
+        temperature: &means.temperatures,
+        rate: &means.readings,
+        weight: &weight,
+        log: &log,
+        drifts_in_time: false,
+    };
+    let mut fitted = auto::fit(&series, measured, Model::Auto)?;
+    // The chamber has gone as far as the unit is to be believed.
+    fitted.fit.model.drift.valid = measured;
+    Ok((of_fit(name, means, fitted.fit, &fitted.residuals), Residuals::of(fitted.residuals.iter().copied())))
+}
+
+/// The fit of the model asked for: ordinary least squares.
+fn fit_asked(name: &str, means: &RampMeans, model: Model) -> Result<(AxisFit, Residuals), DriftFitError> {
+    let (scale, _) = span(&means.temperatures, &means.readings, model)?;
+    let fit = fit_drift(&means.temperatures, &means.readings, model)?;
+    let left = |shape: &Shape| -> Vec<f64> {
+        let groups = means.temperatures.iter().zip(&means.readings);
+        groups.map(|(temperature, reading)| reading - shape.evaluate(*temperature)).collect()
+    };
+    let judged = if let Model::Poly(_) = model { judged_curve(means, scale) } else { None };
+    let survey = Residuals::of(left(judged.as_ref().unwrap_or(&fit.model.drift.shape)));
+    let residuals = left(&fit.model.drift.shape);
+    Ok((of_fit(name, means, fit, &residuals), survey))
+}
+
+/// The axis, with what its fit leaves of each group.
+fn of_fit(name: &str, means: &RampMeans, fit: DriftFit, residuals: &[f64]) -> AxisFit {
+    let mut calibration = AxisCalibration::of_fit(fit, RateUnit::Counts);
+    calibration.fit.statistics.samples_used = means.samples;
+    let point = |(group, residual): (usize, &f64)| TracePoint {
+        time_s: means.times_s[group],
+        temperature: means.temperatures[group],
+        rate: means.readings[group],
+        residual: *residual,
+    };
+    AxisFit {
+        name: name.to_owned(),
+        verdict: Verdict::Good,
+        temperature_unit: TemperatureUnit::Counts,
+        calibration,
+        samples_rejected: Vec::new(),
+        trace: Trace::of(residuals.iter().enumerate().map(point)),
+    }
+}
+
+/// The polynomial of [`JUDGED_ORDER`]; `None` where the groups do not settle it.
+fn judged_curve(means: &RampMeans, scale: Scale) -> Option<Shape> {
+    let mut fit = Fit::new(scale, Basis::Powers(JUDGED_ORDER));
+    for (temperature, reading) in means.temperatures.iter().zip(&means.readings) {
+        fit.push(*temperature, *reading);
+    }
+    fit.finish().ok()?.shape()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,96 @@
+//! What speaks against a unit.
+
+use zerorate_fit::residual::Residuals;
+
+use super::{AxisSurvey, FoldSurvey};
+use crate::log_fit::FitOptions;
+use crate::quality::{Judgement, Reason, ReasonKind};
+use crate::units::TemperatureUnit;
+
+/// An eighth of a ramp with fewer groups is not searched for stuck values: chance could make them equal.
+const SEARCHED: u64 = 8;
+
+/// Of a span of groups at least one in so many must be there.
+const LEAST_SHARE: u64 = 2;
+
+/// Residuals this many times the rms away, of which [`KURTOSIS`] says that they are few, are outliers: of a million
+/// groups of noise not one is further than 5.
+const FAR: f64 = 6.0;
+
+/// The kurtosis above which a few residuals dwarf the others; noise has 3, whatever a poor model leaves less.
+const KURTOSIS: f64 = 12.0;
+
+/// Judges what an axis's ramps have to offer, before a fit. `expected` is the number of groups that the set-up gives a
+/// ramp.
+pub fn judge_survey(
+    judgement: &mut Judgement,
+    axis: &str,
+    survey: &AxisSurvey,
+    expected: Option<u64>,
+    options: &FitOptions,
+) {
+    let groups = survey.groups();
+    judgement.rows(axis, groups, "groups", options.model.least_coefficients());
+    if groups == 0 {
+        return;
+    }
+    let (min, max) = survey.temperature();
+    judgement.span(min, max, TemperatureUnit::Counts, options.allow_narrow);
+    let searched = || survey.folds.iter().filter(|fold| fold.groups >= SEARCHED);
+    let stands = |of: fn(&FoldSurvey) -> (f64, f64)| {
+        let still = |fold: &&FoldSurvey| (of(fold).1 - of(fold).0).abs() <= 0.0;
+        (searched().filter(still).count(), searched().find(still).map_or(f64::NAN, |fold| of(fold).0))
+    };
+    let (still, at) = stands(|fold| fold.temperature);
+    let named = judgement.reasons.iter().any(|reason| reason.kind == ReasonKind::StuckTemperature);
+    if still > 0 && !named {
+        let text = format!(
+            "{axis}: the temperature stands at {at:.2} counts for {still} eighths of the ramp: its sensor is stuck"
+        );
+        judgement.add(Reason::new(ReasonKind::StuckTemperature, text));
+    }
+    let (still, at) = stands(|fold| fold.reading);
+    if still > 0 {
+        let text =
+            format!("{axis}: the reading stands at {at:.2} counts for {still} eighths of the ramp: its line is stuck");
+        judgement.add(Reason::new(ReasonKind::StuckReading, text));
+    }
+    if survey.saturated > 0 {
+        let text = format!("{axis}: {} of {groups} groups are at an end of the converter", survey.saturated);
+        judgement.add(Reason::new(ReasonKind::Saturated, text));
+    }
+    if let Some((lowest, highest)) = survey.taps.filter(|(lowest, highest)| lowest < highest) {
+        let text = format!(
+            "{axis}: the wiper moved between taps {lowest} and {highest}, so the reading is not the gyro's drift alone: fit the recording of the full-temperature test, in which it stays"
+        );
+        judgement.add(Reason::new(ReasonKind::WiperMoved, text));
+    }
+    let taken = survey.span.1 - survey.span.0 + 1;
+    if taken > LEAST_SHARE * groups {
+        let text = format!(
+            "{axis}: {groups} groups are there of the {taken} from {} to {}: their numbers are damaged, or most were lost",
+            survey.span.0, survey.span.1
+        );
+        judgement.add(Reason::new(ReasonKind::LostGroups, text));
+    }
+    // Groups before the way back began stand in the span as well; one in a hundred may be lost.
+    let taken = taken.min(groups + groups / 100);
+    if let Some(expected) = expected.filter(|expected| taken < *expected) {
+        let text = format!("the recording ends after {taken} of its ramp's {expected} groups: the run was cut");
+        judgement.add(Reason::new(ReasonKind::CutRun, text));
+    }
+}
+
+/// Judges what a curve leaves of an axis: the one chosen, or of order [`JUDGED_ORDER`](super::JUDGED_ORDER) where a
+/// polynomial was asked for, lest a poor model hides wild groups behind its own misfit.
+pub fn judge_residual(judgement: &mut Judgement, axis: &str, survey: &Residuals) {
+    let (rms, kurtosis) = (survey.rms(), survey.kurtosis());
+    if survey.largest() > FAR * rms && kurtosis > KURTOSIS {
+        let text = format!(
+            "{axis}: groups lie up to {:.0} counts from the curve, {:.0} times the rms: a few wild groups among others that fit (kurtosis {kurtosis:.0}; noise has 3)",
+            survey.largest(),
+            survey.largest() / rms
+        );
+        judgement.add(Reason::new(ReasonKind::Outliers, text));
+    }
+}

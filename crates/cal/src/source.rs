@@ -1,0 +1,114 @@
+//! What is read: a file, bytes in memory, a slice of a browser's file; each with a name for messages.
+
+use std::fmt;
+use std::fs::File;
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
+use std::path::Path;
+use std::sync::Arc;
+
+use thiserror::Error;
+
+/// Something that reads and seeks.
+pub trait ReadSeek: Read + Seek {}
+
+impl<R: Read + Seek> ReadSeek for R {}
+
+/// How a source is opened, from its beginning, as often as it is asked for.
+type Open = dyn Fn() -> io::Result<Box<dyn ReadSeek>> + Send + Sync;
+
+/// Something that can be read, again and again.
+#[derive(Clone)]
+pub struct Source {
+    name: String,
+    open: Arc<Open>,
+}
+
+/// A fault of something that was read, with its name in front.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{name}: {fault}")]
+pub struct Faulty<F: fmt::Display> {
+    /// The source's name.
+    pub name: String,
+    /// What is wrong with it.
+    pub fault: F,
+}
+
+impl Source {
+    /// A file.
+    #[must_use]
+    pub fn file(path: &Path) -> Self {
+        let own = path.to_owned();
+        Self::new(path.display().to_string(), move || Ok(Box::new(File::open(&own)?)))
+    }
+
+    /// Bytes in memory.
+    #[must_use]
+    pub fn bytes(name: impl Into<String>, bytes: impl Into<Arc<[u8]>>) -> Self {
+        let bytes = bytes.into();
+        Self::new(name, move || Ok(Box::new(Cursor::new(Arc::clone(&bytes)))))
+    }
+
+    /// Whatever `open` gives, each time from its beginning.
+    #[must_use]
+    pub fn new(
+        name: impl Into<String>,
+        open: impl Fn() -> io::Result<Box<dyn ReadSeek>> + Send + Sync + 'static,
+    ) -> Self {
+        Self { name: name.into(), open: Arc::new(open) }
+    }
+
+    /// The name for messages: a file's path as it was given.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The name without folders.
+    #[must_use]
+    pub fn short_name(&self) -> &str {
+        Path::new(&self.name).file_name().and_then(|name| name.to_str()).unwrap_or(&self.name)
+    }
+
+    /// Opens it from its beginning.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn open(&self) -> io::Result<Box<dyn ReadSeek>> {
+        (self.open)()
+    }
+
+    /// As many of its first bytes as there are, `most` at most.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn start(&self, most: u64) -> io::Result<Vec<u8>> {
+        let mut start = Vec::new();
+        self.open()?.take(most).read_to_end(&mut start)?;
+        Ok(start)
+    }
+
+    /// Its length, bytes.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn length(&self) -> io::Result<u64> {
+        self.open()?.seek(SeekFrom::End(0))
+    }
+
+    /// A fault of this source, with its name.
+    pub(crate) fn faulty<F: fmt::Display>(&self, fault: impl Into<F>) -> Faulty<F> {
+        Faulty { name: self.name.clone(), fault: fault.into() }
+    }
+}
+
+impl<P: AsRef<Path> + ?Sized> From<&P> for Source {
+    fn from(path: &P) -> Self {
+        Self::file(path.as_ref())
+    }
+}
+
+impl fmt::Debug for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Source").field(&self.name).finish()
+    }
+}

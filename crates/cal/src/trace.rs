@@ -1,0 +1,70 @@
+//! What a figure shows of a fit: the rows, thinned.
+
+/// Points in a trace, at most: more than a figure can show.
+const POINTS: u64 = 2000;
+
+/// A point for figures: the mean over some successive rows or groups.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct TracePoint {
+    /// Seconds from the log's first row; NaN if not known.
+    pub time_s: f64,
+    /// In the temperature column's unit.
+    pub temperature: f64,
+    /// Rate less the steps taken out, in the rate column's unit.
+    pub rate: f64,
+    /// Rate less the fitted curve.
+    pub residual: f64,
+}
+
+/// A trace on its way: successive rows gathered in equal bins.
+#[derive(Debug, Clone)]
+pub(crate) struct Trace {
+    rows: u64,
+    bins: Vec<(u64, TracePoint)>,
+}
+
+impl Trace {
+    /// Of a record of so many rows or groups.
+    // At most 2000.
+    #[allow(clippy::cast_possible_truncation)]
+    pub(crate) fn new(rows: u64) -> Self {
+        Self { rows, bins: vec![(0, TracePoint::default()); rows.clamp(1, POINTS) as usize] }
+    }
+
+    /// Takes in a row of the record; one whose residual is NaN was not fitted, and is left out.
+    // A bin's number is below 2000.
+    #[allow(clippy::cast_possible_truncation)]
+    pub(crate) fn push(&mut self, row: u64, point: &TracePoint) {
+        if !point.residual.is_finite() {
+            return;
+        }
+        let bins = self.bins.len() as u64;
+        let (count, sums) = &mut self.bins[(row * bins / self.rows.max(1)).min(bins - 1) as usize];
+        *count += 1;
+        sums.time_s += point.time_s;
+        sums.temperature += point.temperature;
+        sums.rate += point.rate;
+        sums.residual += point.residual;
+    }
+
+    /// The points, in order.
+    pub(crate) fn finish(self) -> Vec<TracePoint> {
+        let mean = |(count, sums): (u64, TracePoint)| {
+            let mean = |sum: f64| sum / count as f64;
+            TracePoint {
+                time_s: mean(sums.time_s),
+                temperature: mean(sums.temperature),
+                rate: mean(sums.rate),
+                residual: mean(sums.residual),
+            }
+        };
+        self.bins.into_iter().filter(|(count, _)| *count > 0).map(mean).collect()
+    }
+
+    /// The trace of some groups.
+    pub(crate) fn of(groups: impl ExactSizeIterator<Item = TracePoint>) -> Vec<TracePoint> {
+        let mut trace = Self::new(groups.len() as u64);
+        (0..).zip(groups).for_each(|(row, point)| trace.push(row, &point));
+        trace.finish()
+    }
+}

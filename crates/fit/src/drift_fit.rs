@@ -1,0 +1,163 @@
+//! What a fit of a drift gives: the model, and how well it holds.
+
+use serde::{Deserialize, Serialize};
+use zerorate_core::drift::Drift;
+
+use crate::folds::FOLDS;
+use crate::predict::DriftModel;
+use crate::residual::ResidualStatistics;
+
+/// A drift that was fitted. Rates and temperatures are in the units of what it was fitted to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DriftFit {
+    /// The model.
+    pub model: DriftModel,
+    /// The best static cubic beside it; `None` where it was not fitted.
+    pub static_cubic: Option<StaticCubic>,
+    /// The prediction band over temperature, coldest first; empty where it was not found.
+    pub band: Vec<BandPoint>,
+    /// How well it holds.
+    pub statistics: FitStatistics,
+}
+
+/// A point of the prediction band.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BandPoint {
+    /// In the calibration's temperature unit.
+    pub temperature: f64,
+    /// 95 of 100 group means at this temperature are expected within this of the prediction, rate units.
+    pub half_width: f64,
+}
+
+/// The best static cubic: what an autopilot that knows no more than a cubic can hold. Of the same conditioned data and by
+/// the same robust loss as the model chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StaticCubic {
+    /// A polynomial of order 3 (of a lower order where the data do not settle three), and its valid range.
+    pub drift: Drift,
+    /// Residual of the fit of everything.
+    pub in_sample: ResidualStatistics,
+    /// Residual of the folds, each predicted by the fit of the others; `None` where they do not settle it.
+    pub held_out: Option<ResidualStatistics>,
+}
+
+/// How well the whole procedure predicts data that played no part in choosing or fitting: folds, for each of which the
+/// choice was made anew from the others. Root mean squares over groups, rate units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct HeldOut {
+    /// How many folds.
+    pub stretches: u64,
+    /// Within the recording: with its drift in time.
+    pub in_recording: Option<f64>,
+    /// As deployed, the history known from the recording's start: no drift in time; the mean of the fold's first groups
+    /// (about 30 s) is taken off, as a zero at boot does.
+    pub deployed_warm: Option<f64>,
+    /// The same, the history starting from nothing at the fold's first group.
+    pub deployed_cold: Option<f64>,
+    /// The static cubic within the recording.
+    pub cubic_in_recording: Option<f64>,
+    /// The static cubic as deployed; it has no history, so warm and cold are one.
+    pub cubic_deployed: Option<f64>,
+}
+
+/// What residuals are residuals of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ResidualOver {
+    /// Single rows of a log.
+    Rows,
+    /// Means of groups.
+    Groups,
+}
+
+/// How well a drift was fitted. All numbers are in the rate unit, or its square.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitStatistics {
+    /// What the residuals are of.
+    pub residual_over: ResidualOver,
+    /// How many of them there are.
+    pub residuals: u64,
+    /// Samples that were fitted, each counted once, in groups or not.
+    pub samples_used: u64,
+    /// Residual of the fit of everything.
+    pub in_sample: ResidualStatistics,
+    /// Residual of the folds, each predicted by the fit of the others; `None` where the others do not settle the model.
+    pub held_out: Option<ResidualStatistics>,
+    /// How many folds.
+    pub held_out_stretches: u64,
+    /// Covariance of the scaled coefficients (of a table: of its knots), a row a coefficient, rate units squared.
+    pub covariance: Vec<Vec<f64>>,
+    /// The models tried, simplest first.
+    pub candidates: Vec<Candidate>,
+    /// Where the choice was nested: how the whole procedure predicts what it has not seen. `held_out` is then the
+    /// residual within the recording by the same folds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nested: Option<HeldOut>,
+}
+
+impl FitStatistics {
+    /// Of a fit to `residuals` rows or groups, whatever was tried beside it.
+    #[must_use]
+    pub fn new(
+        residual_over: ResidualOver,
+        residuals: u64,
+        in_sample: ResidualStatistics,
+        held_out: ResidualStatistics,
+        covariance: Vec<Vec<f64>>,
+    ) -> Self {
+        Self {
+            residual_over,
+            residuals,
+            samples_used: residuals,
+            in_sample,
+            held_out: held_out.rms.is_finite().then_some(held_out),
+            held_out_stretches: FOLDS as u64,
+            covariance,
+            candidates: Vec::new(),
+            nested: None,
+        }
+    }
+}
+
+/// A model that was tried, and its errors, rate units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// The model, as `poly:2`, or `poly:3 + 3 plays + time`.
+    pub model: String,
+    /// Root mean square of the residual of the fit of everything.
+    pub in_sample_rms: f64,
+    /// Root mean square over all folds, each predicted by the fit of the others; `None` where one could not be fitted.
+    pub held_out_rms: Option<f64>,
+    /// Standard error of how much `held_out_rms` exceeds the best candidate's, from their differences fold by fold: what
+    /// makes a fold hard for all, as hysteresis does, says nothing about which is better. 0 for the best.
+    pub held_out_excess_standard_error: Option<f64>,
+    /// As deployed: over the folds without drift in time, less the mean of each one's first groups.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deployed_rms: Option<f64>,
+    /// With the coldest and with the hottest eighth of the groups held out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ends_rms: Option<[f64; 2]>,
+    /// The held-out groups taken while it was heating, and while it was cooling.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by_direction_rms: Option<[Option<f64>; 2]>,
+    /// How strongly its weights were drawn to zero: a share of the data's own weight.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ridge: Option<f64>,
+    /// Whether it is the one chosen.
+    #[serde(default)]
+    pub chosen: bool,
+}
+
+impl DriftFit {
+    /// The model that was chosen, terms beside the curve included: `poly:3`, or `poly:3 + 3 plays + time`.
+    #[must_use]
+    pub fn chosen_model(&self) -> String {
+        let chosen = self.statistics.candidates.iter().find(|candidate| candidate.chosen);
+        chosen.map_or_else(|| crate::model::Model::of_shape(&self.model.drift.shape).to_string(), |it| it.model.clone())
+    }
+}
+
+/// A number, where it is one.
+pub(crate) fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}

@@ -1,0 +1,39 @@
+//! Blocked cross-validation: the folds of a record.
+//!
+//! A fold is contiguous. Neighbouring rows are alike, so rows dealt out at random would show a model its own test.
+
+use std::ops::Range;
+
+/// The folds of a record.
+pub const FOLDS: usize = 8;
+
+/// The rows of a fold, 0 to 7, of a record of so many rows: `fold n / 8` to `(fold + 1) n / 8`, rounded down.
+#[must_use]
+pub fn rows_of_fold(fold: usize, rows: usize) -> Range<usize> {
+    fold * rows / FOLDS..(fold + 1) * rows / FOLDS
+}
+
+/// The fold that a row is in: the inverse of [`rows_of_fold`].
+#[must_use]
+// The quotient is below 8 for a row of the record.
+#[allow(clippy::cast_possible_truncation)]
+pub fn fold_of_row(row: u64, rows: u64) -> usize {
+    let folds = FOLDS as u64;
+    ((folds * (row + 1) - 1) / rows.max(1)).min(folds - 1) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_in_one_fold_and_both_ways_agree() {
+        for rows in 1..100 {
+            let folds: Vec<usize> = (0..rows).map(|row| fold_of_row(row as u64, rows as u64)).collect();
+            for fold in 0..FOLDS {
+                let own: Vec<usize> = (0..rows).filter(|row| folds[*row] == fold).collect();
+                assert_eq!(own, rows_of_fold(fold, rows).collect::<Vec<_>>(), "{rows} {fold}");
+            }
+        }
+    }
+}

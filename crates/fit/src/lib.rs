@@ -1,0 +1,16 @@
+#![doc = include_str!("../README.md")]
+
+pub mod allan;
+pub mod auto;
+pub mod choose;
+pub mod direction;
+pub mod drift_fit;
+pub mod folds;
+pub mod least_squares;
+pub mod model;
+pub mod predict;
+pub mod ramp;
+pub mod residual;
+pub mod robust;
+pub mod series;
+pub mod trim;

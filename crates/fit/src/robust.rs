@@ -1,0 +1,37 @@
+//! Statistics that a few wild values cannot move.
+
+/// The median absolute deviation times this is the standard deviation of a normal distribution: 1 / 0.6745.
+pub const MAD_TO_SIGMA: f64 = 1.4826;
+
+/// The mean absolute deviation times this is the standard deviation of a normal distribution: sqrt(pi / 2).
+const MEAN_DEVIATION_TO_SIGMA: f64 = 1.2533;
+
+/// The median; the upper one of an even number; NaN of none. The values are reordered.
+pub fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The median and the standard deviation about it by the median absolute deviation.
+///
+/// Where more than half the values are equal, as with a coarse A/D, that deviation is 0 and the mean one is taken.
+pub fn centre_and_sigma(values: &[f64]) -> (f64, f64) {
+    let centre = median(&mut values.to_vec());
+    let mut deviations: Vec<f64> = values.iter().map(|value| (value - centre).abs()).collect();
+    let mean = deviations.iter().sum::<f64>() / deviations.len() as f64;
+    let sigma = MAD_TO_SIGMA * median(&mut deviations);
+    (centre, if sigma > 0.0 { sigma } else { MEAN_DEVIATION_TO_SIGMA * mean })
+}
+
+/// The standard deviation of white noise that successive values carry, whatever their trend: that of their second
+/// differences over sqrt(1 + 4 + 1). A trend leaves no deviation from a running median, so that alone would be too small.
+pub fn noise(values: &[f64]) -> f64 {
+    let differences: Vec<f64> = values.windows(3).map(|v| v[0] - 2.0 * v[1] + v[2]).collect();
+    if differences.is_empty() {
+        return 0.0;
+    }
+    centre_and_sigma(&differences).1 / 6.0_f64.sqrt()
+}

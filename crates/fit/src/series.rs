@@ -1,0 +1,32 @@
+//! What a fit is of: groups in order of time.
+
+/// Groups of one rate column, in order of time: one entry of each slice a group.
+#[derive(Debug, Clone, Copy)]
+pub struct Series<'a> {
+    /// Seconds from the recording's first row; NaN without a time column.
+    pub time_s: &'a [f64],
+    /// Mean temperature; NaN for a group without one.
+    pub temperature: &'a [f64],
+    /// Mean rate; NaN for a group that is not to be fitted: the history runs through its temperature all the same.
+    pub rate: &'a [f64],
+    /// How much a group counts against the others, above zero; 1 for all where nothing says otherwise.
+    pub weight: &'a [f64],
+    /// Which uninterrupted log it belongs to: the history begins anew with each.
+    pub log: &'a [u32],
+    /// Whether a drift in time may be told. Not where nobody could take it off: a board has no such term.
+    pub drifts_in_time: bool,
+}
+
+impl Series<'_> {
+    /// Whether a group is to be fitted.
+    #[must_use]
+    pub fn is_used(&self, group: usize) -> bool {
+        self.rate[group].is_finite() && self.temperature[group].is_finite() && self.weight[group] > 0.0
+    }
+
+    /// Whether a group is the first of its log.
+    #[must_use]
+    pub fn begins(&self, group: usize) -> bool {
+        group == 0 || self.log[group] != self.log[group - 1]
+    }
+}

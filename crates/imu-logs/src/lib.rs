@@ -1,0 +1,16 @@
+#![doc = include_str!("../README.md")]
+
+mod buffer;
+mod dataflash;
+mod format;
+mod remark;
+mod rows;
+mod sensor;
+mod streams;
+mod ulog;
+mod window;
+
+pub use format::{Format, START_BYTES, read, recognise};
+pub use remark::Remark;
+pub use rows::{Rows, Sink};
+pub use sensor::{Sensor, SensorKind};

@@ -1,0 +1,25 @@
+//! Writes the reports of invented runs, to be looked at: `cargo run -p zerorate-report --example sample_report`.
+//! They go to `target/sample-reports`, or to the folder given.
+
+#[path = "../tests/sample/mod.rs"]
+mod sample;
+
+use std::path::PathBuf;
+use std::{env, fs, io};
+
+fn main() -> io::Result<()> {
+    let folder = env::args_os().nth(1).map_or_else(|| PathBuf::from("target/sample-reports"), PathBuf::from);
+    fs::create_dir_all(&folder)?;
+    let pages = [
+        ("calibration.html", sample::calibration().to_html()),
+        ("log.html", sample::log().to_html()),
+        ("lot.html", sample::lot(204, 0.37).to_html()),
+        ("small-lot.html", sample::lot(3, 0.05).to_html()),
+    ];
+    for (name, page) in pages {
+        let path = folder.join(name);
+        fs::write(&path, &page)?;
+        println!("{} ({} kB)", path.display(), page.len() / 1000);
+    }
+    Ok(())
+}

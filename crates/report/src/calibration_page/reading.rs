@@ -1,0 +1,89 @@
+//! What was checked, and what the words mean.
+
+use maud::{Markup, html};
+
+use crate::calibration::CalibrationReport;
+use crate::page::Table;
+
+pub(super) fn checks(report: &CalibrationReport) -> Markup {
+    let failed = report.checks.iter().filter(|check| !check.pass).count();
+    let row = |check: &crate::calibration::Check| {
+        vec![
+            html! { span.wrap { (check.what) } },
+            html! { (check.limit) },
+            html! { (check.measured) },
+            html! { @if check.pass { span.good { "✓\u{a0}pass" } } @else { span.rejected { "✕\u{a0}fail" } } },
+        ]
+    };
+    html! {
+        p {
+            @if report.checks.is_empty() { "Nothing was checked against a limit." }
+            @else if failed == 0 { "All " (report.checks.len()) " checks passed." }
+            @else { (failed) " of " (report.checks.len()) " checks failed." }
+        }
+        @if !report.checks.is_empty() {
+            (Table {
+                caption: html! { "Checks and their limits." },
+                heads: &["What", "Limit", "Measured", "Result"],
+                rows: report.checks.iter().map(row).collect(),
+                numbers_from: 4,
+            }.markup())
+        }
+    }
+}
+
+pub(super) fn definitions(report: &CalibrationReport) -> Markup {
+    let simulated = report.unit.plant.is_some();
+    let mut terms: Vec<(&str, Markup)> = vec![
+        ("Zero-rate output", html! { "The reading at rest. Its change with temperature is the drift." }),
+        (
+            "Counts",
+            html! { "Steps of the A/D converter. Temperature is in counts of its own channel; the device never converts it." },
+        ),
+        (
+            "Group",
+            html! { "The mean of " (report.unit.group_samples) " successive samples. All peak to peak and rms figures are of group means." },
+        ),
+        (
+            "Peak to peak",
+            html! { "The highest less the lowest group mean of the hour. One outlying group is enough to raise it." },
+        ),
+        ("rms", html! { "Root mean square. Of a fit: about the curve. Of a test: about the axis’s mean." }),
+        ("In-sample", html! { "Measured on the data that a fit was made from: always a little too good." }),
+        (
+            "Held out",
+            html! { "Measured on data that the fit has not seen: a contiguous stretch predicted by the fit of the others, or another run." },
+        ),
+    ];
+    if simulated {
+        terms.push((
+            "Floor",
+            html! {
+                "The same groups once the simulated plant’s own true drift and true wiper voltage are taken away: noise, flicker "
+                "and random walk, which no compensation could beat. A real bench cannot know it."
+            },
+        ));
+    }
+    terms.push((
+        "Trim, hybrid",
+        html! {
+            "Trim is the paper’s way: the potentiometer alone, in whole taps, so a saw-tooth of one tap is left. Hybrid subtracts "
+            "what is left between taps in numbers."
+        },
+    ));
+    terms.push((
+        "Writes / taps crossed",
+        html! {
+            "Writes to the wiper beside the least possible number, that of the law without noise. More writes than taps crossed is "
+            "chatter: each is a step of one tap."
+        },
+    ));
+    terms.push((
+        "Largest step",
+        html! {
+            "The largest jump of the corrected samples, low-passed by 20, in the second after a tap change, less its size "
+            "elsewhere: what a control loop would feel."
+        },
+    ));
+    html! { dl.terms { @for (term, meaning) in &terms { dt { (term) } dd { (meaning) } } } }
+}

@@ -1,0 +1,139 @@
+//! This run beside the paper's.
+
+use maud::{Markup, html};
+
+use crate::calibration::{CalibratedAxis, CalibrationReport, CompensationTest, Direction, Mode};
+use crate::number::{fixed, significant};
+use crate::page::Table;
+use crate::paper::PaperAxis;
+
+/// What the paper says of its figures, in words: X's and Y's drift of about 400 counts, of which less than 40 are left on
+/// X, the axis it compensated.
+const PAPER_DRIFT: &str = "about 400";
+const PAPER_RESIDUAL: &str = "less than 40";
+const PAPER_RATIO: &str = "10";
+
+/// What stands in a row, of a run's axis and of the paper's.
+struct Row {
+    name: Markup,
+    run: fn(&CalibratedAxis, Option<&CompensationTest>) -> Markup,
+    paper: fn(&PaperAxis) -> Markup,
+}
+
+pub(super) fn chapter(report: &CalibrationReport) -> Markup {
+    let is_paper = report.unit.plant.as_deref() == Some("paper");
+    let mut heads = vec![String::new()];
+    for axis in &report.axes {
+        heads.extend([format!("{}, this run", axis.name), format!("{}, paper", axis.name)]);
+    }
+    let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
+    let mut rows: Vec<Vec<Markup>> = before_and_after().iter().map(|row| cells(report, row)).collect();
+    rows.extend(coefficients(report));
+    rows.extend(line().iter().map(|row| cells(report, row)));
+    html! {
+        @if !is_paper {
+            p { "This unit is not the paper’s: its coefficients are its own, and only drift, residual and ratio compare." }
+        }
+        (Table {
+            caption: html! {
+                "This run beside the paper’s, in counts and taps. The residual is that of a heating ramp, peak to peak, held out; "
+                i { "a" } ", " i { "b" } " and " i { "V" } sub { "0" } " are by the paper’s own formula."
+            },
+            heads: &heads,
+            rows,
+            numbers_from: 1,
+        }.markup())
+        p.small {
+            "The residual of a potentiometer alone cannot be less than one tap, 31 counts peak to peak: it is a saw-tooth of "
+            "whole taps, and the paper’s “less than 40” is that and a little more. Y’s equation is quoted with the sign of its "
+            "linear term turned; as printed it is +0.676531 (see erratum), which the paper’s own figures refute."
+        }
+    }
+}
+
+fn none() -> Markup {
+    html! { "\u{2013}" }
+}
+
+fn cells(report: &CalibrationReport, row: &Row) -> Vec<Markup> {
+    let mut cells = vec![row.name.clone()];
+    for axis in &report.axes {
+        let trimmed = report
+            .tests
+            .iter()
+            .find(|test| test.axis == axis.name && test.mode == Mode::Trim && test.direction == Direction::Heating);
+        cells.push((row.run)(axis, trimmed));
+        cells.push(PaperAxis::named(&axis.name).map_or_else(none, row.paper));
+    }
+    cells
+}
+
+fn before_and_after() -> [Row; 3] {
+    [
+        Row {
+            name: html! { "drift, peak to peak" },
+            run: |axis, _| html! { (fixed(axis.drift.drift_pp_counts, 1)) },
+            paper: |_| html! { (PAPER_DRIFT) },
+        },
+        Row {
+            name: html! { "residual by trim" },
+            run: |_, test| test.map_or_else(none, |test| html! { (fixed(test.residual_pp_counts, 1)) }),
+            paper: |paper| {
+                if paper.compensated {
+                    html! { (PAPER_RESIDUAL) }
+                } else {
+                    none()
+                }
+            },
+        },
+        Row {
+            name: html! { "times better" },
+            run: |_, test| test.map_or_else(none, |test| html! { (fixed(test.ratio(), 1)) }),
+            paper: |paper| {
+                if paper.compensated {
+                    html! { (PAPER_RATIO) }
+                } else {
+                    none()
+                }
+            },
+        },
+    ]
+}
+
+/// One row a power of the temperature, the highest first.
+fn coefficients(report: &CalibrationReport) -> Vec<Vec<Markup>> {
+    let powers = report.axes.iter().map(|axis| axis.drift.raw_coefficients.len()).max().unwrap_or(0);
+    let row = |power: usize| {
+        let mut cells = vec![html! {
+            "coefficient of "
+            @match power { 0 => "1", 1 => i { "T" }, _ => { i { "T" } sup { (power) } } }
+        }];
+        for axis in &report.axes {
+            let written = |coefficient: Option<&f64>| coefficient.map_or_else(none, |value| significant(*value, 6));
+            cells.push(written(axis.drift.raw_coefficients.get(power)));
+            cells.push(written(PaperAxis::named(&axis.name).and_then(|paper| paper.drift.get(power))));
+        }
+        cells
+    };
+    (0..powers).rev().map(row).collect()
+}
+
+fn line() -> [Row; 3] {
+    [
+        Row {
+            name: html! { i { "a" } ", taps per count" },
+            run: |axis, _| significant(axis.trim.paper.slope_taps_per_count, 6),
+            paper: |paper| significant(paper.slope_taps_per_count, 6),
+        },
+        Row {
+            name: html! { i { "b" } ", taps" },
+            run: |axis, _| html! { (fixed(axis.trim.paper.intercept_taps, 4)) },
+            paper: |paper| html! { (fixed(paper.intercept_taps, 4)) },
+        },
+        Row {
+            name: html! { i { "V" } sub { "0" } ", counts" },
+            run: |axis, _| html! { (fixed(axis.trim.paper.centre_counts, 1)) },
+            paper: |paper| html! { (fixed(paper.centre_counts, 1)) },
+        },
+    ]
+}

@@ -1,0 +1,145 @@
+//! The noise of the residuals, and the sensitivities that the recording holds.
+
+use maud::{Markup, html};
+
+use zerorate_fit::allan::{Allan, Coefficient};
+use zerorate_cal::characterise::Characteristics;
+use crate::figure::{Figure, Ink, Mark, Panel, Sample};
+use crate::number::{fixed, significant};
+use crate::page::Table;
+use crate::{LogAxis, LogReport};
+
+/// Averaging times beyond this many seconds carry the temperature's cycle more than noise; the caption says so.
+const SECONDS_AN_HOUR: f64 = 3600.0;
+
+pub(super) fn chapter(report: &LogReport) -> Markup {
+    let axes: Vec<(&LogAxis, &Characteristics)> =
+        report.axes.iter().filter_map(|axis| Some((axis, axis.characteristics.as_ref()?))).collect();
+    let drawn: Vec<(&LogAxis, &Allan)> = axes
+        .iter()
+        .filter_map(|(axis, characteristics)| Some((*axis, characteristics.residual_noise.as_ref().ok()?)))
+        .collect();
+    html! {
+        (sensitivities(report, &axes))
+        @if !drawn.is_empty() {
+            (figure(report, &drawn).markup())
+            (coefficients(&drawn))
+        }
+        @for (axis, characteristics) in &axes {
+            @if let Err(why) = &characteristics.residual_noise { p.small { (axis.name) ": no Allan deviation: " (why) "." } }
+        }
+    }
+}
+
+/// A row an axis, under IEEE's names.
+fn sensitivities(report: &LogReport, axes: &[(&LogAxis, &Characteristics)]) -> Markup {
+    let degree = &report.temperature_unit;
+    let mut missing: Vec<String> = Vec::new();
+    let mut rows = Vec::new();
+    for (axis, found) in axes {
+        let slope = found.temperature_sensitivity;
+        let mut cells = vec![
+            html! { (axis.name) ", " (axis.rate_unit) },
+            significant(slope.mean, 3),
+            html! { (significant(slope.steepest, 3)) " at " (fixed(slope.steepest_at, 0)) },
+        ];
+        cells.push(match &found.hysteresis {
+            Ok(found) => html! {
+                (significant(found.largest, 3)) " at " (fixed(found.at, 0)) " (" (fixed(100.0 * found.share, 0)) " %)"
+            },
+            Err(_) => html! { "–" },
+        });
+        cells.push(match &found.ramp_sensitivity {
+            Ok(found) => html! { (significant(found.value, 3)) " ± " (significant(found.standard_error, 2)) },
+            Err(_) => html! { "–" },
+        });
+        rows.push(cells);
+        for (what, why) in [
+            ("thermal hysteresis", found.hysteresis.as_ref().err()),
+            ("temperature-ramp sensitivity", found.ramp_sensitivity.as_ref().err()),
+        ] {
+            let sentence = why.map(|why| format!("No {what}: {why}."));
+            missing.extend(sentence.filter(|sentence| !missing.contains(sentence)));
+        }
+    }
+    let caption = html! {
+        "Sensitivities of the bias, as IEEE Std 952 names them. Hysteresis is heating less cooling at equal temperature where it is "
+        "largest, in brackets over the peak to peak of the curve; the ramp sensitivity is of what the model leaves."
+    };
+    let heads = [
+        "Axis",
+        &format!("Temperature sensitivity, per {degree}"),
+        "Steepest",
+        "Thermal hysteresis",
+        &format!("Ramp sensitivity, per {degree}/s"),
+    ];
+    html! {
+        (Table { caption, heads: &heads, rows, numbers_from: 1 }.markup())
+        @for sentence in &missing { p.small { (sentence) } }
+    }
+}
+
+/// One panel an axis, two a row: the curve with its confidence.
+fn figure(report: &LogReport, axes: &[(&LogAxis, &Allan)]) -> Figure {
+    let panel = |(axis, allan): &(&LogAxis, &Allan)| {
+        let of = |value: fn(&zerorate_fit::allan::AllanPoint) -> f64| -> Vec<(f64, f64)> {
+            allan.points.iter().map(|point| (point.tau_s.log10(), value(point).log10())).collect()
+        };
+        Panel::new(
+            format!("{}: Allan deviation of the residual", axis.name),
+            "averaging time, s",
+            format!("{}: Allan deviation, {}", axis.name, axis.rate_unit),
+        )
+        .with_height(260)
+        .with_logarithms()
+        .with(Mark::Line(Ink::Aim, of(|point| point.low)))
+        .with(Mark::Line(Ink::Aim, of(|point| point.high)))
+        .with(Mark::Line(Ink::X, of(|point| point.deviation)))
+        .with(Mark::Dots(Ink::X, of(|point| point.deviation)))
+    };
+    let mut columns = vec![Vec::new(), Vec::new()];
+    axes.iter().enumerate().for_each(|(place, axis)| columns[place % 2].push(panel(axis)));
+    columns.retain(|column| !column.is_empty());
+    let longest = axes.iter().filter_map(|(_, allan)| allan.points.last()).map(|point| point.tau_s).fold(0.0, f64::max);
+    Figure {
+        id: "allan".to_owned(),
+        name: format!("Figure {}", report.axes.len() + 1),
+        caption: html! {
+            "Overlapping Allan deviation of what the model leaves, with its 95 % confidence. These are residuals of a changing "
+            "temperature and not of a soak: what the model misses stands in the long averages"
+            @if longest > SECONDS_AN_HOUR { " (hours)" } ". "
+            code { "zerorate characterise" } " looks at the soaks of a log, sample by sample."
+        },
+        key: vec![
+            (Ink::X, Sample::Dot, "Allan deviation".to_owned()),
+            (Ink::Aim, Sample::Line, "95 % confidence".to_owned()),
+        ],
+        columns,
+    }
+}
+
+/// N, B and K.
+fn coefficients(axes: &[(&LogAxis, &Allan)]) -> Markup {
+    let cell = |coefficient: &Coefficient| match coefficient {
+        Coefficient::Seen { value, low, high, .. } => html! {
+            (significant(*value, 3)) " (" (significant(*low, 2)) " to " (significant(*high, 2)) ")"
+        },
+        Coefficient::Hidden { at_most } => html! { "below " (significant(*at_most, 2)) },
+    };
+    let row = |(axis, allan): &(&LogAxis, &Allan)| {
+        let found = &allan.coefficients;
+        vec![
+            html! { (axis.name) ", " (axis.rate_unit) },
+            cell(&found.angle_random_walk),
+            cell(&found.bias_instability),
+            cell(&found.rate_random_walk),
+        ]
+    };
+    Table {
+        caption: html! { "What the curves are made of, with 95 % confidence; “below” where other noise hides it." },
+        heads: &["Axis", "Random walk N, unit·√s", "Bias instability B, unit", "Rate random walk K, unit/√s"],
+        rows: axes.iter().map(row).collect(),
+        numbers_from: 1,
+    }
+    .markup()
+}

@@ -1,0 +1,95 @@
+//! The page around a report: one file, nothing loaded from anywhere.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use zerorate_cal::quality::Verdict;
+
+/// The style sheet.
+const STYLE: &str = include_str!("style.css");
+
+/// A whole page. The browser's own title bar shows `title`.
+pub(super) fn page(title: &str, body: &Markup) -> String {
+    page_with_script(title, body, "")
+}
+
+/// A whole page with a script of its own in it, without which everything can be read all the same.
+pub(super) fn page_with_script(title: &str, body: &Markup, script: &'static str) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                meta name="generator" content={ "zerorate " (env!("CARGO_PKG_VERSION")) };
+                // An empty icon: without one, a browser asks the server for it.
+                link rel="icon" href="data:,";
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body { (body) @if !script.is_empty() { script { (PreEscaped(script)) } } }
+        }
+    };
+    page.into_string()
+}
+
+/// A section with its heading, to which the contents link.
+pub(super) fn section(id: &str, heading: &str, body: &Markup) -> Markup {
+    html! { section id=(id) { h2 { (heading) } (body) } }
+}
+
+/// The contents: links to the sections.
+pub(super) fn contents(sections: &[(&str, &str)]) -> Markup {
+    html! {
+        nav aria-label="Contents" {
+            ul { @for (id, heading) in sections { li { a href={ "#" (id) } { (heading) } } } }
+        }
+    }
+}
+
+/// Facts, each a term and what holds of it.
+pub(super) fn facts(facts: &[(&str, Markup)]) -> Markup {
+    html! { dl.facts { @for (term, fact) in facts { div { dt { (term) } dd { (fact) } } } } }
+}
+
+/// The verdict as a word with a sign, so that it does not rest on colour.
+pub(super) fn verdict(verdict: Verdict) -> Markup {
+    let (class, sign, word) = match verdict {
+        Verdict::Good => ("good", "✓", "Good"),
+        Verdict::Warning => ("warning", "!", "Usable, with warnings"),
+        Verdict::Rejected => ("rejected", "✕", "Rejected"),
+    };
+    html! { span.verdict.(class) { span.sign aria-hidden="true" { (sign) } " " (word) } }
+}
+
+/// A table in a box of its own, which scrolls sideways where the page is too narrow.
+pub(super) struct Table<'a> {
+    /// What it lists.
+    pub caption: Markup,
+    /// The heads of the columns.
+    pub heads: &'a [&'a str],
+    /// The rows; the first cell of each is its head.
+    pub rows: Vec<Vec<Markup>>,
+    /// Columns from this one on hold numbers, set to the right.
+    pub numbers_from: usize,
+}
+
+impl Table<'_> {
+    /// The table as HTML. Its caption stays where it is when the box scrolls, and the box can be reached by keyboard, for those who scroll with it.
+    pub(super) fn markup(&self) -> Markup {
+        let class = |column: usize| if column >= self.numbers_from { "n" } else { "" };
+        html! {
+            figure.table {
+                figcaption { (self.caption) }
+                div.scroll tabindex="0" { table {
+                    thead { tr { @for (column, head) in self.heads.iter().enumerate() {
+                        th scope="col" class=(class(column)) { (head) }
+                    } } }
+                    tbody { @for row in &self.rows { tr { @for (column, cell) in row.iter().enumerate() {
+                        @if column == 0 { th scope="row" { (cell) } } @else { td class=(class(column)) { (cell) } }
+                    } } } }
+                } }
+            }
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! The reports as their reader gets them.
+
+mod sample;
+
+use zerorate_cal::fit::fit;
+use zerorate_cal::log_fit::FitOptions;
+use zerorate_cal::quality::Verdict;
+use zerorate_cal::source::Source;
+use zerorate_report::LogReport;
+
+/// A page may not be larger than this: it goes by mail.
+const MOST_BYTES: usize = 1_500_000;
+
+fn pages() -> [String; 4] {
+    let (lot, small) = (sample::lot(204, 0.37), sample::lot(1, 0.0));
+    [sample::calibration().to_html(), sample::log().to_html(), lot.to_html(), small.to_html()]
+}
+
+/// The texts between `start` and `end`, in order.
+fn between<'a>(page: &'a str, start: &str, end: &str) -> Vec<&'a str> {
+    page.split(start).skip(1).filter_map(|rest| rest.split(end).next()).collect()
+}
+
+#[test]
+fn equal_reports_make_equal_bytes() {
+    assert_eq!(pages(), pages());
+}
+
+#[test]
+fn nothing_is_loaded_from_anywhere() {
+    for page in pages() {
+        for loader in ["http:", "https:", "src=", "@import", "url(", "fetch(", "import(", "XMLHttp", "xlink"] {
+            assert!(!page.contains(loader), "{loader}");
+        }
+        // The icon is empty and in the page.
+        assert_eq!(between(&page, "<link ", ">"), [r#"rel="icon" href="data:,""#]);
+    }
+}
+
+#[test]
+fn only_a_logs_page_has_a_script_and_what_it_copies_is_in_the_page() {
+    let [calibration, log, ..] = pages();
+    assert!(!calibration.contains("<script"));
+    assert_eq!(log.matches("<script>").count(), 1);
+    let ids = between(&log, " id=\"", "\"");
+    let copied = between(&log, "data-copies=\"", "\"");
+    assert!(copied.len() >= 4 && copied.iter().all(|id| ids.contains(id)), "{copied:?}");
+}
+
+#[test]
+fn pages_are_small_enough_for_a_mail() {
+    for page in pages() {
+        assert!(page.len() < MOST_BYTES, "{}", page.len());
+    }
+}
+
+#[test]
+fn every_id_is_there_once_and_every_link_has_its_place() {
+    for page in pages() {
+        let ids = between(&page, " id=\"", "\"");
+        for (place, id) in ids.iter().enumerate() {
+            assert!(!ids[..place].contains(id), "{id} twice");
+        }
+        for link in between(&page, "href=\"#", "\"") {
+            assert!(ids.contains(&link), "#{link}");
+        }
+        for labels in between(&page, "aria-labelledby=\"", "\"") {
+            assert!(labels.split(' ').all(|label| ids.contains(&label)), "{labels}");
+        }
+    }
+}
+
+#[test]
+fn headings_go_down_one_level_at_a_time() {
+    for page in pages() {
+        let levels: Vec<u32> =
+            between(&page, "<h", ">").iter().filter_map(|level| level.chars().next()?.to_digit(10)).collect();
+        assert_eq!((levels[0], levels.iter().filter(|level| **level == 1).count()), (1, 1));
+        assert!(levels.windows(2).all(|pair| pair[1] <= pair[0] + 1), "{levels:?}");
+    }
+}
+
+#[test]
+fn a_calibration_shows_the_papers_figures_and_corrects_its_erratum_aloud() {
+    let page = sample::calibration().to_html();
+    for figure in ["Figure 2.", "Figure 3.", "Figure 4.", "Figure 6a.", "Figure 6d."] {
+        assert!(page.contains(figure), "{figure}");
+    }
+    assert!(page.contains("See erratum") && page.contains("As printed: + 0.676531"));
+    assert!(page.contains("1 of 4 checks"));
+}
+
+#[test]
+fn every_word_from_outside_is_escaped() {
+    let mut report = sample::calibration();
+    report.unit.serial = "<b>&\"".into();
+    report.axes[0].name = "<i>".into();
+    let page = report.to_html();
+    assert!(!page.contains("<b>&\"") && !page.contains("<i><"));
+    let mut log = sample::log();
+    log.axes[0].name = "<q>".into();
+    assert!(!log.to_html().contains("<q>"));
+}
+
+#[test]
+fn a_rejected_log_has_reasons_and_advice_and_no_empty_chapters() {
+    let mut log = sample::log();
+    log.verdict = Verdict::Rejected;
+    log.axes.clear();
+    log.left_out.clear();
+    let page = log.to_html();
+    assert!(page.contains("No calibration comes of this log") && page.contains("How to get a better log"));
+    assert!(!page.contains("Coefficients to copy") && !page.contains("What was left out"));
+}
+
+#[test]
+fn a_log_without_time_is_drawn_in_its_order() {
+    let mut log = sample::log();
+    for axis in &mut log.axes {
+        axis.points.iter_mut().for_each(|point| point.elapsed_s = f64::NAN);
+    }
+    let page = log.to_html();
+    assert!(page.contains("place in the log, points") && !page.contains("NaN"));
+}
+
+#[test]
+fn a_calibration_without_tests_soaks_and_checks_is_a_page_all_the_same() {
+    let mut report = sample::calibration();
+    report.tests.clear();
+    report.soaks = None;
+    report.checks.clear();
+    report.axes.iter_mut().for_each(|axis| axis.trim.taps.clear());
+    let page = report.to_html();
+    assert!(page.contains("no compensation test was run") && page.contains("Nothing was checked against a limit"));
+}
+
+#[test]
+fn the_fit_of_a_log_becomes_a_report_with_its_axis_and_its_coefficients() {
+    let row = |i: u32| {
+        let temperature = -10.0 + 0.02 * f64::from(i);
+        let rate = 0.3 - 0.01 * temperature + 1e-3 * sample::noise(u64::from(i));
+        format!("{},{temperature},{rate}\n", f64::from(i) * 0.5)
+    };
+    let rows: String = (0..3000).map(row).collect();
+    let log = Source::bytes("ramp.csv", format!("time_s,temperature_c,rate_dps\n{rows}").into_bytes());
+    let fit = fit(&[log], &FitOptions::default()).unwrap();
+    let report = LogReport::from(&fit);
+    assert_eq!((report.axes.len(), report.temperature_unit.as_str()), (1, "°C"));
+    assert!((report.axes[0].raw_coefficients[1] + 0.01).abs() < 1e-4);
+    let page = report.to_html();
+    assert!(page.contains("rate_dps") && page.contains("Coefficients to copy"));
+}
+
+#[test]
+fn a_lot_names_the_units_outside_its_limits_the_furthest_first_and_draws_the_limits() {
+    let page = sample::lot(204, 0.37).to_html();
+    let section = between(&page, "<section id=\"outside\">", "</section>")[0];
+    let serials = between(section, "<th scope=\"row\">", "</th>");
+    assert!(serials.iter().any(|serial| serial.contains("ZR-2026-0009")), "{serials:?}");
+    let parts = between(section, "<td class=\"n\">", "</td>");
+    let far = parts.iter().filter_map(|cell| cell.strip_suffix("\u{a0}%")?.parse::<f64>().ok()).collect::<Vec<_>>();
+    assert!(far.len() == serials.len() && far.is_sorted_by(|a, b| a >= b), "{far:?}");
+    for label in ["at most 1500", "at most 5", "at least 8050", "at most 8350"] {
+        assert!(page.contains(&format!(">{label}</text>")), "{label}");
+    }
+    // It would leave no room for the units.
+    assert!(page.contains("in-sample residual, rms at most 400"));
+    assert!(page.contains("<td class=\"n\">0.5</td><td class=\"n\">400</td>"));
+}
+
+#[test]
+fn a_lot_says_once_what_many_of_its_units_share() {
+    let mut lot = sample::lot(204, 0.37);
+    let notes = lot.undrawn_notes();
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert!(
+        notes[0].starts_with("9 of the worst units (ZR-2026-0001, ZR-2026-0002")
+            && notes[0].contains(" /lot/… not found")
+    );
+    lot.undrawn.truncate(1);
+    assert_eq!(lot.undrawn_notes(), lot.undrawn);
+}
+
+#[test]
+fn a_small_lot_is_not_drawn_as_if_it_were_a_large_one() {
+    let one = sample::lot(1, 0.0).to_html();
+    assert!(one.contains("Lot of 1 unit<") && !one.contains("1 units"));
+    assert!(one.contains("no two have times that differ") && !one.contains("time-figure"));
+    let three = sample::lot(3, 0.05).to_html();
+    assert!(three.contains("hours since the first unit") && three.contains("With fewer than 20 units"));
+    let mut none = sample::lot(1, 0.0);
+    none.units[0].axes.clear();
+    none.units[0].rejected = vec!["the run ended before its ramp did".into()];
+    none.worst.clear();
+    let none = none.to_html();
+    assert!(
+        none.contains("there is nothing to draw") && !none.contains("role=\"img\"") && none.contains("1 was rejected")
+    );
+}
