@@ -10,11 +10,11 @@ use zerorate_core::units::Axis;
 use zerorate_core::wire::Request;
 
 use crate::calibrated::{Calibrated, Unit};
-use crate::measure::{self, first_time, measure_on};
+use crate::checkpoint::{Checkpoints, Keep};
 use crate::client::LineCounts;
 use crate::error::BenchError;
 use crate::instruments::Bench;
-use crate::checkpoint::{Checkpoints, Keep};
+use crate::measure::{self, first_time, measure_on};
 use crate::output::OutputFolder;
 use crate::procedure::compensation_test::{self, Extent};
 use crate::procedure::soaks;

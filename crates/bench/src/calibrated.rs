@@ -1,11 +1,11 @@
 //! A unit and what a whole run found out about it.
 
-use zerorate_report::Check;
 use zerorate_core::record::UnitSerial;
+use zerorate_report::Check;
 
-use crate::measure::Measured;
 use crate::error::BenchError;
 use crate::evaluate::TestResult;
+use crate::measure::Measured;
 use crate::plants::PlantKind;
 use crate::procedure::soaks::Soaks;
 use crate::setup::SetUp;

@@ -6,6 +6,7 @@
 pub mod board;
 pub mod calibrate;
 pub mod calibrated;
+pub mod checkpoint;
 #[cfg(feature = "boards")]
 pub mod choice;
 pub mod client;
@@ -16,7 +17,6 @@ pub mod evaluate;
 #[cfg(feature = "gateware")]
 pub mod gateware;
 pub mod instruments;
-pub mod checkpoint;
 pub mod link;
 pub mod manual;
 pub mod measure;
@@ -24,12 +24,12 @@ pub mod output;
 pub mod plants;
 pub mod procedure;
 pub mod recorded;
+pub mod report_view;
 pub mod results;
 pub mod run;
 pub mod setup;
 pub mod simulated;
 pub mod steps;
-pub mod report_view;
 pub mod study;
 pub mod summary;
 pub mod verify;

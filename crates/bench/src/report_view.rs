@@ -1,18 +1,18 @@
 //! A run as its report tells it.
 
 use zerorate_cal::quality::Verdict;
+use zerorate_core::drift::{Drift, ValidRange};
+use zerorate_core::units::Axis;
+use zerorate_fit::least_squares::raw_coefficients;
+use zerorate_fit::trim::TrimEstimate;
 use zerorate_report::{
     AxisSoaks, CalibratedAxis, CalibrationReport, CandidateRow, CompensationTest, Direction, DriftFacts, Mode,
     RampPoint, SoakComparison, SoakPoint, TapDeviation, TestPoint, TrimFacts, TrimLine, TrimPoint, UnitFacts,
 };
-use zerorate_fit::trim::TrimEstimate;
-use zerorate_core::drift::{Drift, ValidRange};
-use zerorate_core::units::Axis;
-use zerorate_fit::least_squares::raw_coefficients;
 
 use crate::calibrated::Calibrated;
-use crate::measure::MeasuredAxis;
 use crate::evaluate::TestResult;
+use crate::measure::MeasuredAxis;
 use crate::run::Taken;
 use crate::verify::Verification;
 
@@ -31,7 +31,12 @@ pub fn report(run: &Calibrated) -> CalibrationReport {
 }
 
 fn unit(run: &Calibrated) -> UnitFacts {
-    let sources = run.measured.calibration.sources.iter().map(|source| (format!("SHA-256 of {}", source.file), source.sha256.clone()));
+    let sources = run
+        .measured
+        .calibration
+        .sources
+        .iter()
+        .map(|source| (format!("SHA-256 of {}", source.file), source.sha256.clone()));
     UnitFacts {
         serial: run.unit.serial.to_string(),
         device: if run.unit.plant.is_some() { "native device, MAX5494" } else { "board, MAX5494" }.into(),

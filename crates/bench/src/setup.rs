@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use zerorate_fit::model::Model;
 use zerorate_core::compensate::LowPass;
 use zerorate_core::units::{Celsius, Counts, Seconds, Taps};
+use zerorate_fit::model::Model;
 
 /// A board and its bench.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -5,8 +5,8 @@ use zerorate_core::compensate::Mode;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::Axis;
 
-use crate::measure::{first_time, measure};
 use crate::error::BenchError;
+use crate::measure::{first_time, measure};
 use crate::plants::PlantKind;
 use crate::procedure::compensation_test::Extent;
 use crate::run::{Recorder, Session, Silent};

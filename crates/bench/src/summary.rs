@@ -7,8 +7,8 @@ use zerorate_fit::least_squares::raw_coefficients;
 use zerorate_fit::residual::ResidualStatistics;
 
 use crate::calibrated::Calibrated;
-use crate::measure::MeasuredAxis;
 use crate::evaluate::TestResult;
+use crate::measure::MeasuredAxis;
 
 /// The version of the summary's form.
 pub const SCHEMA: u32 = 1;

@@ -1,12 +1,12 @@
 //! The proof: the composed record on the device, the same ramp again.
 
-use zerorate_report::Check;
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
+use zerorate_report::Check;
 
-use crate::measure::Measured;
 use crate::error::BenchError;
 use crate::evaluate::{TestResult, evaluate};
+use crate::measure::Measured;
 use crate::procedure::compensation_test::{self, Extent, TestRun};
 use crate::run::{Recorder, Session};
 use crate::setup::Limits;

@@ -169,7 +169,8 @@ fn a_calibration_by_the_firmware_is_the_native_one_bit_for_bit() {
             continue;
         }
         let other = by_board.join(path.file_name().unwrap());
-        let (native, emulated) = (Recording::read(&(&path).into()).unwrap(), Recording::read(&(&other).into()).unwrap());
+        let (native, emulated) =
+            (Recording::read(&(&path).into()).unwrap(), Recording::read(&(&other).into()).unwrap());
         assert!(native.groups() > 100);
         for (native, emulated) in native.rows.iter().zip(&emulated.rows) {
             // Each number written so that no two are written alike: of floats the shortest text that reads back.

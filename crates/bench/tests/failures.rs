@@ -4,8 +4,8 @@
 
 use zerorate_bench::calibrate::calibrate;
 use zerorate_bench::calibrated::Unit;
-use zerorate_bench::measure::measure;
 use zerorate_bench::error::BenchError;
+use zerorate_bench::measure::measure;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::run::{Recorder, Session, Silent};
 use zerorate_bench::setup::SetUp;

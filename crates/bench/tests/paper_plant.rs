@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used)] // what a test cannot do without
 
-use zerorate_bench::measure::{MeasuredAxis, Measured, first_time, measure};
 use zerorate_bench::evaluate::TestResult;
+use zerorate_bench::measure::{Measured, MeasuredAxis, first_time, measure};
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::procedure::compensation_test::Extent;
 use zerorate_bench::run::{Recorder, Session, Silent};

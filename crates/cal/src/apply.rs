@@ -98,7 +98,8 @@ pub fn apply(
     let mut predictors: Vec<Predictor<'_>> = models.iter().map(|own| Predictor::new(&own.model, to.start)).collect();
     let csv_error = |error: csv::Error| ApplyError::Write(error.into());
     let mut writer = csv::Writer::from_writer(output);
-    let added = models.iter().flat_map(|own| [format!("predicted_{}", own.column), format!("corrected_{}", own.column)]);
+    let added =
+        models.iter().flat_map(|own| [format!("predicted_{}", own.column), format!("corrected_{}", own.column)]);
     writer.write_record(table.names().iter().cloned().chain(added)).map_err(csv_error)?;
     let mut applied = Applied::default();
     for batch in table.batches_with_cells(&columns)? {

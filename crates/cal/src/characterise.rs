@@ -201,11 +201,10 @@ fn ramp_sensitivity(points: &[TracePoint], warming: &[bool]) -> Result<RampSensi
 /// The slope of residual over speed beside the other terms, and how much of the speed these do not explain, root mean
 /// square: by making each term orthogonal to those before it, the speed last.
 fn regression(rows: &[Ramp], without: Option<usize>) -> (f64, f64) {
-    let kept: Vec<&Ramp> =
-        (0..rows.len())
-            .filter(|i| without != Some(fold_of_row(*i as u64, rows.len() as u64)))
-            .map(|i| &rows[i])
-            .collect();
+    let kept: Vec<&Ramp> = (0..rows.len())
+        .filter(|i| without != Some(fold_of_row(*i as u64, rows.len() as u64)))
+        .map(|i| &rows[i])
+        .collect();
     let terms: [fn(&Ramp) -> f64; 6] = [
         |row| f64::from(u8::from(row.warming)),
         |row| f64::from(u8::from(!row.warming)),

@@ -69,8 +69,7 @@ impl StoredRecord {
     pub fn read(source: &Source) -> Result<Self, StoredRecordError> {
         // A longer file is something else, whatever it begins with.
         let bytes = source.start(MAX_RECORD_BYTES as u64).map_err(|error| source.faulty(error))?;
-        let record =
-            DeviceRecord::decode(&bytes).map_err(|error| source.faulty(StoredRecordFault::Bytes(error)))?;
+        let record = DeviceRecord::decode(&bytes).map_err(|error| source.faulty(StoredRecordFault::Bytes(error)))?;
         let crc = bytes.last_chunk().map_or(0, |crc| u32::from_le_bytes(*crc));
         Ok(Self { record, version: RECORD_VERSION, bytes: bytes.len(), crc })
     }

@@ -41,8 +41,7 @@ pub enum Format {
 
 impl Format {
     /// All of them, in the order in which help lists them.
-    pub const ALL: [Self; 6] =
-        [Self::Px4, Self::ArduPilot, Self::MethodicConfigurator, Self::C, Self::Json, Self::Csv];
+    pub const ALL: [Self; 6] = [Self::Px4, Self::ArduPilot, Self::MethodicConfigurator, Self::C, Self::Json, Self::Csv];
 
     /// Whether the format holds a cubic of temperature and no more.
     #[must_use]
@@ -76,7 +75,9 @@ impl From<imu_logs::Format> for Format {
 
 /// A format that was asked for and is none.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("'{0}' is no format: give px4, ardupilot, methodic-configurator, c, json or csv; in Rust the crate zerorate-core evaluates the device record itself")]
+#[error(
+    "'{0}' is no format: give px4, ardupilot, methodic-configurator, c, json or csv; in Rust the crate zerorate-core evaluates the device record itself"
+)]
 pub struct FormatError(String);
 
 impl FromStr for Format {
@@ -138,9 +139,7 @@ pub enum ExportError {
         format: Format,
     },
     /// The temperatures are no temperatures.
-    #[error(
-        "the calibration's temperatures are in counts, and {format} takes degrees C: give it to c, json or csv"
-    )]
+    #[error("the calibration's temperatures are in counts, and {format} takes degrees C: give it to c, json or csv")]
     NotInDegrees {
         /// The format.
         format: Format,

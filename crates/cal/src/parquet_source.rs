@@ -39,6 +39,10 @@ impl ChunkReader for ParquetSource {
     fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes> {
         let mut bytes = Vec::with_capacity(length);
         let read = self.get_read(start)?.take(length as u64).read_to_end(&mut bytes)?;
-        if read == length { Ok(bytes.into()) } else { Err(ParquetError::EOF("the file ends before its contents".into())) }
+        if read == length {
+            Ok(bytes.into())
+        } else {
+            Err(ParquetError::EOF("the file ends before its contents".into()))
+        }
     }
 }

@@ -164,12 +164,7 @@ pub fn fit_axis(
     fitted.map(|(fit, _)| AxisFit { verdict, ..fit })
 }
 
-fn fit(
-    name: &str,
-    means: &RampMeans,
-    options: &FitOptions,
-    judgement: &mut Judgement,
-) -> Option<(AxisFit, Residuals)> {
+fn fit(name: &str, means: &RampMeans, options: &FitOptions, judgement: &mut Judgement) -> Option<(AxisFit, Residuals)> {
     let fitted = match options.model {
         Model::Auto => fit_chosen(name, means),
         model => fit_asked(name, means, model),

@@ -171,7 +171,8 @@ fn missing_temperatures_spikes_rotation_and_a_step_are_reported_and_left_out() {
         assert!(gives(&fit, kind), "{kind:?}: {:?}", fit.judgement);
         assert_eq!(fit.judgement.verdict, Verdict::Warning);
         for t in [-15.0, 0.0, 30.0, 70.0] {
-            let moved = fit.axes[0].calibration.drift().evaluate(t).0 - reference.axes[0].calibration.drift().evaluate(t).0;
+            let moved =
+                fit.axes[0].calibration.drift().evaluate(t).0 - reference.axes[0].calibration.drift().evaluate(t).0;
             // A twentieth of the drift, of which hysteresis leaves half.
             assert!(moved.abs() < 1e-3, "{kind:?} at {t}: {moved}");
         }

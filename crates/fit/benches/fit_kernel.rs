@@ -3,8 +3,8 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use zerorate_fit::least_squares::{Basis, Fit};
 use zerorate_core::drift::Scale;
+use zerorate_fit::least_squares::{Basis, Fit};
 
 /// Enough rows to be past every cache, as in a long log.
 const ROWS: u32 = 1_000_000;

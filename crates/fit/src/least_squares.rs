@@ -57,14 +57,7 @@ impl Fit {
     #[must_use]
     pub fn new(scale: Scale, basis: Basis) -> Self {
         let columns = basis.size() + 1;
-        Self {
-            scale,
-            basis,
-            rows: 0,
-            factor: Factor::new(columns),
-            block: vec![0.0; columns * BLOCK_ROWS],
-            filled: 0,
-        }
+        Self { scale, basis, rows: 0, factor: Factor::new(columns), block: vec![0.0; columns * BLOCK_ROWS], filled: 0 }
     }
 
     /// The basis of the fit.

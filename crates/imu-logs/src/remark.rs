@@ -105,7 +105,10 @@ impl fmt::Display for Remark {
             ),
             Self::NewerFormat => f.write_str("the log has flags of a newer format: what is known of it was read"),
             Self::LearningOnly { means } => {
-                write!(f, "the log has no IMU readings: the {means} means that the autopilot's own learning logged were taken")
+                write!(
+                    f,
+                    "the log has no IMU readings: the {means} means that the autopilot's own learning logged were taken"
+                )
             }
             Self::CalibrationUndone { imu } => {
                 write!(f, "IMU {imu}: the temperature calibration that was active in the log was undone")

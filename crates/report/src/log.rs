@@ -5,8 +5,8 @@ mod parameters;
 
 use super::calibration::CandidateRow;
 use zerorate_cal::characterise::Characteristics;
-use zerorate_fit::residual::ResidualStatistics;
 use zerorate_cal::quality::{Reason, Verdict};
+use zerorate_fit::residual::ResidualStatistics;
 
 /// The fit of a log. Rates and temperatures are in the log's own units.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds};
 use zerorate_core::wire::SampleWindow;
 
-use crate::error::BenchError;
 use crate::checkpoint::Checkpoints;
+use crate::error::BenchError;
 use crate::run::{Extent, Phase, Recorder, Session, Taken};
 
 /// Groups averaged at the end of each soak: one minute of the paper's.

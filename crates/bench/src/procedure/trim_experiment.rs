@@ -7,10 +7,10 @@
 use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
-use zerorate_fit::trim::{SupplyPoint, TapReading};
 use zerorate_core::trim::MAX_TAP_OFFSETS;
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps, Volts};
 use zerorate_core::wire::SampleWindow;
+use zerorate_fit::trim::{SupplyPoint, TapReading};
 
 use crate::error::BenchError;
 use crate::run::{Phase, Recorder, Session};

@@ -1,8 +1,8 @@
 //! What a set-up must hold so that a run of hours does not end in a contradiction.
 
-use zerorate_fit::model::Model;
 use zerorate_core::drift::MAX_KNOTS;
 use zerorate_core::units::Taps;
+use zerorate_fit::model::Model;
 
 use super::SetUp;
 

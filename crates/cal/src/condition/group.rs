@@ -1,9 +1,9 @@
 //! Rows averaged to groups, without those that are no drift.
 
-use zerorate_fit::robust::{centre_and_sigma, median};
 use super::{DropReason, Tally};
 use crate::log::Rows;
 use crate::units::TemperatureUnit;
+use zerorate_fit::robust::{centre_and_sigma, median};
 
 /// The time a group should take: long against noise, short against a thermal time constant.
 pub const GROUP_S: f64 = 10.0;

@@ -4,7 +4,7 @@ use super::motion::mark_moved;
 use super::settle::mark_settling;
 use super::step::take_out_steps;
 use super::temperature::mark_frozen;
-use super::{DropReason, Group, Excluded, Step, Tally};
+use super::{DropReason, Excluded, Group, Step, Tally};
 use crate::units::TemperatureUnit;
 
 /// A jump of the temperature of more than this share of the least span, 0.5 C, explains a jump of the rate.

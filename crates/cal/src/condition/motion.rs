@@ -1,8 +1,8 @@
 //! Groups in which the unit was moved.
 
 use super::group::typical_scatter;
-use zerorate_fit::robust::{centre_and_sigma, median, noise};
 use super::{DropReason, Group};
+use zerorate_fit::robust::{centre_and_sigma, median, noise};
 
 /// A group whose scatter is this many times the typical one was moved. With 21 rows a standard deviation is itself
 /// known to 15 %.

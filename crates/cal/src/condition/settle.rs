@@ -1,7 +1,7 @@
 //! The first readings after the start, which settle towards the others.
 
-use zerorate_fit::robust::{MAD_TO_SIGMA, median, noise};
 use super::{DropReason, Group};
+use zerorate_fit::robust::{MAD_TO_SIGMA, median, noise};
 
 /// Groups at the beginning of a log that may settle: the first minute or so.
 const MOST: usize = 8;

@@ -1,7 +1,7 @@
 //! Jumps of the rate that stay.
 
-use zerorate_fit::robust::{centre_and_sigma, noise};
 use super::{Group, Step};
+use zerorate_fit::robust::{centre_and_sigma, noise};
 
 /// Groups on each side of a boundary from which a line is drawn to it: close by, so that the temperature's slope is in
 /// the lines and no more of the drift than a line holds.

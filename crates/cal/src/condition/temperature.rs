@@ -1,7 +1,7 @@
 //! Temperatures that are not what the gyro has: frozen, or in coarse steps.
 
-use zerorate_fit::robust::median;
 use super::{DropReason, Group};
+use zerorate_fit::robust::median;
 
 /// Groups in which the temperature does not change at all, at least, to be frozen.
 const FROZEN_GROUPS: usize = 6;

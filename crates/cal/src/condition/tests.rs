@@ -127,7 +127,10 @@ fn a_rotation_that_lasts_is_one_stretch_and_no_steps() {
     assert_eq!(levels.steps, []);
     let [interval] = &levels.excluded[..] else { panic!("{levels:?}") };
     assert_eq!(interval.reason, DropReason::Rotation);
-    assert!(interval.rows.0 <= 4000 && interval.rows.1 >= 4800 && interval.rows.1 - interval.rows.0 <= 860, "{interval:?}");
+    assert!(
+        interval.rows.0 <= 4000 && interval.rows.1 >= 4800 && interval.rows.1 - interval.rows.0 <= 860,
+        "{interval:?}"
+    );
     let (clean, ..) = condition(&temperatures, &clean);
     for (group, clean) in groups.iter().zip(&clean).filter(|(group, _)| group.axes[0].rows > 0) {
         assert!((group.axes[0].rate - clean.axes[0].rate).abs() < 1e-3);

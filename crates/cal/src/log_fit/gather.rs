@@ -106,7 +106,11 @@ impl Logs {
         // One sensor fewer in one log is told; a log of which nothing fits is another unit's.
         if missing.len() == self.sensors.len() {
             let found = others.iter().map(describe).collect::<Vec<_>>().join(", ");
-            return Err(LogFitError::AnotherUnit { name: source.name().to_owned(), expected: missing.join(", "), found });
+            return Err(LogFitError::AnotherUnit {
+                name: source.name().to_owned(),
+                expected: missing.join(", "),
+                found,
+            });
         }
         let name = source.short_name();
         for sensor in missing {

@@ -121,7 +121,8 @@ fn spikes_rotation_and_a_step_are_reported_and_leave_the_curve_alone() {
         assert!(kinds(&fit).contains(&kind), "{kind:?}: {:?}", fit.judgement);
         assert_eq!(fit.judgement.verdict, Verdict::Warning);
         for t in [-15.0, 0.0, 30.0, 70.0] {
-            let difference = fit.axes[0].calibration.drift().evaluate(t).0 - reference.axes[0].calibration.drift().evaluate(t).0;
+            let difference =
+                fit.axes[0].calibration.drift().evaluate(t).0 - reference.axes[0].calibration.drift().evaluate(t).0;
             assert!(difference.abs() < 3e-4, "{kind:?} at {t}: {difference}");
         }
     }

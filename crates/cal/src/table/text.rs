@@ -67,11 +67,7 @@ impl TextBatches {
     fn append(&self, record: &StringRecord, batch: &mut Batch) -> Result<(), TableFault> {
         let line = || record.position().map_or(0, csv::Position::line);
         if record.len() != self.names.len() {
-            return Err(TableFault::Ragged {
-                line: line(),
-                found: record.len(),
-                expected: self.names.len(),
-            });
+            return Err(TableFault::Ragged { line: line(), found: record.len(), expected: self.names.len() });
         }
         for (&column, numbers) in self.columns.iter().zip(&mut batch.columns) {
             let number = dialect::number(&record[column]).ok_or_else(|| TableFault::NotANumber {

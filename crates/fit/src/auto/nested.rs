@@ -34,8 +34,9 @@ impl Outer {
     }
 
     pub(super) fn figures(&self) -> HeldOut {
-        let rms =
-            |values: &[f64]| Some(ResidualStatistics::of(values.iter().copied()).rms).filter(|rms| rms.is_finite() && self.complete());
+        let rms = |values: &[f64]| {
+            Some(ResidualStatistics::of(values.iter().copied()).rms).filter(|rms| rms.is_finite() && self.complete())
+        };
         HeldOut {
             stretches: FOLDS as u64,
             in_recording: rms(&self.residuals),

@@ -85,7 +85,12 @@ fn a_static_unit_gets_its_cubic_and_nothing_beside_it() {
     for t in [-30.0, 0.0, 40.0, 65.0] {
         assert!((fit.fit.model.drift.evaluate(t).0 - cubic(t)).abs() < 5e-5, "at {t}");
     }
-    assert!(fit.fit.statistics.held_out.unwrap().rms < 1.15e-4 && fit.fit.statistics.nested.unwrap().deployed_cold.unwrap() < 1.2e-4, "{:?}", fit.fit.statistics.nested);
+    assert!(
+        fit.fit.statistics.held_out.unwrap().rms < 1.15e-4
+            && fit.fit.statistics.nested.unwrap().deployed_cold.unwrap() < 1.2e-4,
+        "{:?}",
+        fit.fit.statistics.nested
+    );
     assert!(fit.fit.statistics.covariance[3][3] > 0.0 && fit.fit.statistics.covariance[3][3].sqrt() < 1e-4);
     // 95 of 100 within 1.96e-4.
     assert!(fit.fit.band.iter().all(|point| (1.5e-4..3.0e-4).contains(&point.half_width)), "{:?}", fit.fit.band);

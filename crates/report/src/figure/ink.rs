@@ -62,7 +62,7 @@ const ALL: [Ink; 13] = [
 
 impl Ink {
     /// The class by which the style sheet knows it.
-    pub(in crate) fn class(self) -> &'static str {
+    pub(crate) fn class(self) -> &'static str {
         match self {
             Self::Grid => "grid",
             Self::Frame => "frame",

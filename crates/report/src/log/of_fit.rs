@@ -2,16 +2,16 @@
 
 use super::parameters;
 use super::{LeftOut, LogAxis, LogPoint, LogReport, RejectedSamples};
+use crate::CandidateRow;
 use zerorate_cal::characterise::Characteristics;
-use zerorate_fit::drift_fit::Candidate;
 use zerorate_cal::condition::{DropReason, Excluded};
-use zerorate_core::drift::Shape;
-use zerorate_fit::least_squares::raw_coefficients;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::ReasonKind;
 use zerorate_cal::units::TemperatureUnit;
+use zerorate_core::drift::Shape;
+use zerorate_fit::drift_fit::Candidate;
+use zerorate_fit::least_squares::raw_coefficients;
 use zerorate_fit::residual::ResidualStatistics;
-use crate::CandidateRow;
 
 impl From<&LogFit> for LogReport {
     fn from(fit: &LogFit) -> Self {

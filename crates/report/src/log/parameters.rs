@@ -3,8 +3,8 @@
 use super::Parameters;
 use zerorate_cal::export::{ExportOptions, Format, export};
 use zerorate_cal::log_fit::LogFit;
-use zerorate_cal::units::TemperatureUnit;
 use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::TemperatureUnit;
 
 /// The forms that a page shows: those of autopilots, which people paste.
 const SHOWN: [(Format, &str); 3] = [
@@ -16,7 +16,9 @@ const SHOWN: [(Format, &str); 3] = [
 /// The parameters of a fit; none for rates in counts or a rejected log.
 pub(super) fn of(fit: &LogFit) -> Vec<Parameters> {
     let Some(first) = fit.axes.first() else { return Vec::new() };
-    if first.temperature_unit != TemperatureUnit::C || fit.axes.iter().any(|axis| axis.calibration.rate_unit == RateUnit::Counts) {
+    if first.temperature_unit != TemperatureUnit::C
+        || fit.axes.iter().any(|axis| axis.calibration.rate_unit == RateUnit::Counts)
+    {
         return Vec::new();
     }
     // Without what a file needs and parameters do not: sources, serial.

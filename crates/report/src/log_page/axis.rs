@@ -3,9 +3,9 @@
 use maud::html;
 
 use super::figure::{Figure, Ink, Mark, Panel, Sample, holding};
-use zerorate_fit::direction::warming;
 use crate::number::significant;
 use crate::{LogAxis, LogPoint, LogReport};
+use zerorate_fit::direction::warming;
 
 /// Time in the unit that suits its span: its name and the seconds in it.
 fn time_unit(span_s: f64) -> (&'static str, f64) {
@@ -59,7 +59,7 @@ fn band(axis: &LogAxis) -> Vec<Vec<(f64, f64)>> {
     vec![edge(-1.0), edge(1.0)]
 }
 
-pub(in crate) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure {
+pub(crate) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure {
     let time = Time::of(&axis.points);
     let warming = warming(&axis.points.iter().map(|point| point.temperature).collect::<Vec<_>>());
     let temperature_name = format!("temperature, {}", report.temperature_unit);

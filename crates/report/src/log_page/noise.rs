@@ -2,12 +2,12 @@
 
 use maud::{Markup, html};
 
-use zerorate_fit::allan::{Allan, Coefficient};
-use zerorate_cal::characterise::Characteristics;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample};
 use crate::number::{fixed, significant};
 use crate::page::Table;
 use crate::{LogAxis, LogReport};
+use zerorate_cal::characterise::Characteristics;
+use zerorate_fit::allan::{Allan, Coefficient};
 
 /// Averaging times beyond this many seconds carry the temperature's cycle more than noise; the caption says so.
 const SECONDS_AN_HOUR: f64 = 3600.0;

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use zerorate_fit::allan::Allan;
 use zerorate_cal::characterise::{Characteristics, Hysteresis, TemperatureSensitivity};
-use zerorate_fit::residual::ResidualStatistics;
 use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
+use zerorate_fit::allan::Allan;
+use zerorate_fit::residual::ResidualStatistics;
 use zerorate_report::{CandidateRow, LeftOut, LogAxis, LogPoint, LogReport, Parameters, RejectedSamples};
 
 use super::noise;

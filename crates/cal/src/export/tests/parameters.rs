@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::calibrations::{axis, calibration, drift, three_axes};
 use crate::calibration::Calibration;
-use crate::export::{ExportError, ExportOptions, Format, Cubic, export};
+use crate::export::{Cubic, ExportError, ExportOptions, Format, export};
 use crate::units::RateUnit;
 
 /// Reads lines of `1 1 NAME VALUE TYPE` with tabs between; singles for floats.
