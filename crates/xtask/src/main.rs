@@ -5,6 +5,7 @@
 mod arrows;
 mod browser;
 mod cargo;
+mod circles;
 mod circuit;
 mod devtools;
 mod firmware;
@@ -17,6 +18,7 @@ mod provide;
 mod python;
 mod report;
 mod steps;
+mod syntax;
 mod workspace;
 
 use std::process::ExitCode;
@@ -55,7 +57,7 @@ enum Chore {
         /// Leave out this step; `--without lot` saves some twenty minutes, for its query engine is long to build
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
-        /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, arrows, house, build, numpy, damage, circuit,
+        /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, arrows, circles, house, build, numpy, damage, circuit,
         /// gateware, firmware, report, lot
         #[arg(value_name = "STEP")]
         only: Vec<String>,
@@ -153,6 +155,7 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("publish", "mend crates/max5494", within(cargo::publish)),
         Step::new("no_std", "see ARCHITECTURE.md, Arrows", within(no_std::check)),
         Step::new("arrows", "see ARCHITECTURE.md, Arrows", within(arrows::check)),
+        Step::new("circles", "see CONTRIBUTING.md, Arrows", within(circles::check)),
         Step::new("house", "see CONTRIBUTING.md, Habits", within(house::check)),
         Step::new("build", "mend the build", within(cargo::build_command)).skipped_if(fast, "--fast"),
         Step::new("numpy", "see crates/xtask/python/compare_fit.py", within(python::compare_fit))
