@@ -12,6 +12,7 @@ mod firmware;
 mod fuzz;
 mod gateware;
 mod house;
+mod lines;
 mod lot;
 mod no_std;
 mod provide;
@@ -100,6 +101,8 @@ enum Chore {
         #[arg(long)]
         rows: Option<u64>,
     },
+    /// Print how many lines of Rust every package has, tests left out
+    Lines,
     /// Check the acquisition gateware and build it for the iCEBreaker
     ///
     /// Verilator's lint, a proof by yosys, the tests of the verilated block, a shortened test of a unit through it, synthesis
@@ -134,6 +137,7 @@ fn main() -> Result<ExitCode> {
             })])
         }
         Chore::Fuzz { seconds, only } => steps::run(&fuzz::steps(&workspace, seconds, &only)?),
+        Chore::Lines => steps::run(&[Step::new("lines", "mend what it points at", || lines::print(&workspace))]),
         Chore::Circuit => steps::run(&[circuit(&workspace)]),
         Chore::Gateware => steps::run(&gateware::steps(&workspace)),
         Chore::Firmware { cost } => steps::run(&firmware::steps(&workspace, cost)),
