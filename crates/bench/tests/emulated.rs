@@ -11,6 +11,7 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use zerorate_bench::calibrate::calibrate;
 use zerorate_bench::calibrated::Unit;
+use zerorate_bench::checkpoint::Keep;
 use zerorate_bench::client::Group;
 use zerorate_bench::emulated;
 use zerorate_bench::instruments::Bench;
@@ -119,7 +120,7 @@ fn an_emulator_that_is_killed_is_named_within_five_seconds_and_the_recording_is_
         }
     });
     let unit = Unit::new("ZR-0001", Some((PlantKind::Paper, 1))).unwrap();
-    let error = calibrate(&mut bench, &SetUp::paper(), unit, &out, &mut Silent).unwrap_err().to_string();
+    let error = calibrate(&mut bench, &SetUp::paper(), unit, &out, &mut Silent, Keep::Nothing).unwrap_err().to_string();
     let killed = killer.join().unwrap();
     assert!(killed.elapsed() < Duration::from_secs(5), "{:?}", killed.elapsed());
     assert!(error.contains("QEMU") && error.contains("SIGKILL"), "{error}");
@@ -141,7 +142,7 @@ fn a_program_that_is_no_firmware_is_said_to_be_none() {
 
 fn run(bench: &mut Bench, out: &Path) -> Summary {
     let unit = Unit::new("ZR-0001", Some((PlantKind::Paper, 1))).unwrap();
-    calibrate(bench, &SetUp::paper(), unit, out, &mut Silent).unwrap().1
+    calibrate(bench, &SetUp::paper(), unit, out, &mut Silent, Keep::Nothing).unwrap().1
 }
 
 /// Every column of every recording, and what is concluded from them.

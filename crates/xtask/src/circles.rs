@@ -16,9 +16,9 @@ use syn::Item;
 use syn::visit::Visit;
 
 use crate::steps::Outcome;
-use crate::syntax::{Crate, Kind, Mention, Mentions, packages};
+use crate::syntax::{Crate, Kind, Mention, Mentions, packages, type_path};
 use crate::workspace::Workspace;
-use names::{Names, type_path};
+use names::Names;
 
 /// Folders of crates that still have circles. A clean one must not stand here: this list gets shorter, never longer.
 const NOT_YET_CLEAN: [&str; 2] = ["crates/cal", "crates/core"];

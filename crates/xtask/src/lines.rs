@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -64,22 +65,34 @@ pub fn is_test(path: &Path) -> bool {
 
 /// The lines of a file without its modules for tests.
 fn without_tests(text: &str) -> Result<usize> {
-    let file = syn::parse_file(text)?;
-    Ok(text.lines().count() - file.items.iter().map(lines_for_tests).sum::<usize>())
+    Ok(text.lines().count() - tests_in(text)?.into_iter().map(|lines| lines.count()).sum::<usize>())
 }
 
-fn lines_for_tests(item: &Item) -> usize {
-    let Item::Mod(module) = item else { return 0 };
-    let began = module.attrs.first().filter(|_| only_in_tests(&module.attrs));
-    let Some(began) = began.map(|attribute| attribute.pound_token.spans[0].start().line) else {
-        return module.content.iter().flat_map(|(_, items)| items).map(lines_for_tests).sum();
+/// The modules for tests of a file.
+pub fn only_tests(text: &str) -> Result<String> {
+    let lines: Vec<&str> = text.lines().collect();
+    let of_tests = tests_in(text)?.into_iter().flat_map(|tests| lines.get(tests).unwrap_or_default());
+    Ok(of_tests.copied().collect::<Vec<_>>().join("\n"))
+}
+
+/// The lines of the modules for tests of a file, counted from 0.
+fn tests_in(text: &str) -> Result<Vec<Range<usize>>> {
+    let mut found = Vec::new();
+    syn::parse_file(text)?.items.iter().for_each(|item| take_tests(item, &mut found));
+    Ok(found)
+}
+
+fn take_tests(item: &Item, found: &mut Vec<Range<usize>>) {
+    let Item::Mod(module) = item else { return };
+    let Some(began) = module.attrs.first().filter(|_| only_in_tests(&module.attrs)) else {
+        return module.content.iter().flat_map(|(_, items)| items).for_each(|item| take_tests(item, found));
     };
     let end = match (&module.content, &module.semi) {
         (Some((brace, _)), _) => brace.span.close(),
         (None, Some(semicolon)) => semicolon.spans[0],
         (None, None) => module.ident.span(),
     };
-    end.end().line + 1 - began
+    found.push(began.pound_token.spans[0].start().line - 1..end.end().line);
 }
 
 #[cfg(test)]

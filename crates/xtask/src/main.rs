@@ -20,6 +20,7 @@ mod python;
 mod report;
 mod steps;
 mod syntax;
+mod unused;
 mod workspace;
 
 use std::process::ExitCode;
@@ -58,7 +59,7 @@ enum Chore {
         /// Leave out this step; `--without lot` saves some twenty minutes, for its query engine is long to build
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
-        /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, arrows, circles, house, build, numpy, damage, circuit,
+        /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, arrows, circles, unused, house, build, numpy, damage, circuit,
         /// gateware, firmware, report, lot
         #[arg(value_name = "STEP")]
         only: Vec<String>,
@@ -160,6 +161,7 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("no_std", "see ARCHITECTURE.md, Arrows", within(no_std::check)),
         Step::new("arrows", "see ARCHITECTURE.md, Arrows", within(arrows::check)),
         Step::new("circles", "see CONTRIBUTING.md, Arrows", within(circles::check)),
+        Step::new("unused", "take it out, or say in crates/xtask/src/unused/kept.rs why not", within(unused::check)),
         Step::new("house", "see CONTRIBUTING.md, Habits", within(house::check)),
         Step::new("build", "mend the build", within(cargo::build_command)).skipped_if(fast, "--fast"),
         Step::new("numpy", "see crates/xtask/python/compare_fit.py", within(python::compare_fit))

@@ -4,10 +4,12 @@
 
 mod attributes;
 mod mentions;
+mod named;
 mod packages;
 mod tree;
 
 pub use attributes::{attributes_of, only_in_tests};
 pub use mentions::{Kind, Mention, Mentions};
-pub use packages::packages;
+pub use named::{name_of, type_path};
+pub use packages::{Package, packages};
 pub use tree::Crate;

@@ -95,8 +95,13 @@ impl Mentions {
                         path.push(next.to_string());
                         at += 3;
                     }
-                    let kind = if is_method { Kind::Method } else { Kind::Path };
-                    self.push(path, first.span().start().line, kind);
+                    let is_called = || matches!(tokens.get(at), Some(TokenTree::Group(_)));
+                    let line = first.span().start().line;
+                    match is_method {
+                        false => self.push(path, line, Kind::Path),
+                        true if is_called() => self.push(path, line, Kind::Method),
+                        true => {} // A field.
+                    }
                 }
                 TokenTree::Group(group) => self.tokens(group.stream()),
                 TokenTree::Literal(literal) => {
@@ -244,7 +249,7 @@ mod tests {
                 .flat_map(|mention| mention.path)
                 .collect()
         };
-        assert_eq!(methods("fn f() { a.b(c.d()).e; g!(h.i(j)) }"), ["b", "d", "i"]);
+        assert_eq!(methods("fn f() { a.b(c.d()).e; g!(h.i(j.k)) }"), ["b", "d", "i"]);
     }
 
     #[test]
