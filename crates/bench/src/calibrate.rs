@@ -130,7 +130,6 @@ fn run(
     let run = Calibrated { unit, setup: setup.clone(), measured, verifications, soaks, checks };
     let summary = Summary::of(&run, began.elapsed().as_secs_f64());
     results::write(&run, &summary, &mut output)?;
-    checkpoints.forget();
     output.publish()?;
     Ok((run, summary))
 }
