@@ -8,6 +8,7 @@ mod cargo;
 mod circles;
 mod circuit;
 mod devtools;
+mod figures;
 mod firmware;
 mod fuzz;
 mod gateware;
@@ -23,11 +24,13 @@ mod syntax;
 mod unused;
 mod workspace;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 
+use figures::Comparison;
 use steps::{Outcome, Step};
 use workspace::Workspace;
 
@@ -76,6 +79,22 @@ enum Chore {
         /// These rates only: 2 (as recorded), 25, 100, or others
         #[arg(value_name = "HZ")]
         rates: Vec<f64>,
+    },
+    /// Compare the figures of two builds of `zerorate`, digit by digit
+    ///
+    /// `calibrate` with three seeds (what is printed, and every file but the report), a `study`, and `fit` of the chamber
+    /// cycle as ULog, DataFlash, CSV and TSV, by the model that it chooses and by a plain cubic. Wall times and versions are left
+    /// out. A change that only moves code must move no figure: keep a build from before it.
+    Figures {
+        /// The build whose figures hold
+        #[arg(long, value_name = "PROGRAM")]
+        before: PathBuf,
+        /// The build that must have the same; without it this tree's release build
+        #[arg(long, value_name = "PROGRAM")]
+        after: Option<PathBuf>,
+        /// The protocol of held-out figures as well, by ../tools/held_out.py beside the recordings
+        #[arg(long)]
+        held_out: bool,
     },
     /// Run every fuzz target for a while; a crash, 64 MiB or a second is a failure
     ///
@@ -136,6 +155,15 @@ fn main() -> Result<ExitCode> {
             steps::run(&[Step::new("compare", "see crates/xtask/python/compare_tools.py", || {
                 python::compare_tools(&workspace, deadline, &rates)
             })])
+        }
+        Chore::Figures { before, after, held_out } => {
+            let after = after.map_or_else(|| workspace.zerorate(), Ok)?;
+            let [before, after] =
+                [before, after].map(|program| program.canonicalize().with_context(|| program.display().to_string()));
+            let comparison = Comparison { workspace: &workspace, before: before?, after: after?, held_out };
+            let step =
+                Step::new("figures", "mend it, or say in the commit which figures moved and why", || comparison.run());
+            steps::run(&[step])
         }
         Chore::Fuzz { seconds, only } => steps::run(&fuzz::steps(&workspace, seconds, &only)?),
         Chore::Lines => steps::run(&[Step::new("lines", "mend what it points at", || lines::print(&workspace))]),
