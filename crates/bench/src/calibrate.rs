@@ -130,7 +130,13 @@ fn run(
     let run = Calibrated { unit, setup: setup.clone(), measured, verifications, soaks, checks };
     let summary = Summary::of(&run, began.elapsed().as_secs_f64());
     results::write(&run, &summary, &mut output)?;
-    output.publish()?;
+    if let Some(aside) = output.publish()? {
+        progress.note(&format!(
+            "the results are in {}; something else that was there could not be moved back and is in {}: move it by hand",
+            out.display(),
+            aside.display()
+        ));
+    }
     Ok((run, summary))
 }
 

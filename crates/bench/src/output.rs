@@ -114,11 +114,12 @@ impl OutputFolder {
         self.in_progress.join(file)
     }
 
-    /// Puts everything in place: the run is whole, and nothing is kept to go on with.
+    /// Puts everything in place: the run is whole, and nothing is kept to go on with. Returns the folder where something
+    /// else that was there is now, if it could not be moved back.
     ///
     /// # Errors
     /// [`BenchError::Write`].
-    pub fn publish(self) -> Result<(), BenchError> {
+    pub fn publish(self) -> Result<Option<PathBuf>, BenchError> {
         place::publish(&self.folder, &self.files, &mut || Ok(())).map_err(cannot(&self.folder))
     }
 }

@@ -23,16 +23,14 @@ const EARLIER: &str = "earlier";
 /// Asked before every change of the disk, so that a test can end everything there.
 pub(super) type Moment<'a> = &'a mut dyn FnMut() -> io::Result<()>;
 
-/// Puts the files of the run in `folder`/in-progress in their places in `folder`.
-pub(super) fn publish(folder: &Path, files: &[&str], at: Moment) -> io::Result<()> {
+/// Puts the files of the run in `folder`/in-progress in their places in `folder`. Returns the folder where something else
+/// that was there is now, if it could not be moved back.
+pub(super) fn publish(folder: &Path, files: &[&str], at: Moment) -> io::Result<Option<PathBuf>> {
     let folder = fs::canonicalize(folder)?;
     match beside(&folder, files, at) {
-        Ok(Some(earlier)) => {
-            // The set is in its place. What cannot be moved back stays aside until the next run tries again.
-            let _ = settle(&earlier, &folder, at);
-            Ok(())
-        }
-        Ok(None) | Err(_) => one_by_one(&folder, files, at),
+        // The set is in its place, whatever becomes of the earlier folder. The next run tries again.
+        Ok(Some(earlier)) => Ok(settle(&earlier, &folder, at).is_err().then_some(earlier)),
+        Ok(None) | Err(_) => one_by_one(&folder, files, at).map(|()| None),
     }
 }
 
@@ -51,7 +49,8 @@ pub(super) fn recover(folder: &Path, at: Moment) -> io::Result<()> {
     }
     for earlier in siblings(&folder, EARLIER)? {
         if folder.exists() {
-            settle(&earlier, &folder, at)?;
+            // What cannot be moved was told of when it could not be the first time; it is in no run's way.
+            let _ = settle(&earlier, &folder, at);
         } else {
             at()?;
             fs::rename(&earlier, &folder)?;
@@ -104,17 +103,20 @@ fn settle(earlier: &Path, folder: &Path, at: Moment) -> io::Result<()> {
     if run.is_dir() {
         clear(&run, folder, at)?;
     }
+    let mut failed = Ok(());
     for entry in fs::read_dir(earlier)? {
         let entry = entry?;
         let to = folder.join(entry.file_name());
         let is_folder = entry.file_type()?.is_dir();
         at()?;
-        if !to.exists() {
-            fs::rename(entry.path(), &to)?;
+        if fs::symlink_metadata(&to).is_err() {
+            // One that cannot be moved (somebody else's folder) keeps no other from it.
+            failed = failed.and(fs::rename(entry.path(), &to));
         } else if !is_folder {
             fs::remove_file(entry.path())?;
         }
     }
+    failed?;
     at()?;
     fs::remove_dir(earlier)
 }

@@ -57,6 +57,10 @@ fn dying(mut left: usize) -> impl FnMut() -> io::Result<()> {
     }
 }
 
+fn publish_dying(folder: &Path, moments: usize) -> Option<Option<PathBuf>> {
+    publish(folder, &FILES, &mut dying(moments)).ok()
+}
+
 fn assert_settled(bench: &Path, folder: &Path, expected: &str) {
     assert_eq!(set(folder).as_deref(), Some(expected));
     let found = files(folder);
@@ -68,7 +72,7 @@ fn assert_settled(bench: &Path, folder: &Path, expected: &str) {
 #[test]
 fn a_set_takes_the_place_of_the_earlier_one_and_a_users_own_files_stay() {
     let (bench, folder) = bench();
-    publish(&folder, &FILES, &mut live).unwrap();
+    assert_eq!(publish(&folder, &FILES, &mut live).unwrap(), None);
     assert_settled(bench.path(), &folder, "new");
     assert_eq!(files(&folder).len(), FILES.len() + 3, "what is in place is not in progress");
 }
@@ -111,6 +115,19 @@ fn a_kill_at_any_moment_leaves_a_whole_set_and_every_file_and_the_next_run_finis
     }
     assert!(outcomes.is_sorted(), "once the new set is there it stays: {outcomes:?}");
     assert!(outcomes.iter().any(|set| set == "earlier") && outcomes.iter().any(|set| set == "new"));
+}
+
+#[test]
+fn what_cannot_be_moved_back_is_told_and_keeps_nothing_else_from_it() {
+    let (bench, folder) = bench();
+    // Ended just before the earlier folder is removed, as where something in it cannot be moved.
+    let changes = (0..).find(|&moments| publish_dying(&self::bench().1, moments) == Some(None)).unwrap();
+    let aside = publish_dying(&folder, changes - 1).unwrap().unwrap();
+    assert!(aside.is_dir() && aside.parent() == folder.parent());
+    assert_eq!(set(&folder).as_deref(), Some("new"));
+    assert_eq!(files(&folder)["notes.txt"], "mine");
+    recover(&folder, &mut live).unwrap();
+    assert_settled(bench.path(), &folder, "new");
 }
 
 #[test]
