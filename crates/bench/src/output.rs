@@ -1,8 +1,8 @@
 //! The output folder: results appear in it whole, or not at all.
 //!
-//! A run writes into `in-progress` inside the folder, and its files take the earlier ones' places at once when it is whole
-//! ([`place`]). A run that fails leaves earlier results untouched and what it had recorded in `in-progress`, readable up to
-//! the last whole group.
+//! A run writes into `in-progress` inside the folder, and its files take the earlier ones' places at once when it is whole.
+//! A run that fails leaves earlier results untouched and what it had recorded in `in-progress`, readable up to the last
+//! whole group.
 
 mod place;
 
