@@ -25,7 +25,7 @@ const MOST_OF_CRATE: usize = 10_000;
 const MOST_MEDIAN: usize = 200;
 
 /// Folders of crates that are too large still. One that is not must not stand here: this list gets shorter, never longer.
-const NOT_YET_SMALL: [&str; 1] = ["crates/cal"];
+const NOT_YET_SMALL: [&str; 0] = [];
 
 /// Folders that say nothing of what is in them.
 const NAMELESS: [&str; 2] = ["utils", "common"];
