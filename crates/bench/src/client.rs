@@ -294,7 +294,7 @@ impl DeviceClient {
     /// # Errors
     /// [`ClientError`].
     pub fn group_within(&mut self, patience: Duration) -> Result<Option<Group>, ClientError> {
-        self.conversation.group_before(Instant::now() + patience)
+        self.conversation.group_before(self.conversation.now() + patience)
     }
 
     /// A group that has arrived already.
