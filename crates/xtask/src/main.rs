@@ -15,13 +15,14 @@ mod gateware;
 mod house;
 mod lines;
 mod lot;
-mod no_std;
 mod provide;
 mod python;
 mod report;
 mod steps;
 mod syntax;
 mod unused;
+mod targets;
+mod toolchain;
 mod workspace;
 
 use std::path::PathBuf;
@@ -62,7 +63,7 @@ enum Chore {
         /// Leave out this step; `--without lot` saves some twenty minutes, for its query engine is long to build
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
-        /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, arrows, circles, unused, house, build, numpy, damage, circuit,
+        /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house, build, numpy, damage, circuit,
         /// gateware, firmware, report, lot
         #[arg(value_name = "STEP")]
         only: Vec<String>,
@@ -185,8 +186,9 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("clippy", "mend what it points at", within(cargo::lint)),
         Step::new("rustdoc", "mend what it points at", within(cargo::document)),
         Step::new("tests", "`cargo test -p CRATE NAME` runs one", within(cargo::test)),
-        Step::new("publish", "mend crates/max5494", within(cargo::publish)),
-        Step::new("no_std", "see ARCHITECTURE.md, Arrows", within(no_std::check)),
+        Step::new("publish", "mend what cannot be published", within(cargo::publish)),
+        Step::new("no_std", "see ARCHITECTURE.md, Arrows", within(targets::no_std)).skipped_if(fast, "--fast"),
+        Step::new("wasm", "see ARCHITECTURE.md, Where things happen", within(targets::wasm)).skipped_if(fast, "--fast"),
         Step::new("arrows", "see ARCHITECTURE.md, Arrows", within(arrows::check)),
         Step::new("circles", "see CONTRIBUTING.md, Arrows", within(circles::check)),
         Step::new("unused", "take it out, or say in crates/xtask/src/unused/kept.rs why not", within(unused::check)),
