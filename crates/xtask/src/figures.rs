@@ -29,6 +29,8 @@ pub struct Comparison<'a> {
     pub before: PathBuf,
     /// The build that must have the same.
     pub after: PathBuf,
+    /// By so much of itself a number may differ: 0, or what another order of the same sums makes.
+    pub within: f64,
     /// Whether the protocol of held-out figures is run as well.
     pub held_out: bool,
 }
@@ -75,7 +77,7 @@ impl Comparison<'_> {
             println!("    held out");
             outputs.push(self.compare_held_out(&recording)?);
         }
-        told(&outputs)
+        told(outputs, self.within)
     }
 
     /// The chamber cycle as the formats have it.
@@ -186,11 +188,17 @@ fn of_file(file: &Path, before: Option<Vec<u8>>, after: Option<Vec<u8>>) -> Vec<
     }
 }
 
-/// Prints what differs, and is an error if anything does.
-fn told(outputs: &[Output]) -> Result<Outcome> {
+/// Prints what differs by more than it may, and is an error if anything does.
+fn told(mut outputs: Vec<Output>, within: f64) -> Result<Outcome> {
     let mut worst: Option<(f64, String)> = None;
-    let mut differ = 0;
-    for Output { name, differences } in outputs.iter().filter(|output| !output.differences.is_empty()) {
+    let (mut differ, mut near) = (0, 0);
+    for Output { name, differences } in &mut outputs {
+        let all = differences.len();
+        differences.retain(|difference| within <= 0.0 || difference.relative() > within);
+        near += all - differences.len();
+        if differences.is_empty() {
+            continue;
+        }
         differ += differences.len();
         println!("    {name}: {} differ", differences.len());
         let mut sorted: Vec<&Difference> = differences.iter().collect();
@@ -209,7 +217,12 @@ fn told(outputs: &[Output]) -> Result<Outcome> {
     if let Some((relative, place)) = worst {
         println!("    the largest relative difference of a number is {relative:.1e}, in {place}");
     }
+    if near > 0 {
+        println!("    {near} numbers differ by no more than {within:e} of themselves");
+    }
     ensure!(differ == 0, "{differ} figures differ");
-    println!("    {} outputs, every digit the same", outputs.len());
+    if near == 0 {
+        println!("    {} outputs, every digit the same", outputs.len());
+    }
     Ok(Outcome::Passed)
 }

@@ -93,6 +93,9 @@ enum Chore {
         /// The build that must have the same; without it this tree's release build
         #[arg(long, value_name = "PROGRAM")]
         after: Option<PathBuf>,
+        /// Let a number differ by so much of itself: 1e-9 lets the order of a sum change
+        #[arg(long, value_name = "RELATIVE", default_value = "0")]
+        within: f64,
         /// The protocol of held-out figures as well, by ../tools/held_out.py beside the recordings
         #[arg(long)]
         held_out: bool,
@@ -157,11 +160,11 @@ fn main() -> Result<ExitCode> {
                 python::compare_tools(&workspace, deadline, &rates)
             })])
         }
-        Chore::Figures { before, after, held_out } => {
+        Chore::Figures { before, after, within, held_out } => {
             let after = after.map_or_else(|| workspace.zerorate(), Ok)?;
             let [before, after] =
                 [before, after].map(|program| program.canonicalize().with_context(|| program.display().to_string()));
-            let comparison = Comparison { workspace: &workspace, before: before?, after: after?, held_out };
+            let comparison = Comparison { workspace: &workspace, before: before?, after: after?, within, held_out };
             let step =
                 Step::new("figures", "mend it, or say in the commit which figures moved and why", || comparison.run());
             steps::run(&[step])
