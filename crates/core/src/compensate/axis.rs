@@ -1,11 +1,11 @@
 //! One axis at work: the state that its law moves.
 
-use super::Mode;
 use super::axis_law::AxisLaw;
-use super::dynamic::{FixedHistory, FixedHistoryState};
-use super::edges::Interval;
-use super::fixed::Q16;
+use super::dynamic::FixedHistoryState;
+use super::interval::Interval;
+use super::mode::Mode;
 use super::numbers::LowPassNumbers;
+use super::q16::Q16;
 use super::settling::Settling;
 use crate::drift::{Coverage, Knowledge};
 use crate::group::GroupSums;
@@ -144,7 +144,7 @@ impl AxisCompensation {
 
     /// Groups were lost before the one that is being filled: the history goes on without their temperatures.
     pub fn lose_groups(&mut self, groups: u32) {
-        FixedHistory::lose(&mut self.history, groups);
+        self.history.lose(groups);
     }
 
     /// Closes a group: the correction for its mean, and the tap for its temperature.
