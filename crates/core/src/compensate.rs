@@ -9,7 +9,7 @@
 //! holds each against the other before a record leaves it; the device, which has the integers alone, believes none of them
 //! unchecked ([`AxisLaw::from_numbers`]).
 //!
-//! A drift with history ([`crate::drift::History`]) has no table of edges: the device evaluates it ([`FixedHistory`]) and
+//! A drift with history ([`crate::drift::History`]) has no table of edges: the device evaluates it, in integers again, and
 //! compares it with the middles between taps, in counts. Mode trim stays with the static table.
 //!
 //! Signs: a reading `R` at tap `N` is `V(T) + effect(N)`. The correction is what is subtracted from it,
