@@ -57,15 +57,11 @@ impl GroupSums {
     }
 
     /// Variance of the temperature samples about their mean, counts squared; NaN for an empty group.
+    /// `(n S2 - S1^2) / n^2`, the difference taken in integers: nothing cancels.
     #[must_use]
+    #[allow(clippy::cast_precision_loss)]
     pub fn variance_of_temperature(&self) -> f64 {
-        variance(self.temperature, self.temperature_sq, self.n)
-    }
-
-    /// Variance of the zero-rate samples about their mean, counts squared; NaN for an empty group.
-    #[must_use]
-    pub fn variance_of_zro(&self) -> f64 {
-        variance(self.zro, self.zro_sq, self.n)
+        spread(self.n, self.temperature, self.temperature_sq) as f64 / (f64::from(self.n) * f64::from(self.n))
     }
 
     /// Whether the zero-rate output lies within four standard deviations of an end of the converter, so that samples
@@ -117,12 +113,6 @@ fn mean(sum: u64, n: u32) -> Counts {
     Counts(sum as f64 / f64::from(n))
 }
 
-/// `(n S2 - S1^2) / n^2`, the difference taken in integers: nothing cancels.
-#[allow(clippy::cast_precision_loss)]
-fn variance(sum: u64, squares: u64, n: u32) -> f64 {
-    spread(n, sum, squares) as f64 / (f64::from(n) * f64::from(n))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -131,7 +121,7 @@ mod tests {
     #[test]
     fn an_empty_group_has_no_temperature() {
         let empty = GroupSums::default();
-        assert!(empty.mean_temperature().0.is_nan() && empty.variance_of_zro().is_nan());
+        assert!(empty.mean_temperature().0.is_nan() && empty.variance_of_temperature().is_nan());
         assert_eq!(empty.temperature_code(), None);
     }
 

@@ -215,14 +215,14 @@ fn q32_signed(part: u64) -> i64 {
     i64::try_from(part.min(ONE_Q32)).unwrap_or(0)
 }
 
-/// [`crate::drift::belief`] in Q16.
+/// How far a term is believed, as in the f64 form, in Q16.
 fn belief_q16(known: u64) -> u64 {
     let unknown = u64::from(ONE_Q16) - known;
     let signal = known * known;
     (signal << 16) / (signal + unknown * unknown)
 }
 
-/// [`crate::drift::lean`] in Q16.
+/// How far the history has its say, as in the f64 form, in Q16.
 fn lean_q16(known: u32) -> u32 {
     let known = u64::from(known);
     narrow((((known * known) >> 16) * known) >> 16)
