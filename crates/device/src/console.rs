@@ -7,9 +7,8 @@ mod memory;
 
 use heapless::Vec;
 use heapless::spsc::{Consumer, Producer};
-use zerorate_core::compensate::{AxisLaw, Mode};
-use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, RecordError, UnitSerial};
-use zerorate_core::units::{Axis, GroupNumber};
+use zerorate_core::record::{Laws, MAX_RECORD_BYTES, RecordError, RecordRefused, UnitSerial, laws_for};
+use zerorate_core::units::GroupNumber;
 use zerorate_core::wire::frame::{FrameError, Receiver, encode};
 use zerorate_core::wire::{
     Answer, CHUNK, CalibrationState, Command, FaultCounts, Identity, Message, Refusal, Request, ResetCause, Upload,
@@ -41,9 +40,6 @@ pub struct DeviceIdentity {
     /// The firmware's version, major, minor, patch.
     pub firmware: [u16; 3],
 }
-
-/// A record taken into use: the laws of both axes, and what they do at start-up.
-pub type Laws = ([AxisLaw; 2], [Mode; 2]);
 
 /// The console: frames in and out, the calibration buffer, the store.
 pub struct Console<S> {
@@ -119,13 +115,25 @@ impl<S: RecordStore> Console<S> {
             Stored::Whole(_) => CalibrationState::InUse,
             Stored::Older(_) => CalibrationState::OlderInUse,
         };
-        match laws_of(&self.buffer, &self.identity.unit) {
+        match self.laws(length) {
             Ok(_) => in_use,
-            Err(Refusal::OtherUnit) => CalibrationState::OtherUnit,
-            Err(Refusal::LawRefused) => CalibrationState::LawRefused,
-            Err(Refusal::Record(RecordError::UnknownVersion { found })) => CalibrationState::UnknownVersion { found },
-            Err(_) => CalibrationState::Damaged,
+            Err(RecordRefused::OtherUnit) => CalibrationState::OtherUnit,
+            Err(RecordRefused::Law(_)) => CalibrationState::LawRefused,
+            Err(RecordRefused::Bytes(RecordError::UnknownVersion { found })) => {
+                CalibrationState::UnknownVersion { found }
+            }
+            Err(RecordRefused::Bytes(_)) => CalibrationState::Damaged,
         }
+    }
+
+    /// The laws in the first bytes of the buffer.
+    fn laws(&self, length: usize) -> Result<Laws, RecordRefused> {
+        laws_for(self.serial(), &self.buffer[..length])
+    }
+
+    /// The serial whose records are taken; none on a board that has not been given one.
+    fn serial(&self) -> Option<&[u8]> {
+        Some(self.identity.unit.as_bytes()).filter(|serial| !serial.is_empty())
     }
 
     /// Where the record is kept.
@@ -137,7 +145,7 @@ impl<S: RecordStore> Console<S> {
     /// uploaded. They are made here, from the buffered record, so that they need not be kept twice.
     pub fn take_laws(&mut self) -> Option<Laws> {
         self.install.take_if(|from| *from <= self.group)?;
-        let laws = laws_of(&self.buffer, &self.identity.unit).ok();
+        let laws = self.laws(self.buffer.len()).ok();
         self.buffer.clear();
         laws
     }
@@ -306,7 +314,7 @@ impl<S: RecordStore> Console<S> {
     /// Everything is checked before anything is stored: a record that cannot be run never replaces one that can.
     fn commit_calibration(&mut self, length: u16, from: GroupNumber) -> Result<(), Refusal> {
         let record = self.buffer.get(..usize::from(length)).ok_or(Refusal::OutOfBuffer)?;
-        laws_of(record, &self.identity.unit)?;
+        laws_for(self.serial(), record)?;
         self.store.commit(record).map_err(|_| Refusal::StoreFailed)?;
         self.buffer.truncate(usize::from(length));
         self.calibration = CalibrationState::InUse;
@@ -317,17 +325,6 @@ impl<S: RecordStore> Console<S> {
 
 fn answer_of(result: Result<(), Refusal>) -> Answer {
     result.map_or_else(Answer::Refused, |()| Answer::Done)
-}
-
-/// The laws in a record's bytes, checked in every respect, for a unit.
-fn laws_of(bytes: &[u8], unit: &UnitSerial) -> Result<Laws, Refusal> {
-    let record = DeviceRecord::decode(bytes).map_err(Refusal::Record)?;
-    if !unit.is_empty() && record.unit != *unit {
-        return Err(Refusal::OtherUnit);
-    }
-    let law = |axis| record.axis(axis).law().map_err(|_| Refusal::LawRefused);
-    let laws = [law(Axis::X)?, law(Axis::Y)?];
-    Ok((laws, Axis::BOTH.map(|axis| record.axis(axis).start_up_mode)))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use zerorate_core::compensate::{AxisCompensation, AxisLaw, GroupOutcome, Mode};
 use zerorate_core::group::GroupSums;
-use zerorate_core::record::{DeviceRecord, RecordError};
+use zerorate_core::record::{RecordRefused, laws_for};
 use zerorate_core::units::{Axis, Taps};
 
 /// 64-bit words of a unit's storage: more than its laws and state take on any target.
@@ -54,26 +54,14 @@ pub(crate) struct Unit {
     seen: [u32; 2],
 }
 
-/// Why a unit cannot be made from a record.
-pub(crate) enum Refused {
-    Record(RecordError),
-    OtherUnit,
-    Law,
-}
-
 impl Unit {
     /// A unit at start-up, both wipers at the middle tap, in the modes that the record gives for start-up. A `serial`
     /// that is not the record's refuses it.
-    pub(crate) fn from_record(bytes: &[u8], serial: Option<&[u8]>) -> Result<Self, Refused> {
-        let record = DeviceRecord::decode(bytes).map_err(Refused::Record)?;
-        if serial.is_some_and(|serial| serial != record.unit.as_bytes()) {
-            return Err(Refused::OtherUnit);
-        }
-        let law = |axis: Axis| record.axis(axis).law().map_err(|_| Refused::Law);
-        let laws = [law(Axis::X)?, law(Axis::Y)?];
+    pub(crate) fn from_record(bytes: &[u8], serial: Option<&[u8]>) -> Result<Self, RecordRefused> {
+        let (laws, modes) = laws_for(serial, bytes)?;
         let axes = Axis::BOTH.map(|axis| {
             let mut state = AxisCompensation::new(Some(&laws[axis.index()]), Taps::MIDDLE);
-            state.set_mode(record.axis(axis).start_up_mode);
+            state.set_mode(modes[axis.index()]);
             state
         });
         Ok(Self { laws, axes, seen: [0; 2] })

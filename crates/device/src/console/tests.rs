@@ -1,6 +1,8 @@
 use std::vec::Vec;
 
 use heapless::spsc::Queue;
+use zerorate_core::compensate::Mode;
+use zerorate_core::units::Axis;
 use zerorate_core::wire::frame;
 
 use super::*;
