@@ -98,14 +98,14 @@ impl core::error::Error for RecordError {}
 pub type Laws = ([AxisLaw; 2], [Mode; 2]);
 
 /// Why a unit does not run a record.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordRefused {
     /// The bytes are no record.
     Bytes(RecordError),
     /// It is another unit's.
     OtherUnit,
     /// A law of it cannot be run.
-    Law(LawRefused),
+    Law,
 }
 
 /// The laws in a record's bytes, checked in every respect, for the unit of a serial; without one for any.
@@ -117,7 +117,7 @@ pub fn laws_for(serial: Option<&[u8]>, bytes: &[u8]) -> Result<Laws, RecordRefus
     if serial.is_some_and(|serial| serial != record.unit.as_bytes()) {
         return Err(RecordRefused::OtherUnit);
     }
-    let law = |axis| record.axis(axis).law().map_err(RecordRefused::Law);
+    let law = |axis| record.axis(axis).law().map_err(|_| RecordRefused::Law);
     Ok(([law(Axis::X)?, law(Axis::Y)?], Axis::BOTH.map(|axis| record.axis(axis).start_up_mode)))
 }
 

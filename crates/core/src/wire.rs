@@ -296,7 +296,7 @@ impl From<RecordRefused> for Refusal {
         match refused {
             RecordRefused::Bytes(error) => Self::Record(error),
             RecordRefused::OtherUnit => Self::OtherUnit,
-            RecordRefused::Law(_) => Self::LawRefused,
+            RecordRefused::Law => Self::LawRefused,
         }
     }
 }

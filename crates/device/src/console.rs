@@ -118,7 +118,7 @@ impl<S: RecordStore> Console<S> {
         match self.laws(length) {
             Ok(_) => in_use,
             Err(RecordRefused::OtherUnit) => CalibrationState::OtherUnit,
-            Err(RecordRefused::Law(_)) => CalibrationState::LawRefused,
+            Err(RecordRefused::Law) => CalibrationState::LawRefused,
             Err(RecordRefused::Bytes(RecordError::UnknownVersion { found })) => {
                 CalibrationState::UnknownVersion { found }
             }

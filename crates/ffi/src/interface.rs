@@ -131,7 +131,7 @@ pub unsafe extern "C" fn zerorate_init(
         Err(RecordRefused::Bytes(RecordError::UnknownVersion { .. })) => ZerorateResult::UnknownVersion,
         Err(RecordRefused::Bytes(_)) => ZerorateResult::DamagedRecord,
         Err(RecordRefused::OtherUnit) => ZerorateResult::OtherUnit,
-        Err(RecordRefused::Law(_)) => ZerorateResult::LawRefused,
+        Err(RecordRefused::Law) => ZerorateResult::LawRefused,
     }
 }
 

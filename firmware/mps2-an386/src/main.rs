@@ -10,9 +10,6 @@ use cortex_m_rt as _;
 mod chip;
 mod semihosting;
 
-use core::cell::RefCell;
-
-use critical_section::Mutex;
 use heapless::String;
 use zerorate_device::acquisition::Timing;
 use zerorate_device::console::DeviceIdentity;
@@ -21,9 +18,7 @@ use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_firmware::fault;
 use zerorate_firmware::parts::{self, Queues, Received};
-use zerorate_lockstep::{
-    Board, Bus, BusFailed, Channel, LockstepDelay, LockstepFlash, LockstepSpi, Poll, SharedChannel,
-};
+use zerorate_lockstep::{Board, Bus, BusFailed, Channel, LockstepDelay, LockstepFlash, LockstepSpi, Poll};
 
 use crate::chip::{Receiving, Sending};
 use crate::semihosting::Fifos;
@@ -37,7 +32,7 @@ const PAGE_BYTES: usize = 4096;
 const FLASH_BYTES: usize = 4 * PAGE_BYTES;
 
 /// The lock-step channel to the host. Empty until it is open; a panic says its last word through it.
-static CHANNEL: SharedChannel<Fifos> = Mutex::new(RefCell::new(Channel::closed()));
+static CHANNEL: Channel<Fifos> = Channel::closed();
 
 #[rtic::app(device = crate::chip, peripherals = false)]
 mod app {
@@ -83,7 +78,7 @@ mod app {
             // With interrupts off, so that a byte that comes after the question still wakes from the sleep.
             critical_section::with(|_| {
                 let progress = cx.shared.progress.lock(|progress| *progress);
-                match zerorate_lockstep::poll(&CHANNEL, progress) {
+                match CHANNEL.poll(progress) {
                     Ok(true) => rtic::pend(chip::Interrupt::PORT0),
                     // The host has sent bytes that are still on their way.
                     Ok(false) => cortex_m::asm::wfi(),
@@ -127,7 +122,7 @@ mod app {
 
 /// Opens the channel and learns what board this is.
 fn open() -> Board {
-    let opened = Fifos::open().map_err(|_| BusFailed).and_then(|line| zerorate_lockstep::open(&CHANNEL, line));
+    let opened = Fifos::open().map_err(|_| BusFailed).and_then(|line| CHANNEL.open(line));
     match opened {
         Ok(board) => board,
         Err(_) => semihosting::give_up(
@@ -148,7 +143,7 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     cortex_m::interrupt::disable();
     if let Some(place) = info.location() {
         // The host may be gone; the fault is counted all the same.
-        let _ = zerorate_lockstep::panicked(&CHANNEL, place.file(), place.line());
+        let _ = CHANNEL.panicked(place.file(), place.line());
     }
     fault::restart()
 }
