@@ -59,12 +59,6 @@ impl<SPI: SpiDevice> Ad7949<SPI> {
         }
         Ok(scan)
     }
-
-    /// Gives the SPI device back.
-    #[must_use]
-    pub fn release(self) -> SPI {
-        self.spi
-    }
 }
 
 #[cfg(test)]

@@ -70,12 +70,6 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
         Self { spi, set_length: Timing::PAPER.set_length }
     }
 
-    /// Gives the SPI device back.
-    #[must_use]
-    pub fn release(self) -> SPI {
-        self.spi
-    }
-
     fn read_word(&mut self, address: u8) -> Result<u32, PortError<SPI::Error>> {
         let mut word = [0; 4];
         let header = [READ | address, 0];

@@ -1,9 +1,44 @@
-//! The application on a board, whatever the board: [`parts`] in the shape in which interrupts and tasks share them, and
-//! [`fault`], what is left of a panic.
+//! What the boards have in common besides `zerorate-device`: how RTIC shares the compensator, the bytes on their way from
+//! the host, and the memory that a restart does not clear.
 //!
 //! It holds no registers: a board's folder has its clock, pins, lines and interrupt vectors.
 
 #![no_std]
 
-pub mod fault;
-pub mod parts;
+use core::mem::MaybeUninit;
+
+use heapless::spsc::Queue;
+use zerorate_device::application::Shared;
+use zerorate_device::restart::Kept;
+
+/// Bytes of the host that may wait for the task: two frames of the longest kind but one.
+pub type Received = Queue<u8, 1024>;
+
+/// What RTIC shares between an interrupt and a task.
+pub struct Locked<M>(pub M);
+
+impl<M: rtic::Mutex> Shared<M::T> for Locked<M> {
+    fn lock<R>(&mut self, act: impl FnOnce(&mut M::T) -> R) -> R {
+        self.0.lock(act)
+    }
+}
+
+#[allow(unsafe_code)]
+// SAFETY: the section `.uninit` of cortex-m-rt is RAM that start-up code leaves as it is; nothing else is placed by it.
+#[unsafe(link_section = ".uninit.restarts")]
+static KEPT: MaybeUninit<Kept> = MaybeUninit::uninit();
+
+/// What is kept through a restart of the processor.
+pub fn kept() -> &'static Kept {
+    #[allow(unsafe_code)]
+    // SAFETY: atomic words, of which every bit pattern is one; the static is never written but through them.
+    unsafe {
+        KEPT.assume_init_ref()
+    }
+}
+
+/// Counts a fault and restarts the processor. The wiper is left as it is.
+pub fn restart() -> ! {
+    kept().panicked();
+    cortex_m::peripheral::SCB::sys_reset()
+}

@@ -6,9 +6,6 @@ use zerorate_core::wire::{GroupReport, SAMPLES_PER_BLOCK, Sample, SampleBlock, S
 
 use crate::acquisition::{Scan, axis_samples};
 
-/// Places in the queue of reports that samples leave free.
-pub(super) const KEPT_FREE: usize = 4;
-
 #[allow(clippy::cast_possible_truncation)] // 25
 const BLOCK: u16 = SAMPLES_PER_BLOCK as u16;
 

@@ -157,11 +157,6 @@ impl<F: NorFlash> FlashStore<F> {
         Ok(store)
     }
 
-    /// Gives the flash back.
-    pub fn release(self) -> F {
-        self.flash.0
-    }
-
     /// A bank's queue; `None` where the geometry does not do.
     fn queue(&mut self, bank: u8) -> Option<Bank<'_, F>> {
         let start = self.start + u32::from(bank) * self.bank_bytes;
@@ -320,3 +315,6 @@ impl<F: NorFlash> RecordStore for FlashStore<F> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;
