@@ -17,7 +17,6 @@ use zerorate_core::wire::{FaultCounts, GroupReport, Refusal};
 
 use self::axis::AxisAtWork;
 use self::outbox::Outbox;
-use self::samples::Stream;
 use crate::acquisition::{Acquisition, Set, Timing};
 use crate::trim_part::TrimPart;
 
@@ -191,7 +190,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         let report = GroupReport { group, lost: self.set.lost, acquisition_errors, axes };
         match before {
             None => self.outbox.group(report),
-            Some(before) => self.outbox.stream(Stream::new(before, report)),
+            Some(before) => self.outbox.group_and_samples(report, before, self.set.scans.len()),
         }
     }
 

@@ -11,7 +11,7 @@ use zerorate_core::group::GroupSums;
 use zerorate_core::record::{RecordError, RecordRefused};
 use zerorate_core::units::{Axis, Taps};
 
-use crate::unit::{Stored, Unit, ZerorateUnit};
+use crate::unit::{CalibratedAxis, Stored, Unit, ZerorateUnit};
 
 /// Axis X.
 pub const ZERORATE_AXIS_X: u32 = 0;
@@ -148,12 +148,12 @@ pub unsafe extern "C" fn zerorate_set_mode(unit: *mut ZerorateUnit, axis: u32, m
         ZERORATE_MODE_HYBRID => Mode::Hybrid,
         _ => return ZerorateResult::OutOfRange,
     };
-    let act = |unit: &mut Unit, axis| match unit.set_mode(axis, mode) {
+    let act = |axis: &mut CalibratedAxis| match axis.set_mode(mode) {
         true => ZerorateResult::Done,
         false => ZerorateResult::NoEdges,
     };
     // SAFETY: the caller's word.
-    unsafe { with_unit(unit, axis, act) }
+    unsafe { with_axis(unit, axis, act) }
 }
 
 /// Adds one sample of temperature and zero-rate output, counts, to a group.
@@ -191,7 +191,7 @@ pub unsafe extern "C" fn zerorate_correct(
         return ZerorateResult::NullPointer;
     };
     // SAFETY: the caller's word.
-    unsafe { with_unit(unit, axis, |unit, axis| *corrected = unit.correct(axis, zro)) }
+    unsafe { with_axis(unit, axis, |axis| *corrected = axis.correct(zro)) }
 }
 
 /// Closes an axis's group: `outcome` gets its corrected mean, and the tap for its temperature.
@@ -210,9 +210,9 @@ pub unsafe extern "C" fn zerorate_update(
         return ZerorateResult::NullPointer;
     };
     let ZerorateGroup { n, temperature, zro } = *group;
-    let act = |unit: &mut Unit, axis| {
+    let act = |axis: &mut CalibratedAxis| {
         // The law does not look at the squares: they are for whoever records.
-        let (closed, tap) = unit.update(axis, &GroupSums { n, temperature, zro, ..GroupSums::default() });
+        let (closed, tap) = axis.update(&GroupSums { n, temperature, zro, ..GroupSums::default() });
         *outcome = ZerorateOutcome {
             corrected_q16: closed.corrected.0,
             coverage: coverage(closed.coverage),
@@ -222,7 +222,7 @@ pub unsafe extern "C" fn zerorate_update(
         };
     };
     // SAFETY: the caller's word.
-    unsafe { with_unit(unit, axis, act) }
+    unsafe { with_axis(unit, axis, act) }
 }
 
 /// Says that the wiper was written. A write that failed is not said: the law then asks again with the next group.
@@ -235,7 +235,7 @@ pub unsafe extern "C" fn zerorate_wiper_written(unit: *mut ZerorateUnit, axis: u
         return ZerorateResult::OutOfRange;
     };
     // SAFETY: the caller's word.
-    unsafe { with_unit(unit, axis, |unit, axis| unit.wiper_written(axis, tap)) }
+    unsafe { with_axis(unit, axis, |axis| axis.wiper_written(tap)) }
 }
 
 /// Says that `groups` groups of `n` samples each were lost before the one that is being filled: the wiper settles
@@ -251,17 +251,17 @@ pub unsafe extern "C" fn zerorate_groups_lost(
     n: u32,
 ) -> ZerorateResult {
     // SAFETY: the caller's word.
-    unsafe { with_unit(unit, axis, |unit, axis| unit.groups_lost(axis, groups, n)) }
+    unsafe { with_axis(unit, axis, |axis| axis.groups_lost(groups, n)) }
 }
 
 /// Does something to an axis of a unit, if there are both.
 ///
 /// # Safety
 /// `unit` is null or leads to a `ZerorateUnit` that nobody else uses meanwhile.
-unsafe fn with_unit<R: Into<ZerorateResult>>(
+unsafe fn with_axis<R: Into<ZerorateResult>>(
     unit: *mut ZerorateUnit,
     axis: u32,
-    act: impl FnOnce(&mut Unit, Axis) -> R,
+    act: impl FnOnce(&mut CalibratedAxis) -> R,
 ) -> ZerorateResult {
     let axis = match axis {
         ZERORATE_AXIS_X => Axis::X,
@@ -272,7 +272,7 @@ unsafe fn with_unit<R: Into<ZerorateResult>>(
     let Some(stored) = (unsafe { unit.cast::<Stored>().as_mut() }) else {
         return ZerorateResult::NullPointer;
     };
-    stored.unit().map_or(ZerorateResult::NotInitialised, |unit| act(unit, axis).into())
+    stored.unit().map_or(ZerorateResult::NotInitialised, |unit| act(&mut unit.0[axis.index()]).into())
 }
 
 fn coverage(coverage: Coverage) -> u32 {

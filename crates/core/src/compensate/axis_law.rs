@@ -53,8 +53,8 @@ impl AxisLaw {
             history: None,
         };
         if let Some(edges) = &law.edges {
-            let checked =
-                edges.check_by(|tap, code| law.strays(tap, code, 0), |tap, code| law.strays(tap, code, law.dead_band));
+            let band = |is_held| if is_held { law.dead_band } else { 0 };
+            let checked = edges.check_by(|tap, code, is_held| law.strays(tap, code, band(is_held)));
             checked.map_err(LawRefused::Edges)?;
         }
         if let Some(history) = &numbers.history {

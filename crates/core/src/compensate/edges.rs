@@ -57,12 +57,8 @@ impl EdgeTable {
     }
 
     /// Checks the table against a law of any form: in order, and in agreement with it at both sides of every edge.
-    /// `is_wrong` says that a tap is not a code's, `leaves` that the dead band does not hold it there.
-    pub(super) fn check_by(
-        &self,
-        is_wrong: impl Fn(Taps, TemperatureCode) -> bool,
-        leaves: impl Fn(Taps, TemperatureCode) -> bool,
-    ) -> Result<(), EdgeError> {
+    /// `strays` says that a tap is not a code's, or, with the dead band, that it is not held there.
+    pub(super) fn check_by(&self, strays: impl Fn(Taps, TemperatureCode, bool) -> bool) -> Result<(), EdgeError> {
         if self.intervals.first().is_none_or(|interval| interval.first != 0) {
             return Err(EdgeError::Malformed { index: 0 });
         }
@@ -74,13 +70,10 @@ impl EdgeTable {
             });
             let last = last.filter(|_| next.is_none_or(|next| next.tap != interval.tap));
             let last = last.ok_or(EdgeError::Malformed { index })?;
-            for code in [interval.first, last].map(TemperatureCode) {
-                if is_wrong(interval.tap, code) {
-                    return Err(EdgeError::Disagrees { code });
-                }
-            }
-            for code in [interval.hold_down_to, interval.hold_up_to].map(TemperatureCode) {
-                if leaves(interval.tap, code) {
+            let held = [interval.hold_down_to, interval.hold_up_to];
+            for (code, is_held) in [(interval.first, false), (last, false), (held[0], true), (held[1], true)] {
+                let code = TemperatureCode(code);
+                if strays(interval.tap, code, is_held) {
                     return Err(EdgeError::Disagrees { code });
                 }
             }

@@ -1,6 +1,7 @@
 //! What the compensator has to say, in the order in which it came to be, until the task below fetches it.
 
 use heapless::Deque;
+use zerorate_core::compensate::AxisCompensation;
 use zerorate_core::wire::{GroupReport, SampleWindow};
 
 use super::report::{Outcome, Report};
@@ -60,15 +61,15 @@ impl Outbox {
         self.dropped += u32::from(!has_room || self.waiting.push_back(Waiting::Group(report)).is_err());
     }
 
-    /// A group whose samples go out before it.
-    pub(super) fn stream(&mut self, stream: Stream) {
-        self.stream = Some(stream);
+    /// A group of so many scans whose samples go out before it. `before` it the axes were such.
+    pub(super) fn group_and_samples(&mut self, report: GroupReport, before: [AxisCompensation; 2], scans: usize) {
+        self.stream = Some(Stream::new(report, before, &self.window, scans));
     }
 
     /// The samples of the group before are gone with its set; the group itself is not.
     pub(super) fn set_goes(&mut self) {
         if let Some(stream) = self.stream.take() {
-            self.dropped += stream.left(&self.window);
+            self.dropped += stream.left();
             self.group(stream.report);
         }
     }
@@ -80,7 +81,7 @@ impl Outbox {
             Some(Waiting::Group(report)) => return Some(Report::Group(report)),
             None => {}
         }
-        match self.stream.as_mut()?.next_block(&self.window, scans) {
+        match self.stream.as_mut()?.next_block(scans) {
             Some(block) => Some(Report::Samples(block)),
             None => self.stream.take().map(|stream| Report::Group(stream.report)),
         }

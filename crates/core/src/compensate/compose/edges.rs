@@ -48,7 +48,7 @@ impl EdgeTable {
     /// # Errors
     /// [`EdgeError::Malformed`] and [`EdgeError::Disagrees`].
     pub(in crate::compensate) fn check(&self, law: &StaticLaw) -> Result<(), EdgeError> {
-        self.check_by(|tap, code| law.tap(code) != Some(tap), |tap, code| law.leaves(tap, code))
+        self.check_by(|tap, code, is_held| if is_held { law.leaves(tap, code) } else { law.tap(code) != Some(tap) })
     }
 }
 
@@ -80,25 +80,21 @@ impl Pieces {
 
     /// Going hotter from a code, the last one at which the dead band holds the tap.
     fn hold_up(&self, law: &StaticLaw, tap: Taps, from: u16) -> u16 {
-        for &(first, last) in self.0.iter().filter(|(_, last)| *last >= from) {
-            if let Some(left) = first_where(first.max(from), last, |c| law.leaves(tap, TemperatureCode(c))) {
-                return left - 1;
-            }
-        }
-        u16::MAX
+        held_up_to(self.0.iter().copied(), from, |code| law.leaves(tap, TemperatureCode(code)))
     }
 
-    /// Going colder from a code, the last one at which the dead band holds the tap.
+    /// Going colder: the same search, mirrored.
     fn hold_down(&self, law: &StaticLaw, tap: Taps, from: u16) -> u16 {
-        for &(first, last) in self.0.iter().rev().filter(|(first, _)| *first <= from) {
-            // The same search, mirrored.
-            let (near, far) = (u16::MAX - last.min(from), u16::MAX - first);
-            if let Some(left) = first_where(near, far, |c| law.leaves(tap, TemperatureCode(u16::MAX - c))) {
-                return u16::MAX - left + 1;
-            }
-        }
-        0
+        let mirrored = self.0.iter().rev().map(|&(first, last)| (u16::MAX - last, u16::MAX - first));
+        u16::MAX - held_up_to(mirrored, u16::MAX - from, |code| law.leaves(tap, TemperatureCode(u16::MAX - code)))
     }
+}
+
+fn held_up_to(pieces: impl Iterator<Item = (u16, u16)>, from: u16, leaves: impl Fn(u16) -> bool) -> u16 {
+    let mut left = pieces
+        .filter(|&(_, last)| last >= from)
+        .filter_map(|(first, last)| first_where(first.max(from), last, &leaves));
+    left.next().map_or(u16::MAX, |left| left - 1)
 }
 
 /// The first code from `from` to `to` where a condition holds that, where it does not hold at `from`, once it holds, holds to
