@@ -161,21 +161,10 @@ impl<L: Line> SpiDevice for LockstepSpi<'_, L> {
 }
 
 /// A delay on the bench's timeline.
-pub struct LockstepDelay<'c, L> {
-    channel: &'c Channel<L>,
-}
-
-impl<'c, L> LockstepDelay<'c, L> {
-    /// The bench's time.
-    pub const fn new(channel: &'c Channel<L>) -> Self {
-        Self { channel }
-    }
-}
-
-impl<L: Line> DelayNs for LockstepDelay<'_, L> {
+impl<L: Line> DelayNs for &Channel<L> {
     fn delay_ns(&mut self, ns: u32) {
         // Without a host there is no bench, and no time to wait for.
-        let _ = self.channel.ask(&Request::Delay { ns }, &mut []);
+        let _ = self.ask(&Request::Delay { ns }, &mut []);
     }
 }
 

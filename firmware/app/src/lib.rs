@@ -1,5 +1,5 @@
 //! What the boards have in common besides `zerorate-device`: how RTIC shares the compensator, the bytes on their way from
-//! the host, and the memory that a restart does not clear.
+//! the host, the memory that a restart does not clear, and what a hard fault does.
 //!
 //! It holds no registers: a board's folder has its clock, pins, lines and interrupt vectors.
 
@@ -41,4 +41,11 @@ pub fn kept() -> &'static Kept {
 pub fn restart() -> ! {
     kept().panicked();
     cortex_m::peripheral::SCB::sys_reset()
+}
+
+#[allow(unsafe_code)]
+// SAFETY: it touches words of memory that are there in any state, and restarts.
+#[cortex_m_rt::exception]
+unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+    restart()
 }

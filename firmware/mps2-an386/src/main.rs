@@ -21,13 +21,13 @@ use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::NoWatchdog;
 use zerorate_firmware::{Locked, Received};
-use zerorate_lockstep::{Board, Bus, BusFailed, Channel, LockstepDelay, LockstepFlash, LockstepSpi, Poll};
+use zerorate_lockstep::{Board, Bus, BusFailed, Channel, LockstepFlash, LockstepSpi, Poll};
 
 use crate::chip::{Receiving, Sending};
 use crate::semihosting::Fifos;
 
 type Port = PortAcquisition<LockstepSpi<'static, Fifos>>;
-type Potentiometer = Max5494Trim<LockstepSpi<'static, Fifos>, LockstepDelay<'static, Fifos>>;
+type Potentiometer = Max5494Trim<LockstepSpi<'static, Fifos>, &'static Channel<Fifos>>;
 type Store = FlashStore<LockstepFlash<'static, Fifos, FLASH_BYTES, PAGE_BYTES>>;
 
 /// The flash for records, as the bench has it: a record of the greatest length and its neighbour's page in each half.
@@ -63,7 +63,7 @@ mod app {
         let Ok(store) = Store::new(LockstepFlash::new(&CHANNEL), 0..FLASH_BYTES as u32) else { panic!() };
         let Application { compensator, task } = Application::start(Parts {
             acquisition: Port::new(LockstepSpi::new(&CHANNEL, Bus::Port)),
-            trim: Potentiometer::new(LockstepSpi::new(&CHANNEL, Bus::Potentiometer), LockstepDelay::new(&CHANNEL)),
+            trim: Potentiometer::new(LockstepSpi::new(&CHANNEL, Bus::Potentiometer), &CHANNEL),
             store,
             watchdog: NoWatchdog,
             kept: zerorate_firmware::kept(),
@@ -144,12 +144,5 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
         // The host may be gone; the fault is counted all the same.
         let _ = CHANNEL.panicked(place.file(), place.line());
     }
-    zerorate_firmware::restart()
-}
-
-#[allow(unsafe_code)]
-// SAFETY: it touches two words of memory that are there in any state, and restarts.
-#[cortex_m_rt::exception]
-unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
     zerorate_firmware::restart()
 }

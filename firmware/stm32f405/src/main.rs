@@ -166,10 +166,3 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     cortex_m::interrupt::disable();
     zerorate_firmware::restart()
 }
-
-#[allow(unsafe_code)]
-// SAFETY: it touches words of memory that are there in any state, and restarts.
-#[cortex_m_rt::exception]
-unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
-    zerorate_firmware::restart()
-}

@@ -20,12 +20,8 @@ const MAX_PAYLOAD: usize = MAX_FRAME - MAX_FRAME / 254 - 2;
 pub enum FrameError {
     /// Longer than [`MAX_FRAME`].
     TooLong,
-    /// Not COBS.
-    Stuffing,
-    /// Shorter than its CRC.
-    TooShort,
-    /// The CRC-32 does not match.
-    Crc,
+    /// Not COBS, shorter than its CRC, or the CRC-32 does not match.
+    Damaged,
     /// The CRC-32 matches and the content is no message of this version.
     Content,
 }
@@ -49,11 +45,11 @@ pub fn encode(message: &impl Serialize) -> Result<Vec<u8, MAX_FRAME>, FrameError
 
 /// Reads the content of a frame, its zero left off, and its CRC; or what is wrong first.
 fn decode<T: DeserializeOwned>(stuffed: &mut [u8]) -> Result<(T, u32), FrameError> {
-    let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Stuffing)?;
-    let payload = stuffed.get(..length).ok_or(FrameError::Stuffing)?;
-    let (content, crc) = payload.split_last_chunk::<4>().ok_or(FrameError::TooShort)?;
+    let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Damaged)?;
+    let payload = stuffed.get(..length).ok_or(FrameError::Damaged)?;
+    let (content, crc) = payload.split_last_chunk::<4>().ok_or(FrameError::Damaged)?;
     if CRC_32.checksum(content).to_le_bytes() != *crc {
-        return Err(FrameError::Crc);
+        return Err(FrameError::Damaged);
     }
     let (message, rest) = postcard::take_from_bytes(content).map_err(|_| FrameError::Content)?;
     if rest.is_empty() { Ok((message, u32::from_le_bytes(*crc))) } else { Err(FrameError::Content) }
