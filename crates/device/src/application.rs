@@ -49,15 +49,23 @@ pub struct Application<A, P, S, W, K> {
     pub task: Task<S, W>,
 }
 
-/// Something that a task shares with an interrupt.
-pub trait Shared<T> {
+/// A compensator that a task shares with an interrupt.
+pub trait Shared {
+    /// Where its sets come from.
+    type Acquisition: Acquisition;
+    /// What trims.
+    type Part: TrimPart;
+
     /// Borrows it; the interrupt waits meanwhile.
-    fn lock<R>(&mut self, act: impl FnOnce(&mut T) -> R) -> R;
+    fn lock<R>(&mut self, act: impl FnOnce(&mut Compensator<Self::Acquisition, Self::Part>) -> R) -> R;
 }
 
 /// Without interrupts it is there for the taking.
-impl<T> Shared<T> for &mut T {
-    fn lock<R>(&mut self, act: impl FnOnce(&mut T) -> R) -> R {
+impl<A: Acquisition, P: TrimPart> Shared for Compensator<A, P> {
+    type Acquisition = A;
+    type Part = P;
+
+    fn lock<R>(&mut self, act: impl FnOnce(&mut Self) -> R) -> R {
         act(self)
     }
 }
@@ -102,7 +110,7 @@ where
 
     /// The task goes round once, in a home without interrupts, with the bytes that the host has sent.
     pub fn run(&mut self, bytes: impl IntoIterator<Item = u8>, line: &mut impl Transmit) {
-        self.task.run(&mut &mut self.compensator, bytes, line);
+        self.task.run(&mut self.compensator, bytes, line);
     }
 }
 
@@ -116,9 +124,9 @@ pub struct Task<S, W> {
 impl<S: RecordStore, W: Watchdog> Task<S, W> {
     /// Goes round once: says what there is to say, acts on the bytes that the host has sent, and feeds the watchdog if all is
     /// well. Due after every set and whenever bytes have come.
-    pub fn run<A: Acquisition, P: TrimPart>(
+    pub fn run(
         &mut self,
-        compensator: &mut impl Shared<Compensator<A, P>>,
+        compensator: &mut impl Shared,
         bytes: impl IntoIterator<Item = u8>,
         line: &mut impl Transmit,
     ) {
@@ -145,11 +153,7 @@ impl<S: RecordStore, W: Watchdog> Task<S, W> {
     }
 
     /// Sends all that the compensator has to say.
-    fn report<A: Acquisition, P: TrimPart>(
-        &mut self,
-        compensator: &mut impl Shared<Compensator<A, P>>,
-        line: &mut impl Transmit,
-    ) {
+    fn report(&mut self, compensator: &mut impl Shared, line: &mut impl Transmit) {
         while let Some(report) = compensator.lock(Compensator::next_report) {
             self.console.report(report, line);
         }
@@ -157,7 +161,7 @@ impl<S: RecordStore, W: Watchdog> Task<S, W> {
     }
 
     /// Takes a new record into use, when its group is about to begin.
-    fn install<A: Acquisition, P: TrimPart>(&mut self, compensator: &mut impl Shared<Compensator<A, P>>) {
+    fn install(&mut self, compensator: &mut impl Shared) {
         if let Some((laws, _)) = self.console.take_laws() {
             compensator.lock(|compensator| compensator.install(laws));
         }

@@ -8,17 +8,23 @@
 use core::mem::MaybeUninit;
 
 use heapless::spsc::Queue;
+use zerorate_device::acquisition::Acquisition;
 use zerorate_device::application::Shared;
+use zerorate_device::compensator::Compensator;
 use zerorate_device::restart::Kept;
+use zerorate_device::trim_part::TrimPart;
 
 /// Bytes of the host that may wait for the task: two frames of the longest kind but one.
 pub type Received = Queue<u8, 1024>;
 
-/// What RTIC shares between an interrupt and a task.
+/// The compensator as RTIC shares it.
 pub struct Locked<M>(pub M);
 
-impl<M: rtic::Mutex> Shared<M::T> for Locked<M> {
-    fn lock<R>(&mut self, act: impl FnOnce(&mut M::T) -> R) -> R {
+impl<A: Acquisition, P: TrimPart, M: rtic::Mutex<T = Compensator<A, P>>> Shared for Locked<M> {
+    type Acquisition = A;
+    type Part = P;
+
+    fn lock<R>(&mut self, act: impl FnOnce(&mut Compensator<A, P>) -> R) -> R {
         self.0.lock(act)
     }
 }

@@ -118,7 +118,7 @@ pub struct HistoryNumbers {
 pub struct TermNumbers {
     /// What m is.
     pub memory: MemoryNumbers,
-    /// Counts a code, with [`WEIGHT_BITS`] fractional bits.
+    /// Counts a code, with 24 fractional bits.
     pub weight: i32,
     /// How much of the history rests on this term, Q16, at most 1.
     pub share: u32,

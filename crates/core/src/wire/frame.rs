@@ -18,7 +18,7 @@ const MAX_PAYLOAD: usize = MAX_FRAME - MAX_FRAME / 254 - 2;
 /// Why a frame was not made, or not read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameError {
-    /// Longer than [`MAX_FRAME`].
+    /// Longer than any message.
     TooLong,
     /// Not COBS, shorter than its CRC, or the CRC-32 does not match.
     Damaged,
