@@ -296,7 +296,7 @@ impl Emulator {
             return Err(self.gone(error));
         }
         let mut reply = Vec::new();
-        match Request::decode(&bytes).map_err(|_| EmulatorError::OtherVersion)? {
+        match Request::decode(&bytes).ok_or(EmulatorError::OtherVersion)? {
             Request::Poll(poll) => running.idle = Some(poll),
             Request::Panicked { file, line } => return Err(EmulatorError::Panicked { file: file.into(), line }),
             request => buses.serve(&request, &mut reply),
