@@ -17,7 +17,7 @@ pub struct Toolchain {
     libraries: &'static str,
     /// Debian's Rust, which has its own std's source and builds from it; else the one that runs us, whose rustup has the
     /// target.
-    from_source: bool,
+    builds_std: bool,
 }
 
 impl Toolchain {
@@ -42,26 +42,26 @@ impl Toolchain {
         ];
         let installed = Command::new("rustup").args(["target", "list", "--installed"]).output();
         if installed.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).lines().any(|line| line == target)) {
-            return Ok(Self { target, libraries, from_source: false });
+            return Ok(Self { target, libraries, builds_std: false });
         }
         if !FILES.iter().all(|path| Path::new(path).is_file()) {
             println!("    `rustup target add {target}` would do; without it {libraries} is built from Debian's source");
             provide::install("a Rust with its own source, to build it for other targets", &PACKAGES)?;
         }
-        Ok(Self { target, libraries, from_source: true })
+        Ok(Self { target, libraries, builds_std: true })
     }
 
     /// Runs a cargo command in a folder, for the target; what is built goes to a folder of its own, for another compiler
     /// may have built what is in the ordinary one.
     pub fn run(&self, folder: &Path, built: &Path, arguments: &[&str]) -> Result<()> {
         println!("    cargo {} --target {}", arguments.join(" "), self.target);
-        let mut command = if self.from_source { self.from_source() } else { cargo::program() };
+        let mut command = if self.builds_std { self.debians_cargo() } else { cargo::program() };
         command.current_dir(folder).env("CARGO_TARGET_DIR", built).args(arguments).args(["--target", self.target]);
         provide::succeed(&mut command)
     }
 
     /// Debian's cargo with its rustc, as `rustc-web` and `rust-web-src` install them.
-    fn from_source(&self) -> Command {
+    fn debians_cargo(&self) -> Command {
         let mut command = Command::new("/usr/bin/cargo");
         let mut path = OsString::from("/usr/bin:");
         path.push(env::var_os("PATH").unwrap_or_default());
