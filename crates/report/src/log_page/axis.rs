@@ -4,7 +4,7 @@ use maud::html;
 
 use super::figure::{Figure, Ink, Mark, Panel, Sample, holding};
 use crate::number::significant;
-use crate::{LogAxis, LogPoint, LogReport};
+use crate::{LeftOut, LogAxis, LogPoint, LogReport};
 use zerorate_fit::direction::warming;
 
 /// Time in the unit that suits its span: its name and the seconds in it.
@@ -71,38 +71,36 @@ pub(crate) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure
         let points = axis.points.iter().zip(&warming).filter(|(_, warming)| **warming == up);
         points.map(|(point, _)| (point.temperature, of(point))).collect()
     };
-    let shaded = |mut panel: Panel| {
-        if let Some(unit_s) = time.unit_s {
-            for stretch in &report.left_out {
-                panel = panel.with(Mark::Band(Ink::LeftOut, stretch.start_s / unit_s, stretch.end_s / unit_s));
-            }
-        }
-        panel
+    let excluded = |unit_s: f64| {
+        let band =
+            move |interval: &LeftOut| Mark::Band(Ink::Excluded, interval.start_s / unit_s, interval.end_s / unit_s);
+        report.left_out.iter().map(band)
     };
     let ends = holding(over_time(|p| p.rate).into_iter().map(|point| point.0));
+    let over_time_panel = |title: String, up: &str, marks: Vec<Mark>| {
+        let bands = time.unit_s.into_iter().flat_map(excluded);
+        Panel { x_range: ends, ..Panel::new(title, &time.name, up, bands.chain(marks).collect::<Vec<_>>()) }
+    };
     // In the order of time: with a history the prediction is a loop, and by temperature it would jump to and fro.
     let curve: Vec<(f64, f64)> = axis.points.iter().map(|p| (p.temperature, p.rate - p.corrected)).collect();
     let name = &axis.name;
-    let time_raw = shaded(Panel::new(format!("{name}: rate against time"), &time.name, &raw_name).with_x_range(ends))
-        .with(Mark::Dots(Ink::Raw, over_time(|p| p.rate)));
-    let time_left = shaded(
-        Panel::new(format!("{name}: corrected rate against time"), &time.name, &left_name)
-            .with_height(Panel::SHORT)
-            .with_x_range(ends),
-    )
-    .with(Mark::Dots(Ink::Corrected, over_time(|p| p.corrected)))
-    .with(Mark::Level(Ink::Aim, 0.0));
-    let warm_raw =
-        Panel::new(format!("{name}: rate against temperature, with the curve"), &temperature_name, &raw_name)
-            .with(Mark::Dots(Ink::Heating, going(true, |p| p.rate)))
-            .with(Mark::Dots(Ink::Cooling, going(false, |p| p.rate)))
-            .with(Mark::Line(Ink::Curve, curve));
-    let warm_raw = band(axis).into_iter().fold(warm_raw, |panel, edge| panel.with(Mark::Line(Ink::Aim, edge)));
-    let warm_left = Panel::new(format!("{name}: corrected rate against temperature"), &temperature_name, &left_name)
-        .with_height(Panel::SHORT)
-        .with(Mark::Dots(Ink::Heating, going(true, |p| p.corrected)))
-        .with(Mark::Dots(Ink::Cooling, going(false, |p| p.corrected)))
-        .with(Mark::Level(Ink::Aim, 0.0));
+    let raw = vec![Mark::Dots(Ink::Raw, over_time(|p| p.rate))];
+    let time_raw = over_time_panel(format!("{name}: rate against time"), &raw_name, raw);
+    let left = vec![Mark::Dots(Ink::Corrected, over_time(|p| p.corrected)), Mark::Level(Ink::Aim, 0.0)];
+    let time_left = over_time_panel(format!("{name}: corrected rate against time"), &left_name, left);
+    let both = |of: fn(&LogPoint) -> f64| {
+        vec![Mark::Dots(Ink::Heating, going(true, of)), Mark::Dots(Ink::Cooling, going(false, of))]
+    };
+    let mut raw = both(|p| p.rate);
+    raw.push(Mark::Line(Ink::Curve, curve));
+    raw.extend(band(axis).into_iter().map(|edge| Mark::Line(Ink::Aim, edge)));
+    let title = format!("{name}: rate against temperature, with the curve");
+    let warm_raw = Panel::new(title, &temperature_name, &raw_name, raw);
+    let mut left = both(|p| p.corrected);
+    left.push(Mark::Level(Ink::Aim, 0.0));
+    let title = format!("{name}: corrected rate against temperature");
+    let warm_left = Panel::new(title, &temperature_name, &left_name, left);
+    let short = |panel| Panel { height: Panel::SHORT, ..panel };
     let mut key =
         vec![(Ink::Raw, Sample::Dot, "recorded".to_owned()), (Ink::Corrected, Sample::Dot, "corrected".to_owned())];
     for (up, ink, name) in [(true, Ink::Heating, "heating"), (false, Ink::Cooling, "cooling")] {
@@ -115,7 +113,7 @@ pub(crate) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure
         key.push((Ink::Aim, Sample::Line, "where 95 of 100 averages are expected".to_owned()));
     }
     if !report.left_out.is_empty() && time.unit_s.is_some() {
-        key.push((Ink::LeftOut, Sample::Patch, "left out".to_owned()));
+        key.push((Ink::Excluded, Sample::Patch, "left out".to_owned()));
     }
     Figure {
         id: format!("axis-{}", place + 1),
@@ -125,6 +123,6 @@ pub(crate) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure
             "(in-sample, " (significant(axis.in_sample.rms, 3)) " " (axis.rate_unit) " rms)."
         },
         key,
-        columns: vec![vec![time_raw, time_left], vec![warm_raw, warm_left]],
+        columns: vec![vec![time_raw, short(time_left)], vec![warm_raw, short(warm_left)]],
     }
 }

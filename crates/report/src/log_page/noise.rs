@@ -85,17 +85,15 @@ fn figure(report: &LogReport, axes: &[(&LogAxis, &Allan)]) -> Figure {
         let of = |value: fn(&zerorate_fit::allan::AllanPoint) -> f64| -> Vec<(f64, f64)> {
             allan.points.iter().map(|point| (point.tau_s.log10(), value(point).log10())).collect()
         };
-        Panel::new(
-            format!("{}: Allan deviation of the residual", axis.name),
-            "averaging time, s",
-            format!("{}: Allan deviation, {}", axis.name, axis.rate_unit),
-        )
-        .with_height(260)
-        .with_logarithms()
-        .with(Mark::Line(Ink::Aim, of(|point| point.low)))
-        .with(Mark::Line(Ink::Aim, of(|point| point.high)))
-        .with(Mark::Line(Ink::X, of(|point| point.deviation)))
-        .with(Mark::Dots(Ink::X, of(|point| point.deviation)))
+        let marks = [
+            Mark::Line(Ink::Aim, of(|point| point.low)),
+            Mark::Line(Ink::Aim, of(|point| point.high)),
+            Mark::Line(Ink::X, of(|point| point.deviation)),
+            Mark::Dots(Ink::X, of(|point| point.deviation)),
+        ];
+        let title = format!("{}: Allan deviation of the residual", axis.name);
+        let up = format!("{}: Allan deviation, {}", axis.name, axis.rate_unit);
+        Panel { height: 2600, logarithms: true, ..Panel::new(title, "averaging time, s", up, marks) }
     };
     let mut columns = vec![Vec::new(), Vec::new()];
     axes.iter().enumerate().for_each(|(place, axis)| columns[place % 2].push(panel(axis)));
