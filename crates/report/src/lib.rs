@@ -8,7 +8,7 @@ mod log;
 mod log_page;
 mod lot;
 mod lot_page;
-mod number;
+pub mod number;
 mod page;
 mod paper;
 
