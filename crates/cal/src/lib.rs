@@ -10,6 +10,7 @@ pub mod export;
 pub mod fit;
 pub mod log;
 pub mod log_fit;
+mod named;
 mod parquet_source;
 pub mod quality;
 pub mod ramp_fit;
