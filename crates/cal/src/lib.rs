@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod apply;
+pub mod board_run;
 pub mod calibration;
 pub mod characterise;
 pub mod compose;
@@ -16,6 +17,7 @@ pub mod quality;
 pub mod ramp_fit;
 pub mod recording;
 pub mod source;
+pub mod summary;
 pub mod table;
 pub mod trace;
 pub mod units;

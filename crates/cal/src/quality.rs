@@ -1,10 +1,12 @@
 //! The verdict on a log, with its reasons.
 
+mod advice;
+
 use serde::{Deserialize, Serialize};
 
 use crate::units::TemperatureUnit;
 
-/// Groups a coefficient, at least: fewer, and a stretch held out takes a coefficient's data with it.
+/// Groups a coefficient, at least: fewer, and a fold held out takes a coefficient's data with it.
 pub const MIN_ROWS_A_COEFFICIENT: u64 = 2;
 
 /// The share of dropped rows above which a log is warned of.
@@ -39,7 +41,7 @@ pub enum ReasonKind {
     CutRun,
     /// Rejected: most groups of the span are missing, or their numbers are damaged.
     LostGroups,
-    /// Rejected: the reading never changes over an eighth of the recording.
+    /// Rejected: the reading never changes over a fold of the recording.
     StuckReading,
     /// Rejected: groups far from the curve, too many or too far for noise.
     Outliers,
@@ -55,7 +57,7 @@ pub enum ReasonKind {
     MissingValues,
     /// Warning: single rows far from their neighbours.
     Spikes,
-    /// Warning: a stretch in which the unit was moved.
+    /// Warning: an interval in which the unit was moved.
     Rotation,
     /// Warning: the rate jumped and stayed, with no change of temperature to match.
     Step,

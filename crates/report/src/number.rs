@@ -13,6 +13,11 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     if value.is_finite() { set(&format!("{:.decimals$}", value.abs()), value < 0.0) } else { NONE.to_owned() }
 }
 
+/// For a page: the same of a number that may not be known.
+pub(crate) fn fixed_or_none(value: Option<f64>, decimals: usize) -> String {
+    fixed(value.unwrap_or(f64::NAN), decimals)
+}
+
 /// For a page: a number in the fewest digits that give it back, as people write a limit; an en dash when it is none.
 pub(crate) fn exact(value: f64) -> String {
     if value.is_finite() { set(&value.abs().to_string(), value < 0.0) } else { NONE.to_owned() }

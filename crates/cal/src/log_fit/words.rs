@@ -19,7 +19,7 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
     judgement.dropped(ReasonKind::Spikes, name, what, spikes, sensor.rows);
     if is_coarse(sensor) {
         let text = format!(
-            "the temperature comes in steps of {:.2} {unit}: they were drawn to a slope, and the curve is blurred by them",
+            "the temperature comes in steps of {:.2} {unit}: it was smoothed, which makes the curve less exact",
             sensor.temperature_step
         );
         judgement.add(Reason::new(ReasonKind::CoarseTemperature, text));
