@@ -64,7 +64,7 @@ fn axis(gyro: &Gyro) -> CalibratedAxis {
         deployed_rms: None,
         ends_rms: None,
         by_direction_rms: None,
-        ridge: None,
+        shrinkage_weight: None,
         chosen: order == 2,
     };
     let drift = DriftFacts {
