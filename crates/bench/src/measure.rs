@@ -127,6 +127,7 @@ pub fn measure_on(
         let model = trim.trim(setup.centre(), Some(effects)).map_err(|error| failed(&error))?;
         let calibration = TrimCalibration {
             trim: model,
+            points: trim.points.clone(),
             paired: Some(trim.paired),
             paper: Some(trim.paper),
             dead_band_taps: setup.trim.dead_band_taps,

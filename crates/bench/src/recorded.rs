@@ -81,6 +81,7 @@ fn nominal_trim(setup: &SetUp) -> Result<TrimCalibration, BenchError> {
     let line = line.ok_or_else(|| composed(&"the set-up's board.input_volts_per_count makes no trim"))?;
     Ok(TrimCalibration {
         trim: Trim { line, measured: None },
+        points: Vec::new(),
         paired: None,
         paper: None,
         dead_band_taps: setup.trim.dead_band_taps,

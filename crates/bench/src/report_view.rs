@@ -6,8 +6,8 @@ use zerorate_core::units::Axis;
 use zerorate_fit::least_squares::raw_coefficients;
 use zerorate_fit::trim::TrimEstimate;
 use zerorate_report::{
-    AxisSoaks, CalibratedAxis, CalibrationReport, CandidateRow, CompensationTest, Direction, DriftFacts, Mode,
-    RampPoint, SoakComparison, SoakPoint, TapDeviation, TestPoint, TrimFacts, TrimLine, TrimPoint, UnitFacts,
+    AxisSoaks, CalibratedAxis, CalibrationReport, CompensationTest, Direction, DriftFacts, Mode, RampPoint,
+    SoakComparison, SoakPoint, TapDeviation, TestPoint, TrimFacts, TrimLine, TrimPoint, UnitFacts,
 };
 
 use crate::calibrated::Calibrated;
@@ -72,13 +72,6 @@ fn drift_facts(measured: &MeasuredAxis) -> DriftFacts {
     let drift = &measured.drift.calibration;
     let statistics = &drift.fit.statistics;
     let is_polynomial = matches!(drift.drift().shape, zerorate_core::drift::Shape::Polynomial(_));
-    let candidates = statistics.candidates.iter().map(|candidate| CandidateRow {
-        model: candidate.model.clone(),
-        in_sample_rms: candidate.in_sample_rms,
-        held_out_rms: candidate.held_out_rms.unwrap_or(f64::NAN),
-        standard_error: candidate.held_out_excess_standard_error.unwrap_or(f64::NAN),
-        chosen: candidate.chosen,
-    });
     DriftFacts {
         model: drift.fit.chosen_model(),
         remembers: drift.fit.model.history.is_some(),
@@ -88,8 +81,7 @@ fn drift_facts(measured: &MeasuredAxis) -> DriftFacts {
         fit_rms_counts: statistics.in_sample.rms,
         held_out_rms_counts: statistics.held_out.map_or(f64::NAN, |residual| residual.rms),
         curve_error_counts: measured.curve_error_counts,
-        // A model that was asked for had no rivals, and there is no choice to show.
-        candidates: if statistics.candidates.len() > 1 { candidates.collect() } else { Vec::new() },
+        candidates: statistics.candidates.clone(),
     }
 }
 

@@ -43,6 +43,24 @@ pub enum DropReason {
     FrozenTemperature,
 }
 
+impl DropReason {
+    /// In words, as they stand behind a count of rows.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::MissingTemperature => "no number for the temperature",
+            Self::MissingRate => "no number for the rate",
+            Self::StartUp => "start-up, before the readings settle",
+            Self::TemperatureSpike => "temperature far from its neighbours",
+            Self::Spike => "rate far from its neighbours",
+            Self::Rotation => "the unit was moved",
+            Self::Step => "the rate stepped",
+            Self::Gap => "nothing was logged for a while",
+            Self::FrozenTemperature => "the temperature stood still",
+        }
+    }
+}
+
 /// A count of rows left out for one reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Rejected {

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod apply;
+pub mod board_run;
 pub mod calibration;
 pub mod characterise;
 pub mod compose;
@@ -10,11 +11,13 @@ pub mod export;
 pub mod fit;
 pub mod log;
 pub mod log_fit;
+mod named;
 mod parquet_source;
 pub mod quality;
 pub mod ramp_fit;
 pub mod recording;
 pub mod source;
+pub mod summary;
 pub mod table;
 pub mod trace;
 pub mod units;

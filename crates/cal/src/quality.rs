@@ -1,5 +1,7 @@
 //! The verdict on a log, with its reasons.
 
+mod advice;
+
 use serde::{Deserialize, Serialize};
 
 use crate::units::TemperatureUnit;

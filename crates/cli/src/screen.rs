@@ -1,7 +1,6 @@
 //! What people see: pages of text on standard output, JSON instead when asked for, notes and errors beside them.
 
 mod grid;
-mod number;
 mod rate;
 
 use std::borrow::Cow;
@@ -12,8 +11,8 @@ use console::{Style, StyledObject, Term};
 use serde::Serialize;
 
 pub use grid::Grid;
-pub use number::{aligned, significant, thousands};
 pub use rate::RateScale;
+pub use zerorate_report::number::{aligned, thousands, three_digits};
 
 /// Lines longer than this are hard to read, however wide the terminal.
 const WIDEST: usize = 100;

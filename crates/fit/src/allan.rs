@@ -67,7 +67,7 @@ pub enum NoAllan {
         samples: usize,
     },
     /// The time between samples is no time.
-    #[error("the time between samples is {period_s} s: the log needs a time column that rises")]
+    #[error("the time between samples is not known, or not above zero: the log needs a time column that rises")]
     NoPeriod {
         /// The time between samples, seconds.
         period_s: f64,

@@ -100,18 +100,3 @@ pub struct Check {
     /// Whether it is within the limit.
     pub pass: bool,
 }
-
-/// One candidate model and what it did on data it had not seen, for the table that shows the choice.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CandidateRow {
-    /// The model, as `poly:2`.
-    pub model: String,
-    /// Root mean square of the residual, in-sample, rate units or counts.
-    pub in_sample_rms: f64,
-    /// Root mean square of the residual, held out, rate units or counts.
-    pub held_out_rms: f64,
-    /// Standard error of `held_out_rms`.
-    pub standard_error: f64,
-    /// Whether it was chosen.
-    pub chosen: bool,
-}

@@ -12,13 +12,13 @@ use maud::{Markup, html};
 
 use super::calibration::CalibrationReport;
 use super::figure::Ink;
-use super::page;
+use super::page::{self, Chapter};
 
 impl CalibrationReport {
     /// The report as one self-contained HTML file. Equal reports make equal bytes.
     #[must_use]
     pub fn to_html(&self) -> String {
-        let mut chapters: Vec<(&str, &str, Markup)> = vec![
+        let mut chapters: Vec<Chapter> = vec![
             ("drift", "The drift", drift::chapter(self)),
             ("trim", "The trim", trim::chapter(self)),
             ("compensation", "The compensation test", compensation::chapter(self)),
@@ -29,12 +29,7 @@ impl CalibrationReport {
         }
         chapters.push(("checks", "What was checked", reading::checks(self)));
         chapters.push(("reading", "How to read the numbers", reading::definitions(self)));
-        let links: Vec<(&str, &str)> = chapters.iter().map(|(id, heading, _)| (*id, *heading)).collect();
-        let body = html! {
-            header { (headline::headline(self)) (page::contents(&links)) }
-            main { @for (id, heading, chapter) in &chapters { (page::section(id, heading, chapter)) } }
-        };
-        page::page(&format!("Calibration of {}", self.unit.serial), &body)
+        page::page(&format!("Calibration of {}", self.unit.serial), &headline::headline(self), &chapters)
     }
 }
 

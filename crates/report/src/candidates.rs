@@ -1,46 +1,47 @@
-//! The table of candidate models, the same for a calibration and for a log.
+//! The table of candidate models, the same for a board and for a log.
 
 use maud::{Markup, html};
+use zerorate_fit::drift_fit::Candidate;
 
-use super::calibration::CandidateRow;
-use super::number::{decimals_for, fixed, thousandfold};
+use super::number::{decimals_for, fixed, fixed_or_none, thousandfold};
 use super::page::Table;
 
 /// Rows at most: the one chosen, and those that predict best.
 const SHOWN: usize = 12;
 
-/// The candidates of one axis; nothing where none are given.
-pub(super) fn table(axis: &str, candidates: &[CandidateRow], unit: &str) -> Markup {
-    if candidates.is_empty() {
+/// The candidates of one axis; nothing where one model was asked for, for then there was no choice.
+pub(super) fn table(axis: &str, candidates: &[Candidate], unit: &str) -> Markup {
+    if candidates.len() < 2 {
         return html! {};
     }
     let all = candidates.len();
     let candidates = shown(candidates);
-    let held_out = || candidates.iter().map(|candidate| candidate.held_out_rms);
+    let held_out = || candidates.iter().filter_map(|candidate| candidate.held_out_rms);
     let (factor, unit) = thousandfold(held_out().fold(0.0, f64::max), unit);
     let decimals = 1 + decimals_for(held_out().fold(f64::INFINITY, f64::min) / factor);
-    let scaled = |value: f64| html! { (fixed(value / factor, decimals)) };
+    let scaled = |value: Option<f64>| html! { (fixed_or_none(value.map(|value| value / factor), decimals)) };
     let heads = ["Model", "In-sample rms", "Held-out rms", "± standard error"];
-    let row = |candidate: &CandidateRow| {
+    let row = |candidate: &Candidate| {
         vec![
             html! { (candidate.model) @if candidate.chosen { " ✓" } },
-            scaled(candidate.in_sample_rms),
+            html! { (fixed(candidate.in_sample_rms / factor, decimals)) },
             scaled(candidate.held_out_rms),
-            scaled(candidate.standard_error),
+            scaled(candidate.held_out_excess_standard_error),
         ]
     };
     let caption = html! {
-        b { (axis) } ": models compared on contiguous stretches that each was not fitted to; the simplest within one "
-        "standard error of the best is taken (✓). In " (unit) "."
+        b { (axis) } ": models compared by blocked cross-validation; the simplest within one standard error of the best is "
+        "taken (✓). In " (unit) "."
         @if all > candidates.len() { " The " (candidates.len()) " of " (all) " that predict best." }
     };
     Table { caption, heads: &heads, rows: candidates.into_iter().map(row).collect(), numbers_from: 1 }.markup()
 }
 
 /// The candidates worth a row, in their order.
-fn shown(candidates: &[CandidateRow]) -> Vec<&CandidateRow> {
-    let mut errors: Vec<f64> = candidates.iter().map(|candidate| candidate.held_out_rms).collect();
+fn shown(candidates: &[Candidate]) -> Vec<&Candidate> {
+    let held_out = |candidate: &Candidate| candidate.held_out_rms.unwrap_or(f64::NAN);
+    let mut errors: Vec<f64> = candidates.iter().map(held_out).collect();
     errors.sort_by(f64::total_cmp);
     let most = errors.get(SHOWN - 1).copied().unwrap_or(f64::INFINITY);
-    candidates.iter().filter(|candidate| candidate.chosen || candidate.held_out_rms <= most).collect()
+    candidates.iter().filter(|candidate| candidate.chosen || held_out(candidate) <= most).collect()
 }

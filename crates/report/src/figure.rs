@@ -1,16 +1,21 @@
 //! Figures: panels side by side with a key and a caption. A page shows two panels a row on a desktop and one on a phone,
 //! so that one drawing serves both and its type stays legible.
 
+mod frame;
 mod ink;
+mod mark;
 mod panel;
+mod path;
 mod scale;
-mod svg;
 mod thin;
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 pub(super) use ink::Ink;
-pub(super) use panel::{Mark, Panel, Side, holding};
+pub(super) use mark::{Mark, Side};
+pub(super) use panel::Panel;
+use path::{Path, SPARSE, markers};
+pub(super) use scale::{extent, holding};
 
 /// How an ink is shown in a key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,19 +48,13 @@ impl Figure {
         html! {
             figure id=(self.id) {
                 @if !self.key.is_empty() {
-                    ul.key {
-                        @for (ink, sample, text) in &self.key { li { (swatch(*ink, *sample)) " " (text) } }
-                    }
+                    ul.key { @for (ink, sample, text) in &self.key { li { (swatch(*ink, *sample)) " " (text) } } }
                 }
-                div.panels {
-                    @for (column, panels) in self.columns.iter().enumerate() {
-                        div {
-                            @for (row, panel) in panels.iter().enumerate() {
-                                (PreEscaped(panel.svg(&format!("{}-{column}{row}", self.id))))
-                            }
-                        }
+                div.panels { @for (column, panels) in self.columns.iter().enumerate() { div {
+                    @for (row, panel) in panels.iter().enumerate() {
+                        (panel.markup(&format!("{}-{column}{row}", self.id)))
                     }
-                }
+                } } }
                 figcaption { b { (self.name) "." } " " (self.caption) }
             }
         }
@@ -64,15 +63,10 @@ impl Figure {
 
 /// A small drawing of an ink, to stand in a key. It says nothing that the word beside it does not.
 fn swatch(ink: Ink, sample: Sample) -> Markup {
-    let class = ink.class();
-    let path = match (sample, ink.marker()) {
-        (Sample::Line, _) => format!(r#"<path class="l {class}" d="m10 70h280"/>"#),
-        (Sample::Patch, _) => format!(r#"<path class="a {class}" d="m10 10h280v120h-280z"/>"#),
-        (Sample::Dot, ink::Marker::Dot) => format!(r#"<path class="d big {class}" d="m150 70h0"/>"#),
-        (Sample::Dot, ink::Marker::Ring) => {
-            format!(r#"<path class="m {class}" d="m111 70a39 39 0 1 0 78 0a39 39 0 1 0-78 0z"/>"#)
-        }
-        (Sample::Dot, ink::Marker::Triangle) => format!(r#"<path class="m {class}" d="m150 26l34 66h-68z"/>"#),
+    let drawing = match sample {
+        Sample::Line => Path::default().line([(10, 70), (290, 70)]).markup("l", ink.class()),
+        Sample::Patch => Path::default().line([(10, 10), (290, 10), (290, 130), (10, 130)]).markup("a", ink.class()),
+        Sample::Dot => markers([(150, 70)], ink, SPARSE),
     };
-    PreEscaped(format!(r#"<svg class="swatch" viewBox="0 0 300 140" aria-hidden="true">{path}</svg>"#))
+    html! { svg.swatch viewBox="0 0 300 140" aria-hidden="true" { (drawing) } }
 }

@@ -4,17 +4,16 @@ mod calibration;
 mod calibration_page;
 mod candidates;
 mod figure;
-mod log;
 mod log_page;
 mod lot;
 mod lot_page;
-mod number;
+pub mod number;
 mod page;
 mod paper;
 
 pub use calibration::{
-    AxisSoaks, CalibratedAxis, CalibrationReport, CandidateRow, Check, CompensationTest, Curve, Direction, DriftFacts,
-    Mode, RampPoint, SoakComparison, SoakPoint, TapDeviation, TestPoint, TrimFacts, TrimLine, TrimPoint, UnitFacts,
+    AxisSoaks, CalibratedAxis, CalibrationReport, Check, CompensationTest, Curve, Direction, DriftFacts, Mode,
+    RampPoint, SoakComparison, SoakPoint, TapDeviation, TestPoint, TrimFacts, TrimLine, TrimPoint, UnitFacts,
 };
-pub use log::{LeftOut, LogAxis, LogPoint, LogReport, Parameters, RejectedSamples};
+pub use log_page::LogPage;
 pub use lot::{LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};

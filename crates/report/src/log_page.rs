@@ -1,242 +1,274 @@
-//! The report of a log as a page.
+//! The page of a log's fit.
 
 pub(super) mod axis;
 mod noise;
 mod parameters;
 
 use maud::{Markup, html};
-
-use super::log::{LeftOut, LogAxis, LogReport};
-use super::number::{decimals_for, fixed, polynomial, thousandfold, whole};
-use super::page::{self, Table};
-use super::{candidates, figure};
+use zerorate_cal::condition::{Excluded, Rejected};
+use zerorate_cal::export::Format;
+use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
+use zerorate_cal::units::{RateUnit, TemperatureUnit};
+use zerorate_core::drift::Shape;
+use zerorate_fit::least_squares::raw_coefficients;
+use zerorate_fit::residual::ResidualStatistics;
 
-impl LogReport {
-    /// The report as one self-contained HTML file. Equal reports make equal bytes.
+use super::candidates;
+use super::number::{decimals_for, fixed, polynomial, thousandfold, whole};
+use super::page::{self, Chapter, Table, told};
+
+/// The page of a log's fit, and what its caller knows besides.
+#[derive(Debug, Clone, Copy)]
+pub struct LogPage<'a> {
+    /// The fit.
+    pub fit: &'a LogFit,
+    /// The command to type next, if there is one.
+    pub next_command: Option<&'a str>,
+    /// The command that writes the parameters of a program to a file, if there is one.
+    pub export_command: Option<fn(Format) -> String>,
+}
+
+impl LogPage<'_> {
+    /// The page as one self-contained HTML file. Equal fits make equal bytes.
     #[must_use]
     pub fn to_html(&self) -> String {
-        let mut chapters: Vec<(&str, &str, Markup)> = Vec::new();
-        if !self.axes.is_empty() {
-            chapters.push(("axes", "Before and after", self.before_and_after()));
+        let fit = self.fit;
+        let source = fit.source();
+        // The last part of the path is the heading, and the rest stands in small type above it.
+        let file = source.rsplit(['/', '\\']).next().unwrap_or(&source);
+        let mut chapters: Vec<Chapter> = Vec::new();
+        if !fit.axes.is_empty() {
+            chapters.push(("axes", "Before and after", before_and_after(fit)));
         }
-        if !self.left_out.is_empty() || self.axes.iter().any(|axis| !axis.samples_rejected.is_empty()) {
-            chapters.push(("left-out", "What was left out", self.what_was_left_out()));
+        if !fit.excluded.is_empty() || fit.axes.iter().any(|axis| !axis.samples_rejected.is_empty()) {
+            chapters.push(("excluded", "What was excluded", excluded(fit)));
         }
-        if !self.axes.is_empty() {
-            chapters.push(("models", "The choice of the model", self.models()));
-            if self.axes.iter().any(|axis| axis.characteristics.is_some()) {
-                chapters.push(("noise", "Noise and sensitivities", noise::chapter(self)));
-            }
-            chapters.push(("coefficients", "Coefficients to copy", self.coefficients()));
-            if !self.parameters.is_empty() {
-                chapters.push(("parameters", "Parameters to copy", parameters::chapter(&self.parameters)));
-            }
+        if fit.axes.iter().any(|axis| axis.calibration.fit.statistics.candidates.len() > 1) {
+            chapters.push(("models", "The choice of the model", models(fit)));
         }
-        if !self.advice.is_empty() {
-            let advice = html! { ul.reasons { @for sentence in &self.advice { li { (sentence) } } } };
+        if !fit.axes.is_empty() {
+            chapters.push(("noise", "Noise and sensitivities", noise::chapter(fit)));
+            chapters.push(("coefficients", "Coefficients to copy", coefficients(fit)));
+            let parameters = parameters::chapter(fit, self.export_command);
+            chapters.extend(parameters.map(|chapter| ("parameters", "Parameters to copy", chapter)));
+        }
+        let advice = fit.judgement.advice();
+        if !advice.is_empty() {
+            let advice = html! { ul.reasons { @for sentence in advice { li { (told(sentence)) } } } };
             chapters.push(("advice", "How to get a better log", advice));
         }
         chapters.push(("reading", "How to read the numbers", definitions()));
-        let links: Vec<(&str, &str)> = chapters.iter().map(|(id, heading, _)| (*id, *heading)).collect();
-        let body = html! {
-            header { (self.headline()) (page::contents(&links)) }
-            main { @for (id, heading, chapter) in &chapters { (page::section(id, heading, chapter)) } }
-        };
-        page::page_with_script(&format!("Fit of {}", self.file_name()), &body, parameters::SCRIPT)
+        let title = format!("Fit of {file}");
+        page::page_with_script(&title, &self.headline(&source, file), &chapters, parameters::SCRIPT)
     }
 
-    fn headline(&self) -> Markup {
+    fn headline(&self, source: &str, file: &str) -> Markup {
+        let fit = self.fit;
         html! {
             p.over { "Fit of a gyroscope’s drift over temperature" }
-            h1 { (self.file_name()) }
-            @if self.file_name() != self.source { p.over { (self.source) } }
-            p { (page::verdict(self.verdict)) }
-            p.lead { (self.lead()) }
-            @if !self.reasons.is_empty() {
-                ul.reasons { @for reason in &self.reasons { li { (reason.text) } } }
+            h1 { (file) }
+            @if file != source { p.over { (source) } }
+            p { (page::verdict(fit.judgement.verdict)) }
+            p.lead { (lead(fit)) }
+            @if !fit.judgement.reasons.is_empty() {
+                ul.reasons { @for reason in fit.reasons() { li { (told(reason)) } } }
             }
-            @if let Some(command) = &self.next_command { p { "Next:" } pre { code { (command) } } }
-            @if !self.axes.is_empty() { (self.summary()) }
-            @if !self.notes.is_empty() { ul.reasons.small { @for note in &self.notes { li { (note) } } } }
+            @if let Some(command) = self.next_command { p { "Next:" } pre { code { (command) } } }
+            @for unit in units(fit) { (summary(fit, unit)) }
+            @if !fit.notes.is_empty() { ul.reasons.small { @for note in &fit.notes { li { (told(note)) } } } }
         }
     }
+}
 
-    /// The last part of the source's path: the rest is in small type below it.
-    fn file_name(&self) -> &str {
-        self.source.rsplit(['/', '\\']).next().unwrap_or(&self.source)
+/// The unit of a log's temperatures, as it stands behind a number.
+fn degree(fit: &LogFit) -> &'static str {
+    match fit.axes.first().map(|axis| axis.temperature_unit) {
+        Some(TemperatureUnit::C) => "°C",
+        Some(TemperatureUnit::Counts) => "counts",
+        None => "",
     }
+}
 
-    fn lead(&self) -> Markup {
-        match (self.verdict, self.axes.len()) {
-            (Verdict::Rejected, _) | (_, 0) => html! { "No calibration comes of this log." },
-            (_, axes) => html! {
-                (axes) @if axes == 1 { " axis was" } @else { " axes were" }
-                " fitted. What counts is the held-out residual: what the model leaves of data it has not seen."
-            },
+fn lead(fit: &LogFit) -> Markup {
+    match (fit.judgement.verdict, fit.axes.len()) {
+        (Verdict::Rejected, _) | (_, 0) => html! { "No calibration comes of this log." },
+        (_, axes) => html! {
+            (axes) @if axes == 1 { " axis was" } @else { " axes were" }
+            " fitted. What counts is the held-out residual: what the model leaves of data it has not seen."
+        },
+    }
+}
+
+/// The units of the rates, each once, in the order of the axes.
+fn units(fit: &LogFit) -> Vec<RateUnit> {
+    let mut units: Vec<RateUnit> = Vec::new();
+    for axis in &fit.axes {
+        if !units.contains(&axis.calibration.rate_unit) {
+            units.push(axis.calibration.rate_unit);
         }
     }
+    units
+}
 
-    /// One row an axis: what the model brings.
-    fn summary(&self) -> Markup {
-        let mut units: Vec<&str> = Vec::new();
-        for axis in &self.axes {
-            if !units.contains(&axis.rate_unit.as_str()) {
-                units.push(&axis.rate_unit);
-            }
-        }
-        html! { @for unit in units { (self.summary_in(unit)) } }
+/// What was recorded of an axis, about its mean.
+fn before(axis: &AxisFit) -> ResidualStatistics {
+    let rates: Vec<f64> = axis.trace.iter().map(|point| point.rate).filter(|rate| rate.is_finite()).collect();
+    ResidualStatistics::about_mean(&rates).0
+}
+
+/// What the model brings: one row an axis of a unit.
+fn summary(fit: &LogFit, unit: RateUnit) -> Markup {
+    let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| axis.calibration.rate_unit == unit).collect();
+    let largest = axes.iter().map(|axis| before(axis).pp).fold(0.0, f64::max);
+    let (factor, rate) = thousandfold(largest, &unit.to_string());
+    // Three digits of the smallest axis, at most.
+    let in_sample = |axis: &AxisFit| axis.calibration.fit.statistics.in_sample.rms;
+    let smallest = axes.iter().map(|axis| in_sample(axis)).fold(f64::INFINITY, f64::min);
+    let scaled = |value: f64| html! { (fixed(value / factor, decimals_for(smallest / factor))) };
+    let row = |axis: &&AxisFit| {
+        let (before, statistics) = (before(axis), &axis.calibration.fit.statistics);
+        let held_out = statistics.held_out.unwrap_or(ResidualStatistics::NONE);
+        vec![
+            html! { (axis.name) },
+            html! { (axis.calibration.fit.chosen_model()) },
+            scaled(before.rms),
+            scaled(held_out.rms),
+            html! { (fixed(before.rms / held_out.rms, 1)) },
+            scaled(statistics.in_sample.rms),
+            scaled(before.pp),
+            scaled(held_out.pp),
+            html! { (whole(statistics.samples_used)) },
+        ]
+    };
+    Table {
+        caption: html! {
+            "Before and after, in " (rate) ". Before is about its own mean; held out is each fold, less the prediction of a "
+            "model that was fitted to the others."
+        },
+        heads: &[
+            "Axis",
+            "Model",
+            "Before, rms",
+            "Held out, rms",
+            "Times smaller",
+            "In-sample, rms",
+            "Before, pp",
+            "Held out, pp",
+            "Samples",
+        ],
+        rows: axes.iter().map(row).collect(),
+        numbers_from: 2,
     }
+    .markup()
+}
 
-    /// The axes of one unit.
-    fn summary_in(&self, unit: &str) -> Markup {
-        let axes: Vec<&LogAxis> = self.axes.iter().filter(|axis| axis.rate_unit == unit).collect();
-        let largest = axes.iter().map(|axis| spread_of(axis).1).fold(0.0, f64::max);
-        let (factor, rate) = thousandfold(largest, unit);
-        // Three digits of the smallest axis, at most.
-        let smallest = axes.iter().map(|axis| axis.in_sample.rms).fold(f64::INFINITY, f64::min);
-        let scaled = |value: f64| html! { (fixed(value / factor, decimals_for(smallest / factor))) };
-        let row = |axis: &&LogAxis| {
-            let before = spread_of(axis);
-            vec![
-                html! { (axis.name) },
-                html! { (axis.model) },
-                scaled(before.0),
-                scaled(axis.held_out.rms),
-                html! { (fixed(before.0 / axis.held_out.rms, 1)) },
-                scaled(axis.in_sample.rms),
-                scaled(before.1),
-                scaled(axis.held_out.pp),
-                html! { (whole(axis.samples_used)) },
-            ]
+fn before_and_after(fit: &LogFit) -> Markup {
+    html! {
+        @for (place, axis) in fit.axes.iter().enumerate() {
+            h3 { (axis.name) }
+            (axis::figure(fit, axis, place).markup())
+        }
+    }
+}
+
+fn excluded(fit: &LogFit) -> Markup {
+    let interval = |interval: &Excluded| {
+        vec![
+            html! { (interval.reason.words()) },
+            html! { (fixed(interval.time_s.0, 0)) },
+            html! { (fixed(interval.time_s.1, 0)) },
+            html! { (fixed(interval.temperature.0, 1)) " to " (fixed(interval.temperature.1, 1)) },
+            html! { (whole(interval.rows.1 - interval.rows.0)) },
+        ]
+    };
+    let rejected = fit.axes.iter().flat_map(|axis| {
+        let row = move |rejected: &Rejected| {
+            vec![html! { (axis.name) }, html! { (rejected.reason.words()) }, html! { (whole(rejected.count)) }]
         };
-        Table {
-            caption: html! {
-                "Before and after, in " (rate) ". Before is about its own mean; held out is about the prediction of a model that has "
-                "not seen the stretch."
-            },
-            heads: &[
-                "Axis",
-                "Model",
-                "Before, rms",
-                "Held out, rms",
-                "Times better",
-                "In-sample, rms",
-                "Before, pp",
-                "Held out, pp",
-                "Samples",
-            ],
-            rows: axes.iter().map(row).collect(),
-            numbers_from: 2,
+        axis.samples_rejected.iter().map(row)
+    });
+    let rejected: Vec<Vec<Markup>> = rejected.collect();
+    html! {
+        @if !fit.excluded.is_empty() {
+            (Table {
+                caption: html! { "Intervals excluded from the fit, shaded in the figures." },
+                heads: &["Why", "From, s", "To, s", &format!("Temperature, {}", degree(fit)), "Rows"],
+                rows: fit.excluded.iter().map(interval).collect(),
+                numbers_from: 1,
+            }.markup())
         }
-        .markup()
+        @if !rejected.is_empty() {
+            (Table {
+                caption: html! { "Samples left out, each axis by itself." },
+                heads: &["Axis", "Why", "Samples"],
+                rows: rejected,
+                numbers_from: 2,
+            }.markup())
+        }
     }
+}
 
-    fn before_and_after(&self) -> Markup {
-        html! {
-            @for (place, axis) in self.axes.iter().enumerate() {
-                h3 { (axis.name) }
-                (axis::figure(self, axis, place).markup())
+fn models(fit: &LogFit) -> Markup {
+    let table = |axis: &AxisFit| {
+        let own = &axis.calibration;
+        candidates::table(&axis.name, &own.fit.statistics.candidates, &own.rate_unit.to_string())
+    };
+    html! { div.pair { @for axis in &fit.axes { (table(axis)) } } }
+}
+
+fn coefficients(fit: &LogFit) -> Markup {
+    html! {
+        p {
+            "Temperature in " (degree(fit))
+            ". Subtract the curve from the rate, and hold the temperature within the valid range."
+        }
+        div.pair { @for (place, axis) in fit.axes.iter().enumerate() { div {
+            @let shape = &axis.calibration.drift().shape;
+            h3 { (axis.name) ", " (axis.calibration.rate_unit) }
+            @if let Shape::Polynomial(_) = shape {
+                div.equation { p { i { "bias" } " = " (polynomial(&raw_coefficients(shape), "T", 5)) } }
             }
-        }
-    }
-
-    fn what_was_left_out(&self) -> Markup {
-        let unit = &self.temperature_unit;
-        let stretch = |stretch: &LeftOut| {
-            vec![
-                html! { (stretch.reason) },
-                html! { (fixed(stretch.start_s, 0)) },
-                html! { (fixed(stretch.end_s, 0)) },
-                html! { (fixed(stretch.temperature[0], 1)) " to " (fixed(stretch.temperature[1], 1)) },
-                html! { (whole(stretch.rows)) },
-            ]
-        };
-        let rejected = self.axes.iter().flat_map(|axis| {
-            axis.samples_rejected.iter().map(move |rejected| {
-                vec![html! { (axis.name) }, html! { (rejected.reason) }, html! { (whole(rejected.count)) }]
-            })
-        });
-        let rejected: Vec<Vec<Markup>> = rejected.collect();
-        html! {
-            @if !self.left_out.is_empty() {
-                (Table {
-                    caption: html! { "Stretches left out of the fit, shaded in the figures." },
-                    heads: &["Why", "From, s", "To, s", &format!("Temperature, {unit}"), "Rows"],
-                    rows: self.left_out.iter().map(stretch).collect(),
-                    numbers_from: 1,
-                }.markup())
-            }
-            @if !rejected.is_empty() {
-                (Table {
-                    caption: html! { "Samples left out, each axis by itself." },
-                    heads: &["Axis", "Why", "Samples"],
-                    rows: rejected,
-                    numbers_from: 2,
-                }.markup())
-            }
-        }
-    }
-
-    fn models(&self) -> Markup {
-        html! {
-            div.pair { @for axis in &self.axes { (candidates::table(&axis.name, &axis.candidates, &axis.rate_unit)) } }
-        }
-    }
-
-    fn coefficients(&self) -> Markup {
-        html! {
-                    p {
-                        "Temperature in " (self.temperature_unit)
-                        ". Subtract the curve from the rate, and hold the temperature within the valid range."
-                    }
-        div.pair { @for (place, axis) in self.axes.iter().enumerate() { div {
-                        h3 { (axis.name) ", " (axis.rate_unit) }
-                        @if axis.is_polynomial {
-                            div.equation { p { i { "bias" } " = " (polynomial(&axis.raw_coefficients, "T", 5)) } }
-                        }
-                        (parameters::to_copy(&format!("coefficients-{}", place + 1), &to_copy(axis)))
-                    } } }
-                }
+            (parameters::to_copy(&format!("coefficients-{}", place + 1), &in_full(axis)))
+        } } }
     }
 }
 
 /// Coefficients in full, as most languages read them: the shortest text that gives back the same double.
-fn to_copy(axis: &LogAxis) -> String {
-    let numbers: Vec<String> = axis.raw_coefficients.iter().map(|c| format!("{c:e}")).collect();
-    let what =
-        if axis.is_polynomial { "lowest power first" } else { "values at equally spaced knots over the valid range" };
+fn in_full(axis: &AxisFit) -> String {
+    let drift = axis.calibration.drift();
+    let numbers: Vec<String> = raw_coefficients(&drift.shape).iter().map(|number| format!("{number:e}")).collect();
+    let what = match drift.shape {
+        Shape::Polynomial(_) => "lowest power first",
+        Shape::Table(_) => "piecewise linear: values at equally spaced knots over the valid range",
+    };
     format!(
         "# {}, {}: {what}\ncoefficients = [\n  {},\n]\nvalid_range = [{}, {}]\n",
         axis.name,
-        axis.model,
+        axis.calibration.fit.chosen_model(),
         numbers.join(",\n  "),
-        axis.temperature[0],
-        axis.temperature[1]
+        drift.valid.min(),
+        drift.valid.max()
     )
 }
 
-/// Root mean square about the mean, and peak to peak, of what was recorded.
-fn spread_of(axis: &LogAxis) -> (f64, f64) {
-    let rates = || axis.points.iter().map(|point| point.rate).filter(|rate| rate.is_finite());
-    let count = rates().count() as f64;
-    let mean = rates().sum::<f64>() / count;
-    let rms = (rates().map(|rate| (rate - mean).powi(2)).sum::<f64>() / count).sqrt();
-    let (min, max) = rates().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), v| (min.min(v), max.max(v)));
-    (rms, max - min)
-}
-
 fn definitions() -> Markup {
-    html! {
-        dl.terms {
-            dt { "In-sample" }
-            dd { "Measured on the data that the model was fitted to: always a little too good." }
-            dt { "Held out" }
-            dd { "The log is cut into eight contiguous stretches; each is predicted by a model fitted to the other seven." }
-            dt { "rms, pp" }
-            dd { "Root mean square, and peak to peak: the highest less the lowest." }
-            dt { "Heating, cooling" }
-            dd { "The two directions of one log. Where their points lie apart, the drift has a history that no function of temperature alone can hold." }
-        }
-    }
+    page::terms(&[
+        ("In-sample", html! { "Measured on the data that the model was fitted to: always a little too good." }),
+        (
+            "Held out",
+            html! {
+                "Blocked cross-validation: the log is cut into eight contiguous folds, and each fold is predicted by a model "
+                "fitted to the other seven."
+            },
+        ),
+        ("rms, pp", html! { "Root mean square, and peak to peak: the highest less the lowest." }),
+        (
+            "Heating, cooling",
+            html! {
+                "The two directions of one log. Where their points lie apart, the drift has a history that no function of "
+                "temperature alone can hold."
+            },
+        ),
+    ])
 }

@@ -1,6 +1,6 @@
 //! What the report of a lot shows.
 
-use super::log::LogReport;
+use zerorate_cal::log_fit::LogFit;
 
 /// A lot of units, in counts.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +54,7 @@ pub enum Quantity {
     Reading,
     /// What the fit leaves, rms.
     InSample,
-    /// What it leaves of eighths predicted by the others, rms.
+    /// What it leaves of folds predicted by the fit of the others, rms.
     HeldOut,
     /// The same, peak to peak.
     HeldOutPp,
@@ -122,7 +122,7 @@ pub struct WorstUnit {
     /// That axis's held-out residual, counts rms.
     pub held_out_rms: f64,
     /// Its fit.
-    pub fit: LogReport,
+    pub fit: LogFit,
 }
 
 impl LotReport {

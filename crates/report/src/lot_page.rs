@@ -7,7 +7,7 @@ use maud::{Markup, html};
 
 use super::lot::{LotReport, Quantity};
 use super::number::{counted, exact, fixed, significant, whole};
-use super::page::{self, Table};
+use super::page::{self, Chapter, Table, told};
 use super::{figure, log_page};
 
 /// Rejected units listed, at most: the rows have all.
@@ -22,7 +22,7 @@ impl LotReport {
         let time = charts::over_time(self, drawn + 1);
         let drawn = drawn + usize::from(time.is_some());
         let outside = outside::rows(self);
-        let mut chapters: Vec<(&str, &str, Markup)> = vec![
+        let mut chapters: Vec<Chapter> = vec![
             ("yield", "Yield", self.yields()),
             ("distribution", "Distribution over the lot", self.drawn(distribution)),
             ("time", "The process over time", self.drawn(time)),
@@ -37,12 +37,7 @@ impl LotReport {
             chapters.push(("rejected", "Rejected", self.rejected_units()));
         }
         chapters.push(("reading", "How to read the numbers", definitions()));
-        let links: Vec<(&str, &str)> = chapters.iter().map(|(id, heading, _)| (*id, *heading)).collect();
-        let body = html! {
-            header { (self.headline()) (page::contents(&links)) }
-            main { @for (id, heading, chapter) in &chapters { (page::section(id, heading, chapter)) } }
-        };
-        page::page(&format!("Lot {}", self.source), &body)
+        page::page(&format!("Lot {}", self.source), &self.headline(), &chapters)
     }
 
     fn headline(&self) -> Markup {
@@ -100,7 +95,7 @@ impl LotReport {
             html! { b { (self.share(self.passed())) } },
         ]);
         let caption = if self.limits.is_empty() {
-            html! { "Units that pass. No limits were given: " code { "--limits FILE" } " sets them." }
+            html! { "Units that pass. No limits were given: " code { "limits" } " names a file of them." }
         } else {
             html! { "Units that pass, both axes within the limit, in counts." }
         };
@@ -118,7 +113,7 @@ impl LotReport {
                     (log_page::axis::figure(&unit.fit, axis, place + drawn).markup())
                 }
             }
-            @for sentence in self.undrawn_notes() { p { (sentence) } }
+            @for sentence in self.undrawn_notes() { p { (told(&sentence)) } }
         }
     }
 
@@ -150,7 +145,7 @@ fn definitions() -> Markup {
         (Quantity::InSample.words(), html! { "What the curve leaves of the groups that it was fitted to." }),
         (
             Quantity::HeldOut.words(),
-            html! { "What is left of each eighth of the ramp when it is predicted by a fit of the other seven: how far to trust the curve." },
+            html! { "Blocked cross-validation: what is left of each of eight folds of the ramp, predicted by a fit of the other seven. It tells how far to trust the curve." },
         ),
         ("rejected", html! { "A unit whose recording speaks against it: no calibration comes of it." }),
     ])

@@ -1,94 +1,117 @@
-//! Numbers as they are written for people: a real minus sign, thin spaces, powers of ten raised.
+//! Numbers as they are written for people. In a page they are set as in print: a real minus sign, thin spaces, powers of
+//! ten raised. On a terminal they are plain, so that they can be searched and copied.
 
 use maud::{Markup, html};
 
-/// A number with so many decimals; an en dash when it is none.
-pub(super) fn fixed(value: f64, decimals: usize) -> String {
-    if !value.is_finite() {
-        return "\u{2013}".to_owned();
-    }
-    set(&format!("{:.decimals$}", value.abs()), value < 0.0)
+/// What a page has where there is no number.
+const NONE: &str = "\u{2013}";
+/// In a column of a terminal, smaller numbers are the rounding of larger ones, and are written as 0.
+const LEAST: f64 = 1e-6;
+
+/// For a page: a number with so many decimals; an en dash when it is none.
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+    if value.is_finite() { set(&format!("{:.decimals$}", value.abs()), value < 0.0) } else { NONE.to_owned() }
 }
 
-/// A number in the fewest digits that give it back, as people write a limit; an en dash when it is none.
-pub(super) fn exact(value: f64) -> String {
-    if value.is_finite() { set(&value.abs().to_string(), value < 0.0) } else { "\u{2013}".to_owned() }
+/// For a page: the same of a number that may not be known.
+pub(crate) fn fixed_or_none(value: Option<f64>, decimals: usize) -> String {
+    fixed(value.unwrap_or(f64::NAN), decimals)
 }
 
-/// So many of what is counted, as `1 unit`, `2 units`.
-pub(super) fn counted(count: usize, noun: &str) -> String {
+/// For a page: a number in the fewest digits that give it back, as people write a limit; an en dash when it is none.
+pub(crate) fn exact(value: f64) -> String {
+    if value.is_finite() { set(&value.abs().to_string(), value < 0.0) } else { NONE.to_owned() }
+}
+
+/// For a page: a whole number.
+pub(crate) fn whole(value: u64) -> String {
+    set(&value.to_string(), false)
+}
+
+/// For a page: so many of what is counted, as `1 unit`, `2 units`.
+pub(crate) fn counted(count: usize, noun: &str) -> String {
     format!("{} {noun}{}", whole(count as u64), if count == 1 { "" } else { "s" })
+}
+
+/// For a terminal: a whole number.
+#[must_use]
+pub fn thousands(count: u64) -> String {
+    grouped(&count.to_string(), ' ')
+}
+
+/// For a terminal: numbers of one column, all with as many decimals: the largest has three significant digits at least
+/// and the smallest two. What is no number is a hyphen.
+#[must_use]
+pub fn aligned(values: &[f64]) -> Vec<String> {
+    let exponents = || values.iter().filter(|value| value.abs() > LEAST).filter_map(|value| exponent(*value, 3));
+    let (largest, smallest) = (exponents().max(), exponents().min());
+    let decimals = largest.map_or(0, |it| decimals(it, 3)).max(smallest.map_or(0, |it| decimals(it, 2)));
+    let text = |value: &f64| if value.is_finite() { format!("{value:.decimals$}") } else { "-".to_owned() };
+    values.iter().map(text).collect()
+}
+
+/// For a terminal: a number to three significant digits.
+#[must_use]
+pub fn three_digits(value: f64) -> String {
+    aligned(&[value]).remove(0)
 }
 
 /// Digits with a sign and thousands set apart.
 fn set(digits: &str, negative: bool) -> String {
-    let (whole, fraction) = digits.split_once('.').map_or((digits, None), |(a, b)| (a, Some(b)));
+    let (whole, fraction) = digits.split_at(digits.find('.').unwrap_or(digits.len()));
+    let is_zero = digits.bytes().all(|digit| matches!(digit, b'0' | b'.'));
+    format!("{}{}{fraction}", if negative && !is_zero { "\u{2212}" } else { "" }, grouped(whole, '\u{202f}'))
+}
+
+/// Whole digits with thousands set apart, from five on: four are read at a glance.
+fn grouped(digits: &str, space: char) -> String {
     let mut text = String::new();
-    if negative && digits.bytes().any(|digit| (b'1'..=b'9').contains(&digit)) {
-        text.push('\u{2212}');
-    }
-    // Four digits are read at a glance; from five on, thousands are set apart.
-    for (place, digit) in whole.chars().enumerate() {
-        if place > 0 && whole.len() > 4 && (whole.len() - place) % 3 == 0 {
-            text.push('\u{202f}');
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && digits.len() > 4 && (digits.len() - place).is_multiple_of(3) {
+            text.push(space);
         }
         text.push(digit);
-    }
-    if let Some(fraction) = fraction {
-        text.push('.');
-        text.push_str(fraction);
     }
     text
 }
 
-/// A whole number.
-pub(super) fn whole(value: u64) -> String {
-    fixed(value as f64, 0)
+/// The power of ten of the first of so many digits, once rounded; none for zero and what is no number.
+fn exponent(value: f64, digits: usize) -> Option<i32> {
+    let text = format!("{:.*e}", digits - 1, value);
+    let (mantissa, exponent) = text.split_once('e')?;
+    mantissa.bytes().any(|byte| (b'1'..=b'9').contains(&byte)).then(|| exponent.parse().ok())?
 }
 
-/// A number to so many significant digits, as a power of ten where it is far from one.
-pub(super) fn significant(value: f64, digits: usize) -> Markup {
-    let decimal = |exponent: i32| {
-        let decimals = usize::try_from(digits as i64 - 1 - i64::from(exponent)).unwrap_or(0);
-        fixed(value, decimals)
-    };
-    match exponent_of(value, digits) {
+/// Decimals with which a number whose first digit is at this power of ten shows so many digits.
+fn decimals(exponent: i32, digits: usize) -> usize {
+    usize::try_from(digits as i64 - 1 - i64::from(exponent)).unwrap_or(0)
+}
+
+/// For a page: a number to so many significant digits, as a power of ten where it is far from one.
+pub(crate) fn significant(value: f64, digits: usize) -> Markup {
+    match exponent(value, digits) {
         None => html! { (fixed(value, 0)) },
-        Some(exponent) if (-3..7).contains(&exponent) => html! { (decimal(exponent)) },
-        Some(exponent) => {
-            let mantissa = fixed(value / 10_f64.powi(exponent), digits - 1);
-            html! { (mantissa) "\u{a0}×\u{a0}10" sup { (fixed(f64::from(exponent), 0)) } }
-        }
+        Some(exponent) if (-3..7).contains(&exponent) => html! { (fixed(value, decimals(exponent, digits))) },
+        Some(exponent) => html! {
+            (fixed(value / 10_f64.powi(exponent), digits - 1)) "\u{a0}×\u{a0}10" sup { (fixed(f64::from(exponent), 0)) }
+        },
     }
 }
 
 /// The same as plain text, for places without markup.
-pub(super) fn significant_text(value: f64, digits: usize) -> String {
-    match exponent_of(value, digits) {
+pub(crate) fn significant_text(value: f64, digits: usize) -> String {
+    match exponent(value, digits) {
         Some(exponent) if !(-4..7).contains(&exponent) => format!("{:.*e}", digits - 1, value).replace('-', "\u{2212}"),
-        Some(exponent) => fixed(value, usize::try_from(digits as i64 - 1 - i64::from(exponent)).unwrap_or(0)),
+        Some(exponent) => fixed(value, decimals(exponent, digits)),
         None => fixed(value, 0),
     }
-}
-
-/// The power of ten of the first digit once rounded; none for zero and what is no number.
-fn exponent_of(value: f64, digits: usize) -> Option<i32> {
-    if !value.is_finite() {
-        return None;
-    }
-    let text = format!("{:.*e}", digits.max(1) - 1, value);
-    let (mantissa, exponent) = text.split_once('e')?;
-    if mantissa.bytes().all(|byte| matches!(byte, b'0' | b'.' | b'-')) {
-        return None;
-    }
-    exponent.parse().ok()
 }
 
 /// The power of a thousand in which values up to `largest` are best written, and the unit with it: tables of small rates
 /// are read more easily in 10⁻³ rad/s than with a power of ten in each cell.
 // A double's exponent is within 400.
 #[allow(clippy::cast_possible_truncation)]
-pub(super) fn thousandfold(largest: f64, unit: &str) -> (f64, String) {
+pub(crate) fn thousandfold(largest: f64, unit: &str) -> (f64, String) {
     if !largest.is_finite() || largest <= 0.0 || (0.1..1e6).contains(&largest) {
         return (1.0, unit.to_owned());
     }
@@ -97,29 +120,27 @@ pub(super) fn thousandfold(largest: f64, unit: &str) -> (f64, String) {
 }
 
 /// A whole number in raised figures, for places without markup.
-pub(super) fn raised(number: i32) -> String {
+pub(crate) fn raised(number: i32) -> String {
     let figures = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let digit = |c: char| c.to_digit(10).map_or('⁻', |digit| figures[digit as usize]);
     number.to_string().chars().map(digit).collect()
 }
 
-/// Decimals with which a column whose smallest value is this shows three digits of it.
-// Between 0 and 9.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-pub(super) fn decimals_for(smallest: f64) -> usize {
-    if smallest.is_finite() && smallest > 0.0 { (2.0 - smallest.log10().floor()).clamp(0.0, 9.0) as usize } else { 3 }
+/// Decimals with which a column of a page whose smallest value is this shows three digits of it.
+pub(crate) fn decimals_for(smallest: f64) -> usize {
+    exponent(smallest, 3).map_or(3, |exponent| decimals(exponent, 3).min(9))
 }
 
-/// A polynomial with raw coefficients, highest power first, as `0.894782 T² − ...`; digits are significant ones.
-pub(super) fn polynomial(coefficients: &[f64], variable: &str, digits: usize) -> Markup {
-    let mut terms: Vec<(usize, f64)> = coefficients.iter().copied().enumerate().collect();
-    terms.reverse();
+/// For a page: a polynomial with raw coefficients, highest power first, as `0.894782 T² − ...`; digits are significant ones.
+pub(crate) fn polynomial(coefficients: &[f64], variable: &str, digits: usize) -> Markup {
     html! {
-        @for (place, (power, coefficient)) in terms.into_iter().enumerate() {
-            @if place == 0 {
-                @if coefficient < 0.0 { "\u{2212}" }
-            } @else {
-                @if coefficient < 0.0 { " \u{2212} " } @else { " + " }
+        @for (power, coefficient) in coefficients.iter().enumerate().rev() {
+            @let first = power + 1 == coefficients.len();
+            @match (first, *coefficient < 0.0) {
+                (true, true) => "\u{2212}",
+                (true, false) => "",
+                (false, true) => " \u{2212} ",
+                (false, false) => " + ",
             }
             span.nobr {
                 (significant(coefficient.abs(), digits))
@@ -142,6 +163,16 @@ mod tests {
         assert_eq!(fixed(-0.0001, 2), "0.00");
         assert_eq!(fixed(f64::NAN, 2), "\u{2013}");
         assert_eq!(whole(1_200_000), "1\u{202f}200\u{202f}000");
+    }
+
+    #[test]
+    fn on_a_terminal_a_column_has_as_many_decimals_as_its_smallest_number_needs() {
+        assert_eq!(aligned(&[20.44, 53.2, 10.7]), ["20.4", "53.2", "10.7"]);
+        assert_eq!(aligned(&[4.151, 0.951, 1.4]), ["4.15", "0.95", "1.40"]);
+        assert_eq!(aligned(&[0.0, f64::NAN, 8200.0]), ["0", "-", "8200"]);
+        assert_eq!(aligned(&[3e-17, 0.0]), ["0", "0"]);
+        assert_eq!([0.00123, 9.999, -0.5].map(three_digits), ["0.00123", "10.0", "-0.500"]);
+        assert_eq!([thousands(8379), thousands(1_200_000)], ["8379", "1 200 000"]);
     }
 
     #[test]

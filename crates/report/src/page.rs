@@ -7,13 +7,16 @@ use zerorate_cal::quality::Verdict;
 /// The style sheet.
 const STYLE: &str = include_str!("style.css");
 
-/// A whole page. The browser's own title bar shows `title`.
-pub(super) fn page(title: &str, body: &Markup) -> String {
-    page_with_script(title, body, "")
+/// A chapter of a page: its id, its heading, what is in it.
+pub(super) type Chapter = (&'static str, &'static str, Markup);
+
+/// A whole page: a headline, links to the chapters, the chapters. The browser's own title bar shows `title`.
+pub(super) fn page(title: &str, headline: &Markup, chapters: &[Chapter]) -> String {
+    page_with_script(title, headline, chapters, "")
 }
 
 /// A whole page with a script of its own in it, without which everything can be read all the same.
-pub(super) fn page_with_script(title: &str, body: &Markup, script: &'static str) -> String {
+pub(super) fn page_with_script(title: &str, headline: &Markup, chapters: &[Chapter], script: &'static str) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -27,24 +30,36 @@ pub(super) fn page_with_script(title: &str, body: &Markup, script: &'static str)
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
             }
-            body { (body) @if !script.is_empty() { script { (PreEscaped(script)) } } }
+            body {
+                header {
+                    (headline)
+                    nav aria-label="Contents" {
+                        ul { @for (id, heading, _) in chapters { li { a href={ "#" (id) } { (heading) } } } }
+                    }
+                }
+                main { @for (id, heading, chapter) in chapters { section id=(id) { h2 { (heading) } (chapter) } } }
+                @if !script.is_empty() { script { (PreEscaped(script)) } }
+            }
         }
     };
     page.into_string()
 }
 
-/// A section with its heading, to which the contents link.
-pub(super) fn section(id: &str, heading: &str, body: &Markup) -> Markup {
-    html! { section id=(id) { h2 { (heading) } (body) } }
+/// A sentence in which a parameter or a command is named between backticks.
+pub(super) fn told(sentence: &str) -> Markup {
+    let Some((before, rest)) = sentence.split_once('`') else { return html! { (sentence) } };
+    match rest.split_once('`') {
+        // A name has a mark on both sides, and no space beside them.
+        Some((name, after)) if !name.is_empty() && name.trim() == name => {
+            html! { (before) code { (name) } (told(after)) }
+        }
+        _ => html! { (before) "`" (told(rest)) },
+    }
 }
 
-/// The contents: links to the sections.
-pub(super) fn contents(sections: &[(&str, &str)]) -> Markup {
-    html! {
-        nav aria-label="Contents" {
-            ul { @for (id, heading) in sections { li { a href={ "#" (id) } { (heading) } } } }
-        }
-    }
+/// Words, each with what it means.
+pub(super) fn terms(terms: &[(&str, Markup)]) -> Markup {
+    html! { dl.terms { @for (term, meaning) in terms { dt { (term) } dd { (meaning) } } } }
 }
 
 /// Facts, each a term and what holds of it.
@@ -75,7 +90,8 @@ pub(super) struct Table<'a> {
 }
 
 impl Table<'_> {
-    /// The table as HTML. Its caption stays where it is when the box scrolls, and the box can be reached by keyboard, for those who scroll with it.
+    /// The table as HTML. Its caption stays where it is when the box scrolls, and the box can be reached by keyboard, for
+    /// those who scroll with it.
     pub(super) fn markup(&self) -> Markup {
         let class = |column: usize| if column >= self.numbers_from { "n" } else { "" };
         html! {

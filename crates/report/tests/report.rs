@@ -2,18 +2,20 @@
 
 mod sample;
 
-use zerorate_cal::fit::fit;
-use zerorate_cal::log_fit::FitOptions;
-use zerorate_cal::quality::Verdict;
-use zerorate_cal::source::Source;
-use zerorate_report::LogReport;
+use zerorate_cal::log_fit::LogFit;
+use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
+use zerorate_report::LogPage;
 
 /// A page may not be larger than this: it goes by mail.
 const MOST_BYTES: usize = 1_500_000;
 
 fn pages() -> [String; 4] {
     let (lot, small) = (sample::lot(204, 0.37), sample::lot(1, 0.0));
-    [sample::calibration().to_html(), sample::log().to_html(), lot.to_html(), small.to_html()]
+    [sample::calibration().to_html(), log_page(&sample::log()), lot.to_html(), small.to_html()]
+}
+
+fn log_page(fit: &LogFit) -> String {
+    LogPage { fit, next_command: Some("zerorate apply"), export_command: None }.to_html()
 }
 
 /// The texts between `start` and `end`, in order.
@@ -99,28 +101,42 @@ fn every_word_from_outside_is_escaped() {
     assert!(!page.contains("<b>&\"") && !page.contains("<i><"));
     let mut log = sample::log();
     log.axes[0].name = "<q>".into();
-    assert!(!log.to_html().contains("<q>"));
+    log.notes.push("`<u>`".into());
+    assert!(!log_page(&log).contains("<q>") && !log_page(&log).contains("<u>"));
 }
 
 #[test]
 fn a_rejected_log_has_reasons_and_advice_and_no_empty_chapters() {
     let mut log = sample::log();
-    log.verdict = Verdict::Rejected;
+    log.judgement.verdict = Verdict::Rejected;
     log.axes.clear();
-    log.left_out.clear();
-    let page = log.to_html();
+    log.excluded.clear();
+    let page = log_page(&log);
     assert!(page.contains("No calibration comes of this log") && page.contains("How to get a better log"));
-    assert!(!page.contains("Coefficients to copy") && !page.contains("What was left out"));
+    assert!(!page.contains("Coefficients to copy") && !page.contains("What was excluded"));
+}
+
+#[test]
+fn a_parameter_is_shown_as_code_and_no_option_of_a_command_is_named() {
+    let mut log = sample::log();
+    log.judgement.add(Reason::new(ReasonKind::StuckTemperature, "a lone ` and a name: `rate_unit` says it"));
+    let page = log_page(&log);
+    assert!(page.contains("a lone ` and a name: <code>rate_unit</code> says it"), "{page}");
+    assert!(page.contains("name another with <code>temperature</code>."));
+    let words = page.split("</style>").nth(1).unwrap();
+    assert!(!words.contains(" --"), "{}", words.split(" --").nth(1).unwrap());
 }
 
 #[test]
 fn a_log_without_time_is_drawn_in_its_order() {
     let mut log = sample::log();
     for axis in &mut log.axes {
-        axis.points.iter_mut().for_each(|point| point.elapsed_s = f64::NAN);
+        axis.trace.iter_mut().for_each(|point| point.time_s = f64::NAN);
     }
-    let page = log.to_html();
-    assert!(page.contains("place in the log, points") && !page.contains("NaN"));
+    let page = log_page(&log);
+    assert!(page.contains("place in the log, points"));
+    let words = page.split("</style>").nth(1).unwrap();
+    assert!(!words.contains("NaN"));
 }
 
 #[test]
@@ -135,20 +151,12 @@ fn a_calibration_without_tests_soaks_and_checks_is_a_page_all_the_same() {
 }
 
 #[test]
-fn the_fit_of_a_log_becomes_a_report_with_its_axis_and_its_coefficients() {
-    let row = |i: u32| {
-        let temperature = -10.0 + 0.02 * f64::from(i);
-        let rate = 0.3 - 0.01 * temperature + 1e-3 * sample::noise(u64::from(i));
-        format!("{},{temperature},{rate}\n", f64::from(i) * 0.5)
-    };
-    let rows: String = (0..3000).map(row).collect();
-    let log = Source::bytes("ramp.csv", format!("time_s,temperature_c,rate_dps\n{rows}").into_bytes());
-    let fit = fit(&[log], &FitOptions::default()).unwrap();
-    let report = LogReport::from(&fit);
-    assert_eq!((report.axes.len(), report.temperature_unit.as_str()), (1, "°C"));
-    assert!((report.axes[0].raw_coefficients[1] + 0.01).abs() < 1e-4);
-    let page = report.to_html();
-    assert!(page.contains("rate_dps") && page.contains("Coefficients to copy"));
+fn the_page_of_a_log_has_its_models_what_was_excluded_and_coefficients_to_copy() {
+    let page = log_page(&sample::log());
+    for part in ["gyro_x_rad_s", "The choice of the model", "the unit was moved", "Coefficients to copy", "INS_TCAL1"] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(page.contains(r#"class="a excluded""#), "the interval is shaded");
 }
 
 #[test]

@@ -3,13 +3,13 @@ use zerorate_core::compensate::{HistoryNumbers, LowPass, Mode};
 use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, Table, ValidRange};
 use zerorate_core::record::MAX_RECORD_BYTES;
 use zerorate_core::trim::{TapEffects, Trim, TrimLine};
-use zerorate_core::units::{Axis, Counts, Taps};
+use zerorate_core::units::{Axis, Counts, Taps, Volts};
 
 use zerorate_fit::drift_fit::{BandPoint, StaticCubic};
 use zerorate_fit::model::Model;
 use zerorate_fit::predict::TimeDrift;
 use zerorate_fit::residual::ResidualStatistics;
-use zerorate_fit::trim::TrimEstimate;
+use zerorate_fit::trim::{SupplyPoint, TrimEstimate};
 
 use super::*;
 use crate::fit::fit;
@@ -46,6 +46,12 @@ fn board_axis(shift: f64) -> AxisCalibration {
     let effects: Vec<Counts> = (-16..=16).map(|k| Counts(f64::from(k) * 31.3 + f64::from(k % 5) / 7.0)).collect();
     let trim = TrimCalibration {
         trim: Trim { line, measured: TapEffects::new(Taps::new(495).unwrap(), &effects) },
+        points: vec![SupplyPoint {
+            supply: Volts(2.517),
+            at_middle: Counts(8199.25 + shift),
+            trimmed: Counts(8203.7),
+            tap: Taps::MIDDLE,
+        }],
         paired: Some(estimate),
         paper: Some(estimate),
         dead_band_taps: 0.15,
@@ -192,7 +198,7 @@ fn contradictions_in_a_file_are_refused() {
     assert!(refused("\"slope_taps_per_count\": -", "\"slope_taps_per_count\": ").contains("below zero"));
     assert!(refused("\"middle_tap\": 511", "\"middle_tap\": 1511").contains("0 to 1023"));
     assert!(refused("\"first_tap\": 495", "\"first_tap\": 1000").contains("33 tap effects from tap 1000"));
-    assert!(refused("\"hybrid\"", "\"automatic\"").contains("'automatic' is no start_up_mode"));
+    assert!(refused("\"hybrid\"", "\"automatic\"").contains("'automatic' is no mode: there are off"));
 }
 
 #[test]

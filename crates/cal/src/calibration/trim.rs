@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use zerorate_core::compensate::{LowPass, Mode};
 use zerorate_core::trim::{MAX_TAP_OFFSETS, TapEffects, Trim, TrimLine};
-use zerorate_core::units::{Counts, Taps};
-use zerorate_fit::trim::TrimEstimate;
+use zerorate_core::units::{Counts, Taps, Volts};
+use zerorate_fit::trim::{SupplyPoint, TrimEstimate};
 
 /// The trim of one axis, and what the law makes of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -12,6 +12,8 @@ use zerorate_fit::trim::TrimEstimate;
 pub struct TrimCalibration {
     /// The model that the law uses.
     pub trim: Trim,
+    /// The points of the experiment, in the order of their voltages; none where it was not made.
+    pub points: Vec<SupplyPoint>,
     /// The line by each point's own trimmed reading.
     pub paired: Option<TrimEstimate>,
     /// The line by the paper's formula.
@@ -32,7 +34,10 @@ struct TrimForm {
     tap_effects: Option<EffectsForm>,
     dead_band_taps: f64,
     low_pass: LowPass,
-    start_up_mode: String,
+    #[serde(with = "crate::named")]
+    start_up_mode: Mode,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    points: Vec<PointForm>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     line_by_own_readings: Option<TrimEstimate>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -48,6 +53,27 @@ struct LineForm {
     middle_tap: Taps,
 }
 
+/// One voltage of the trim experiment.
+#[derive(Clone, Serialize, Deserialize)]
+struct PointForm {
+    supply_v: f64,
+    at_middle_counts: f64,
+    trimmed_counts: f64,
+    tap: Taps,
+}
+
+impl From<SupplyPoint> for PointForm {
+    fn from(SupplyPoint { supply, at_middle, trimmed, tap }: SupplyPoint) -> Self {
+        Self { supply_v: supply.0, at_middle_counts: at_middle.0, trimmed_counts: trimmed.0, tap }
+    }
+}
+
+impl From<PointForm> for SupplyPoint {
+    fn from(PointForm { supply_v, at_middle_counts, trimmed_counts, tap }: PointForm) -> Self {
+        Self { supply: Volts(supply_v), at_middle: Counts(at_middle_counts), trimmed: Counts(trimmed_counts), tap }
+    }
+}
+
 /// What each tap adds to the reading at the middle tap.
 #[derive(Clone, Serialize, Deserialize)]
 struct EffectsForm {
@@ -57,8 +83,8 @@ struct EffectsForm {
 
 impl From<TrimCalibration> for TrimForm {
     fn from(calibration: TrimCalibration) -> Self {
-        let TrimCalibration { trim: Trim { line, measured }, paired, paper, dead_band_taps, low_pass, start_up_mode } =
-            calibration;
+        let TrimCalibration { trim, points, paired, paper, dead_band_taps, low_pass, start_up_mode } = calibration;
+        let Trim { line, measured } = trim;
         Self {
             line: LineForm {
                 slope_taps_per_count: line.slope_taps_per_count(),
@@ -72,7 +98,8 @@ impl From<TrimCalibration> for TrimForm {
             }),
             dead_band_taps,
             low_pass,
-            start_up_mode: start_up_mode.name().to_owned(),
+            start_up_mode,
+            points: points.into_iter().map(PointForm::from).collect(),
             line_by_own_readings: paired,
             line_by_the_papers_formula: paper,
         }
@@ -87,11 +114,12 @@ impl TryFrom<TrimForm> for TrimCalibration {
             .ok_or("a trim line has a slope_taps_per_count below zero")?;
         Ok(Self {
             trim: Trim { line, measured: form.tap_effects.map(EffectsForm::checked).transpose()? },
+            points: form.points.into_iter().map(SupplyPoint::from).collect(),
             paired: form.line_by_own_readings,
             paper: form.line_by_the_papers_formula,
             dead_band_taps: form.dead_band_taps,
             low_pass: form.low_pass,
-            start_up_mode: mode(&form.start_up_mode)?,
+            start_up_mode: form.start_up_mode,
         })
     }
 }
@@ -111,9 +139,4 @@ impl EffectsForm {
         let unsound = || "the tap effects must be at least one, finite, and rise from tap to tap".to_owned();
         TapEffects::new(self.first_tap, &effects).ok_or_else(unsound)
     }
-}
-
-fn mode(name: &str) -> Result<Mode, String> {
-    let known = [Mode::Off, Mode::Trim, Mode::Digital, Mode::Hybrid].into_iter().find(|mode| mode.name() == name);
-    known.ok_or_else(|| format!("'{name}' is no start_up_mode: off, trim, digital or hybrid"))
 }

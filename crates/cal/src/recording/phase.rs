@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::named::Named;
+
 /// What the chamber was doing while a group was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
@@ -15,9 +17,16 @@ pub enum Phase {
     Supply,
 }
 
-impl Phase {
-    const ALL: [Self; 4] = [Self::Soak, Self::Heating, Self::Cooling, Self::Supply];
+impl Named for Phase {
+    const WHAT: &'static str = "phase";
+    const ALL: &'static [Self] = &[Self::Soak, Self::Heating, Self::Cooling, Self::Supply];
 
+    fn name(self) -> &'static str {
+        Self::name(self)
+    }
+}
+
+impl Phase {
     /// As in the column `phase`.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -27,12 +36,6 @@ impl Phase {
             Self::Cooling => "cooling",
             Self::Supply => "supply",
         }
-    }
-
-    /// The phase of a name.
-    #[must_use]
-    pub fn of_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|phase| phase.name() == name)
     }
 
     /// Whether a drift is fitted to its groups.

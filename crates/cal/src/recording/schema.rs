@@ -15,6 +15,7 @@ use zerorate_core::group::GroupSums;
 use zerorate_core::units::Axis;
 
 use super::{GroupRow, Phase, RecordingInfo};
+use crate::named::Named;
 
 /// The version of the columns and metadata below.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -27,9 +28,6 @@ const FIRMWARE_KEY: &str = "zerorate.firmware";
 const SEED_KEY: &str = "zerorate.seed";
 /// What a label's name stands behind.
 const LABEL_KEY: &str = "zerorate.label.";
-
-/// Every mode, to find one by its name.
-const MODES: [Mode; 4] = [Mode::Off, Mode::Trim, Mode::Digital, Mode::Hybrid];
 
 /// The schema of a recording with its metadata.
 pub(super) fn schema(info: &RecordingInfo) -> Arc<Schema> {
@@ -153,17 +151,16 @@ pub(super) fn rows(batch: &RecordBatch) -> Result<Vec<GroupRow>, String> {
             if means.iter().any(|(sum, mean)| sum.to_bits() != mean.to_bits() && !(sum.is_nan() && mean.is_nan())) {
                 return Err(format!("group {}: its means are not those of its sums", group.value(i)));
             }
-            let unknown = |what: &str, text: &str| format!("group {}: '{text}' is no {what}", group.value(i));
-            let (axis, mode, phase) = (axis.value(i), mode.value(i), phase.value(i));
+            let unknown = |reason: String| format!("group {}: {reason}", group.value(i));
             Ok(GroupRow {
                 group: group.value(i),
                 t_s: t_s.value(i),
-                phase: Phase::of_name(phase).ok_or_else(|| unknown("phase", phase))?,
-                axis: Axis::BOTH.into_iter().find(|known| known.name() == axis).ok_or_else(|| unknown("axis", axis))?,
+                phase: Phase::of_name(phase.value(i)).map_err(unknown)?,
+                axis: Axis::of_name(axis.value(i)).map_err(unknown)?,
                 sums,
                 corrected_counts: corrected_counts.value(i),
                 tap: tap.value(i),
-                mode: MODES.into_iter().find(|known| known.name() == mode).ok_or_else(|| unknown("mode", mode))?,
+                mode: Mode::of_name(mode.value(i)).map_err(unknown)?,
                 chamber_set_c: chamber_set_c.value(i),
                 chamber_c: chamber_c.value(i),
                 flags: flags.value(i),

@@ -17,7 +17,7 @@ use zerorate_fit::allan::{Allan, Coefficient};
 use super::Outcome;
 use crate::log_arguments::ColumnArguments;
 use crate::progress::Busy;
-use crate::screen::{self, Grid, Page, significant};
+use crate::screen::{self, Grid, Page, three_digits};
 
 /// Tell a sensor's noise, hysteresis and sensitivities from a log
 ///
@@ -194,10 +194,10 @@ fn noise_page(page: &mut Page, noises: &[AxisNoise]) {
 fn cell(coefficient: &Coefficient, (factor, unit): &(f64, String)) -> String {
     match coefficient {
         Coefficient::Seen { value, low, high, .. } => {
-            let [value, low, high] = [value, low, high].map(|value| significant(value * factor));
+            let [value, low, high] = [value, low, high].map(|value| three_digits(value * factor));
             format!("{value} ({low} to {high}) {unit}")
         }
-        Coefficient::Hidden { at_most } => format!("< {} {unit}", significant(at_most * factor)),
+        Coefficient::Hidden { at_most } => format!("< {} {unit}", three_digits(at_most * factor)),
     }
 }
 

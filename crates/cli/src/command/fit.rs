@@ -14,7 +14,7 @@ use zerorate_cal::fit::fit;
 use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::recording::Recording;
 use zerorate_cal::source::Source;
-use zerorate_report::LogReport;
+use zerorate_report::LogPage;
 
 use super::Outcome;
 use crate::log_arguments::LogArguments;
@@ -25,8 +25,8 @@ use crate::{output, screen};
 ///
 /// Reads a log of a unit at rest while its temperature changed, leaves out what is not drift (start-up, spikes, times at
 /// which the unit was moved), averages what is left over about 10 s, fits a curve for each axis of each sensor, and says
-/// what each is good for. How far to trust the curve is told by the held-out residual: each eighth of the log, predicted
-/// by a fit of the other seven.
+/// what each is good for. How far to trust the curve is told by the held-out residual, by blocked cross-validation: each
+/// of eight folds of the log, predicted by a fit of the other seven.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Fit {
@@ -118,9 +118,8 @@ impl Fit {
         let wanted = places.out.as_ref().or(self.record.as_ref());
         let calibration = wanted.map(|_| self.calibration(fit)).transpose()?;
         if let Some(path) = &places.report {
-            let mut report = LogReport::from(fit);
-            report.next_command = places.out.as_ref().map(|out| self.use_command(fit, out).1);
-            output::write(path, &report.to_html())?;
+            let next = places.out.as_ref().map(|out| self.use_command(fit, out).1);
+            output::write(path, &page(fit, next.as_deref()))?;
             written.push(path.clone());
         }
         if let Some((path, calibration)) = self.record.as_ref().zip(calibration.as_ref()) {
@@ -171,6 +170,13 @@ impl Fit {
             )),
         }
     }
+}
+
+/// The page of a fit, with the commands that go on from it.
+pub(super) fn page(fit: &LogFit, next_command: Option<&str>) -> String {
+    let export_command =
+        |format: Format| format!("zerorate export calibration.json --format {format} --out {}", format.file_name());
+    LogPage { fit, next_command, export_command: Some(export_command) }.to_html()
 }
 
 /// Where results go.

@@ -14,7 +14,6 @@ use zerorate_cal::table::Columns;
 use zerorate_cal::units::TimeUnit;
 use zerorate_fit::drift_fit::{FitStatistics, ResidualOver};
 use zerorate_fit::model::Model;
-use zerorate_report::LogReport;
 
 use super::Outcome;
 use crate::progress::Busy;
@@ -99,9 +98,8 @@ impl Report {
         let busy = Busy::reading(log);
         let sources: Vec<Source> = logs.iter().map(Source::from).collect();
         let fit = fit(&sources, &self.options(&calibration))?;
-        let report = LogReport::from(&fit);
         drop(busy);
-        output::write(&out, &report.to_html())?;
+        output::write(&out, &super::fit::page(&fit, None))?;
         if self.json {
             fit.notes.iter().for_each(|note| screen::note(note));
             screen::print_json(&Done { schema: 1, out: &out, log })?;

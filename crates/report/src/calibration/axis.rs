@@ -1,6 +1,6 @@
 //! What was found out about one axis before it was compensated.
 
-use super::CandidateRow;
+use zerorate_fit::drift_fit::Candidate;
 
 /// One axis: its ramp, its drift, its trim.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +48,7 @@ pub struct DriftFacts {
     /// Against the plant's truth: the largest distance of the curve from the deterministic drift of this run.
     pub curve_error_counts: Option<f64>,
     /// The models compared, simplest first; may be empty.
-    pub candidates: Vec<CandidateRow>,
+    pub candidates: Vec<Candidate>,
 }
 
 /// The fitted trim.

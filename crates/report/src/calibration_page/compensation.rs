@@ -62,18 +62,13 @@ fn against_time(report: &CalibrationReport, set: &[&CompensationTest]) -> Figure
     let range = holding(all);
     let column = |test: &&CompensationTest| {
         let title = format!("{} in mode {}, {}: both axes against time", test.axis, test.mode, test.direction);
-        let panel = Panel::new(title, "time, min", format!("mode {}: reading, counts", test.mode))
-            .with_y_range(range)
-            .with(Mark::Level(Ink::Aim, report.unit.centre_counts))
-            .with(Mark::Line(
-                ink_of(report, &test.control),
-                points(test, |p| (p.elapsed_s / MINUTE_S, p.control_counts)),
-            ))
-            .with(Mark::Line(
-                ink_of(report, &test.axis),
-                points(test, |p| (p.elapsed_s / MINUTE_S, p.compensated_counts)),
-            ));
-        vec![panel]
+        let marks = [
+            Mark::Level(Ink::Aim, report.unit.centre_counts),
+            Mark::Line(ink_of(report, &test.control), points(test, |p| (p.elapsed_s / MINUTE_S, p.control_counts))),
+            Mark::Line(ink_of(report, &test.axis), points(test, |p| (p.elapsed_s / MINUTE_S, p.compensated_counts))),
+        ];
+        let name = format!("mode {}: reading, counts", test.mode);
+        vec![Panel { y_range: range, ..Panel::new(title, "time, min", name, marks) }]
     };
     let swapped = report.tests.first().is_some_and(|test| test.axis != first.axis);
     Figure {
@@ -108,15 +103,13 @@ fn against_temperature(report: &CalibrationReport, set: &[&CompensationTest]) ->
     let column = |mode| {
         let name = &set[0].axis;
         let title = format!("{name} in mode {mode}: residual against temperature");
-        let mut panel =
-            Panel::new(title, format!("{name} temperature reading, counts"), format!("mode {mode}: residual, counts"))
-                .with_y_range(range)
-                .with(Mark::Level(Ink::Aim, 0.0));
+        let mut marks = vec![Mark::Level(Ink::Aim, 0.0)];
         for test in set.iter().filter(|test| test.mode == mode) {
             let residual = points(test, |p| (p.temperature_counts, p.compensated_counts - centre));
-            panel = panel.with(Mark::Dots(direction_ink(test.direction), residual));
+            marks.push(Mark::Dots(direction_ink(test.direction), residual));
         }
-        vec![panel]
+        let (across, up) = (format!("{name} temperature reading, counts"), format!("mode {mode}: residual, counts"));
+        vec![Panel { y_range: range, ..Panel::new(title, across, up, marks) }]
     };
     let mut key = Vec::new();
     for direction in [Direction::Heating, Direction::Cooling] {

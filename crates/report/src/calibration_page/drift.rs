@@ -47,14 +47,16 @@ fn axis_key(report: &CalibrationReport, sample: Sample) -> Vec<(Ink, Sample, Str
 
 /// Figure 2 of the paper.
 fn over_time(report: &CalibrationReport) -> Figure {
-    let mut zero = Panel::new("Zero-rate output against time", "time, min", "zero-rate output, counts");
-    let mut temperature = Panel::new("Temperature against time", "time, min", "temperature reading, counts");
-    for axis in &report.axes {
-        let ink = ink_of(report, &axis.name);
-        zero = zero.with(Mark::Line(ink, series(axis, |p| (p.elapsed_s / MINUTE_S, p.zro_counts))));
-        temperature =
-            temperature.with(Mark::Line(ink, series(axis, |p| (p.elapsed_s / MINUTE_S, p.temperature_counts))));
-    }
+    let lines = |of: fn(&RampPoint) -> f64| -> Vec<Mark> {
+        let line = |axis: &CalibratedAxis| {
+            Mark::Line(ink_of(report, &axis.name), series(axis, |p| (p.elapsed_s / MINUTE_S, of(p))))
+        };
+        report.axes.iter().map(line).collect()
+    };
+    let zero = lines(|p| p.zro_counts);
+    let zero = Panel::new("Zero-rate output against time", "time, min", "zero-rate output, counts", zero);
+    let temperature = lines(|p| p.temperature_counts);
+    let temperature = Panel::new("Temperature against time", "time, min", "temperature reading, counts", temperature);
     let groups = report.axes.first().map_or(0, |axis| axis.ramp.len());
     Figure {
         id: "fig-2".into(),
@@ -83,14 +85,21 @@ fn over_temperature(report: &CalibrationReport) -> Figure {
             format!("{name}: zero-rate output against temperature"),
             temperature,
             format!("{name}: zero-rate output, counts"),
-        )
-        .with(Mark::Dots(ink, series(axis, |p| (p.temperature_counts, p.zro_counts))))
-        .with(Mark::Line(Ink::Curve, axis.fitted_curve()));
-        let left = Panel::new(format!("{name}: residual of the fit"), temperature, format!("{name}: residual, counts"))
-            .with_height(Panel::SHORT)
-            .with_y_range((residual_range > 0.0).then_some((-1.1 * residual_range, 1.1 * residual_range)))
-            .with(Mark::Dots(ink, series(axis, |p| (p.temperature_counts, p.zro_counts - p.fitted_counts))))
-            .with(Mark::Level(Ink::Aim, 0.0));
+            [
+                Mark::Dots(ink, series(axis, |p| (p.temperature_counts, p.zro_counts))),
+                Mark::Line(Ink::Curve, axis.fitted_curve()),
+            ],
+        );
+        let residual = [
+            Mark::Dots(ink, series(axis, |p| (p.temperature_counts, p.zro_counts - p.fitted_counts))),
+            Mark::Level(Ink::Aim, 0.0),
+        ];
+        let (title, up) = (format!("{name}: residual of the fit"), format!("{name}: residual, counts"));
+        let left = Panel {
+            height: Panel::SHORT,
+            y_range: (residual_range > 0.0).then_some((-1.1 * residual_range, 1.1 * residual_range)),
+            ..Panel::new(title, temperature, up, residual)
+        };
         vec![fit, left]
     });
     let columns = columns.collect();

@@ -40,19 +40,12 @@ fn figure(comparison: &SoakComparison, report: &CalibrationReport) -> Figure {
         let title = format!("{}: soaks and the ramp’s curve", soaks.name);
         let curve = ramp.map(CalibratedAxis::fitted_curve).unwrap_or_default();
         let ends = holding(curve.iter().chain(&at).map(|point| point.0));
-        let both = Panel::new(title, temperature, format!("{}: zero-rate output, counts", soaks.name))
-            .with_x_range(ends)
-            .with(Mark::Line(Ink::Curve, curve))
-            .with(Mark::Dots(ink, at));
-        let apart = Panel::new(
-            format!("{}: soak less ramp", soaks.name),
-            temperature,
-            format!("{}: soak less ramp, counts", soaks.name),
-        )
-        .with_height(Panel::SHORT)
-        .with_x_range(ends)
-        .with(Mark::Stems(ink, difference.collect()));
-        vec![both, apart]
+        let up = format!("{}: zero-rate output, counts", soaks.name);
+        let both = Panel::new(title, temperature, up, [Mark::Line(Ink::Curve, curve), Mark::Dots(ink, at)]);
+        let title = format!("{}: soak less ramp", soaks.name);
+        let up = format!("{title}, counts");
+        let apart = Panel::new(title, temperature, up, [Mark::Stems(ink, difference.collect())]);
+        vec![Panel { x_range: ends, ..both }, Panel { x_range: ends, height: Panel::SHORT, ..apart }]
     };
     let mut key: Vec<_> = comparison
         .axes

@@ -43,18 +43,16 @@ fn lines(report: &CalibrationReport) -> Figure {
         let points = |of: fn(&TrimLine, &TrimPoint) -> f64| -> Vec<(f64, f64)> {
             trim.points.iter().map(|point| (point.delta_counts, of(&trim.better, point))).collect()
         };
-        let fit = Panel::new(format!("{name}: taps against offset"), delta, format!("{name}: dN, taps"))
-            .with(Mark::Line(Ink::Curve, points(|line, point| on_line(line, point.delta_counts))))
-            .with(Mark::Dots(ink, points(|_, point| point.delta_taps)));
+        let marks = [
+            Mark::Line(Ink::Curve, points(|line, point| on_line(line, point.delta_counts))),
+            Mark::Dots(ink, points(|_, point| point.delta_taps)),
+        ];
+        let fit = Panel::new(format!("{name}: taps against offset"), delta, format!("{name}: dN, taps"), marks);
         let distance = |line: &TrimLine, point: &TrimPoint| point.delta_taps - on_line(line, point.delta_counts);
-        let left = Panel::new(
-            format!("{name}: distance from the line"),
-            delta,
-            format!("{name}: distance from the line, taps"),
-        )
-        .with_height(Panel::SHORT)
-        .with(Mark::Stems(ink, points(distance)));
-        vec![fit, left]
+        let title = format!("{name}: distance from the line");
+        let up = format!("{title}, taps");
+        let left = Panel::new(title, delta, up, [Mark::Stems(ink, points(distance))]);
+        vec![fit, Panel { height: Panel::SHORT, ..left }]
     });
     let columns = columns.collect();
     let mut key: Vec<_> =
@@ -128,10 +126,9 @@ fn taps(report: &CalibrationReport) -> Figure {
     let column = |axis: &CalibratedAxis| {
         let stems = axis.trim.taps.iter().map(|tap| (f64::from(tap.tap), tap.deviation_counts)).collect();
         let title = format!("{}: deviation of each tap from the line", axis.name);
-        let panel = Panel::new(title, "tap", format!("{}: deviation from the line, counts", axis.name))
-            .with_height(Panel::SHORT + 30)
-            .with(Mark::Stems(ink_of(report, &axis.name), stems));
-        vec![panel]
+        let up = format!("{}: deviation from the line, counts", axis.name);
+        let panel = Panel::new(title, "tap", up, [Mark::Stems(ink_of(report, &axis.name), stems)]);
+        vec![Panel { height: Panel::SHORT + 300, ..panel }]
     };
     Figure {
         id: "fig-taps".into(),

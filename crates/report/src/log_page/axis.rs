@@ -1,11 +1,14 @@
 //! The figure of one axis: raw and corrected, over time and over temperature.
 
 use maud::html;
-
-use super::figure::{Figure, Ink, Mark, Panel, Sample, holding};
-use crate::number::significant;
-use crate::{LogAxis, LogPoint, LogReport};
+use zerorate_cal::condition::Excluded;
+use zerorate_cal::log_fit::{AxisFit, LogFit};
+use zerorate_cal::trace::TracePoint;
 use zerorate_fit::direction::warming;
+
+use super::degree;
+use crate::figure::{Figure, Ink, Mark, Panel, Sample, holding};
+use crate::number::significant;
 
 /// Time in the unit that suits its span: its name and the seconds in it.
 fn time_unit(span_s: f64) -> (&'static str, f64) {
@@ -23,10 +26,10 @@ struct Time {
 }
 
 impl Time {
-    fn of(points: &[LogPoint]) -> Self {
-        let last = points.iter().map(|point| point.elapsed_s).fold(0.0, f64::max);
+    fn of(points: &[TracePoint]) -> Self {
+        let last = points.iter().map(|point| point.time_s).fold(0.0, f64::max);
         // A log without times has none at all.
-        if points.iter().any(|point| point.elapsed_s.is_finite()) {
+        if points.iter().any(|point| point.time_s.is_finite()) {
             let (name, unit_s) = time_unit(last);
             Self { name: format!("time, {name}"), unit_s: Some(unit_s) }
         } else {
@@ -34,97 +37,96 @@ impl Time {
         }
     }
 
-    fn at(&self, place: usize, point: &LogPoint) -> f64 {
-        self.unit_s.map_or(place as f64, |unit_s| point.elapsed_s / unit_s)
+    fn at(&self, place: usize, point: &TracePoint) -> f64 {
+        self.unit_s.map_or(place as f64, |unit_s| point.time_s / unit_s)
     }
 }
 
 /// The edges of the prediction band about the curve: below, above. The curve between its points is theirs.
-fn band(axis: &LogAxis) -> Vec<Vec<(f64, f64)>> {
-    let mut curve: Vec<(f64, f64)> = axis.points.iter().map(|p| (p.temperature, p.rate - p.corrected)).collect();
+fn band(axis: &AxisFit) -> Vec<Vec<(f64, f64)>> {
+    let band = &axis.calibration.fit.band;
+    let mut curve: Vec<(f64, f64)> = axis.trace.iter().map(|p| (p.temperature, p.rate - p.residual)).collect();
     curve.retain(|(t, value)| t.is_finite() && value.is_finite());
     curve.sort_by(|a, b| a.0.total_cmp(&b.0));
-    if axis.band.is_empty() || curve.is_empty() {
+    if band.is_empty() || curve.is_empty() {
         return Vec::new();
     }
     // Of the points nearest in temperature the mean: with a history the prediction is more than one curve.
-    let near = (curve.len() / axis.band.len()).clamp(1, 40);
+    let near = (curve.len() / band.len()).clamp(1, 40);
     let middle = |temperature: f64| {
         let after = curve.partition_point(|(t, _)| *t < temperature);
         let from = after.saturating_sub(near / 2 + 1).min(curve.len().saturating_sub(near));
         let nearest = &curve[from..(from + near).min(curve.len())];
         nearest.iter().map(|(_, value)| value).sum::<f64>() / nearest.len() as f64
     };
-    let edge = |sign: f64| axis.band.iter().map(|(t, half)| (*t, middle(*t) + sign * half)).collect();
+    let edge = |sign: f64| {
+        band.iter().map(|point| (point.temperature, middle(point.temperature) + sign * point.half_width)).collect()
+    };
     vec![edge(-1.0), edge(1.0)]
 }
 
-pub(crate) fn figure(report: &LogReport, axis: &LogAxis, place: usize) -> Figure {
-    let time = Time::of(&axis.points);
-    let warming = warming(&axis.points.iter().map(|point| point.temperature).collect::<Vec<_>>());
-    let temperature_name = format!("temperature, {}", report.temperature_unit);
-    let (raw_name, left_name) = (format!("rate, {}", axis.rate_unit), format!("corrected, {}", axis.rate_unit));
-    let over_time = |of: fn(&LogPoint) -> f64| -> Vec<(f64, f64)> {
-        axis.points.iter().enumerate().map(|(place, point)| (time.at(place, point), of(point))).collect()
+pub(crate) fn figure(fit: &LogFit, axis: &AxisFit, place: usize) -> Figure {
+    let (name, unit, points) = (&axis.name, axis.calibration.rate_unit, &axis.trace);
+    let time = Time::of(points);
+    let warming = warming(&points.iter().map(|point| point.temperature).collect::<Vec<_>>());
+    let temperature_name = format!("temperature, {}", degree(fit));
+    let (raw_name, left_name) = (format!("rate, {unit}"), format!("corrected, {unit}"));
+    let over_time = |of: fn(&TracePoint) -> f64| -> Vec<(f64, f64)> {
+        points.iter().enumerate().map(|(place, point)| (time.at(place, point), of(point))).collect()
     };
-    let going = |up: bool, of: fn(&LogPoint) -> f64| -> Vec<(f64, f64)> {
-        let points = axis.points.iter().zip(&warming).filter(|(_, warming)| **warming == up);
+    let going = |up: bool, of: fn(&TracePoint) -> f64| -> Vec<(f64, f64)> {
+        let points = points.iter().zip(&warming).filter(|(_, warming)| **warming == up);
         points.map(|(point, _)| (point.temperature, of(point))).collect()
     };
-    let shaded = |mut panel: Panel| {
-        if let Some(unit_s) = time.unit_s {
-            for stretch in &report.left_out {
-                panel = panel.with(Mark::Band(Ink::LeftOut, stretch.start_s / unit_s, stretch.end_s / unit_s));
-            }
-        }
-        panel
+    let excluded = |unit_s: f64| {
+        let band = move |interval: &Excluded| {
+            Mark::Band(Ink::Excluded, interval.time_s.0 / unit_s, interval.time_s.1 / unit_s)
+        };
+        fit.excluded.iter().map(band)
     };
     let ends = holding(over_time(|p| p.rate).into_iter().map(|point| point.0));
+    let over_time_panel = |title: String, up: &str, marks: Vec<Mark>| {
+        let bands = time.unit_s.into_iter().flat_map(excluded);
+        Panel { x_range: ends, ..Panel::new(title, &time.name, up, bands.chain(marks).collect::<Vec<_>>()) }
+    };
     // In the order of time: with a history the prediction is a loop, and by temperature it would jump to and fro.
-    let curve: Vec<(f64, f64)> = axis.points.iter().map(|p| (p.temperature, p.rate - p.corrected)).collect();
-    let name = &axis.name;
-    let time_raw = shaded(Panel::new(format!("{name}: rate against time"), &time.name, &raw_name).with_x_range(ends))
-        .with(Mark::Dots(Ink::Raw, over_time(|p| p.rate)));
-    let time_left = shaded(
-        Panel::new(format!("{name}: corrected rate against time"), &time.name, &left_name)
-            .with_height(Panel::SHORT)
-            .with_x_range(ends),
-    )
-    .with(Mark::Dots(Ink::Corrected, over_time(|p| p.corrected)))
-    .with(Mark::Level(Ink::Aim, 0.0));
-    let warm_raw =
-        Panel::new(format!("{name}: rate against temperature, with the curve"), &temperature_name, &raw_name)
-            .with(Mark::Dots(Ink::Heating, going(true, |p| p.rate)))
-            .with(Mark::Dots(Ink::Cooling, going(false, |p| p.rate)))
-            .with(Mark::Line(Ink::Curve, curve));
-    let warm_raw = band(axis).into_iter().fold(warm_raw, |panel, edge| panel.with(Mark::Line(Ink::Aim, edge)));
-    let warm_left = Panel::new(format!("{name}: corrected rate against temperature"), &temperature_name, &left_name)
-        .with_height(Panel::SHORT)
-        .with(Mark::Dots(Ink::Heating, going(true, |p| p.corrected)))
-        .with(Mark::Dots(Ink::Cooling, going(false, |p| p.corrected)))
-        .with(Mark::Level(Ink::Aim, 0.0));
-    let mut key =
-        vec![(Ink::Raw, Sample::Dot, "recorded".to_owned()), (Ink::Corrected, Sample::Dot, "corrected".to_owned())];
+    let curve: Vec<(f64, f64)> = points.iter().map(|p| (p.temperature, p.rate - p.residual)).collect();
+    let raw = vec![Mark::Dots(Ink::Raw, over_time(|p| p.rate))];
+    let time_raw = over_time_panel(format!("{name}: rate against time"), &raw_name, raw);
+    let left = vec![Mark::Dots(Ink::Corrected, over_time(|p| p.residual)), Mark::Level(Ink::Aim, 0.0)];
+    let time_left = over_time_panel(format!("{name}: corrected rate against time"), &left_name, left);
+    let both = |of: fn(&TracePoint) -> f64| {
+        vec![Mark::Dots(Ink::Heating, going(true, of)), Mark::Dots(Ink::Cooling, going(false, of))]
+    };
+    let edges = band(axis).into_iter().map(|edge| Mark::Line(Ink::Aim, edge));
+    let raw: Vec<Mark> = both(|p| p.rate).into_iter().chain([Mark::Line(Ink::Curve, curve)]).chain(edges).collect();
+    let title = format!("{name}: rate against temperature, with the curve");
+    let warm_raw = Panel::new(title, &temperature_name, &raw_name, raw);
+    let left: Vec<Mark> = both(|p| p.residual).into_iter().chain([Mark::Level(Ink::Aim, 0.0)]).collect();
+    let title = format!("{name}: corrected rate against temperature");
+    let warm_left = Panel::new(title, &temperature_name, &left_name, left);
+    let mut key = vec![(Ink::Raw, Sample::Dot, "recorded"), (Ink::Corrected, Sample::Dot, "corrected")];
     for (up, ink, name) in [(true, Ink::Heating, "heating"), (false, Ink::Cooling, "cooling")] {
         if warming.contains(&up) {
-            key.push((ink, Sample::Dot, name.to_owned()));
+            key.push((ink, Sample::Dot, name));
         }
     }
-    key.push((Ink::Curve, Sample::Line, "fitted curve".to_owned()));
-    if !axis.band.is_empty() {
-        key.push((Ink::Aim, Sample::Line, "where 95 of 100 averages are expected".to_owned()));
+    key.push((Ink::Curve, Sample::Line, "fitted curve"));
+    if !axis.calibration.fit.band.is_empty() {
+        key.push((Ink::Aim, Sample::Line, "where 95 of 100 averages are expected"));
     }
-    if !report.left_out.is_empty() && time.unit_s.is_some() {
-        key.push((Ink::LeftOut, Sample::Patch, "left out".to_owned()));
+    if !fit.excluded.is_empty() && time.unit_s.is_some() {
+        key.push((Ink::Excluded, Sample::Patch, "excluded"));
     }
+    let short = |panel| Panel { height: Panel::SHORT, ..panel };
     Figure {
         id: format!("axis-{}", place + 1),
         name: format!("Figure {}", place + 1),
         caption: html! {
-            (axis.name) ", " (axis.model) ": the rate against time and against temperature; below, less the fitted curve "
-            "(in-sample, " (significant(axis.in_sample.rms, 3)) " " (axis.rate_unit) " rms)."
+            (name) ", " (axis.calibration.fit.chosen_model()) ": the rate against time and against temperature; below, less the "
+            "fitted curve (in-sample, " (significant(axis.calibration.fit.statistics.in_sample.rms, 3)) " " (unit) " rms)."
         },
-        key,
-        columns: vec![vec![time_raw, time_left], vec![warm_raw, warm_left]],
+        key: key.into_iter().map(|(ink, sample, what)| (ink, sample, what.to_owned())).collect(),
+        columns: vec![vec![time_raw, short(time_left)], vec![warm_raw, short(warm_left)]],
     }
 }

@@ -2,44 +2,49 @@
 
 use maud::{Markup, html};
 
+use zerorate_cal::characterise::Characteristics;
+use zerorate_cal::log_fit::{AxisFit, LogFit};
+use zerorate_fit::allan::{Allan, AllanPoint, Coefficient};
+
+use super::degree;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample};
 use crate::number::{fixed, significant};
-use crate::page::Table;
-use crate::{LogAxis, LogReport};
-use zerorate_cal::characterise::Characteristics;
-use zerorate_fit::allan::{Allan, Coefficient};
+use crate::page::{Table, told};
 
 /// Averaging times beyond this many seconds carry the temperature's cycle more than noise; the caption says so.
 const SECONDS_AN_HOUR: f64 = 3600.0;
 
-pub(super) fn chapter(report: &LogReport) -> Markup {
-    let axes: Vec<(&LogAxis, &Characteristics)> =
-        report.axes.iter().filter_map(|axis| Some((axis, axis.characteristics.as_ref()?))).collect();
-    let drawn: Vec<(&LogAxis, &Allan)> = axes
-        .iter()
-        .filter_map(|(axis, characteristics)| Some((*axis, characteristics.residual_noise.as_ref().ok()?)))
-        .collect();
+pub(super) fn chapter(fit: &LogFit) -> Markup {
+    let axes: Vec<(&AxisFit, Characteristics)> =
+        fit.axes.iter().map(|axis| (axis, Characteristics::of(axis))).collect();
+    let drawn = axes.iter().filter_map(|(axis, found)| Some((*axis, found.residual_noise.as_ref().ok()?)));
+    let drawn: Vec<(&AxisFit, &Allan)> = drawn.collect();
     html! {
-        (sensitivities(report, &axes))
+        (sensitivities(fit, &axes))
         @if !drawn.is_empty() {
-            (figure(report, &drawn).markup())
+            (figure(fit, &drawn).markup())
             (coefficients(&drawn))
         }
-        @for (axis, characteristics) in &axes {
-            @if let Err(why) = &characteristics.residual_noise { p.small { (axis.name) ": no Allan deviation: " (why) "." } }
+        @for (axis, found) in &axes {
+            @if let Err(why) = &found.residual_noise { p.small { (axis.name) ": no Allan deviation: " (told(why)) "." } }
         }
     }
 }
 
+/// An axis and the unit of its rates.
+fn with_unit(axis: &AxisFit) -> Markup {
+    html! { (axis.name) ", " (axis.calibration.rate_unit) }
+}
+
 /// A row an axis, under IEEE's names.
-fn sensitivities(report: &LogReport, axes: &[(&LogAxis, &Characteristics)]) -> Markup {
-    let degree = &report.temperature_unit;
+fn sensitivities(fit: &LogFit, axes: &[(&AxisFit, Characteristics)]) -> Markup {
+    let degree = degree(fit);
     let mut missing: Vec<String> = Vec::new();
     let mut rows = Vec::new();
     for (axis, found) in axes {
         let slope = found.temperature_sensitivity;
         let mut cells = vec![
-            html! { (axis.name) ", " (axis.rate_unit) },
+            with_unit(axis),
             significant(slope.mean, 3),
             html! { (significant(slope.steepest, 3)) " at " (fixed(slope.steepest_at, 0)) },
         ];
@@ -75,27 +80,25 @@ fn sensitivities(report: &LogReport, axes: &[(&LogAxis, &Characteristics)]) -> M
     ];
     html! {
         (Table { caption, heads: &heads, rows, numbers_from: 1 }.markup())
-        @for sentence in &missing { p.small { (sentence) } }
+        @for sentence in &missing { p.small { (told(sentence)) } }
     }
 }
 
 /// One panel an axis, two a row: the curve with its confidence.
-fn figure(report: &LogReport, axes: &[(&LogAxis, &Allan)]) -> Figure {
-    let panel = |(axis, allan): &(&LogAxis, &Allan)| {
-        let of = |value: fn(&zerorate_fit::allan::AllanPoint) -> f64| -> Vec<(f64, f64)> {
+fn figure(fit: &LogFit, axes: &[(&AxisFit, &Allan)]) -> Figure {
+    let panel = |(axis, allan): &(&AxisFit, &Allan)| {
+        let of = |value: fn(&AllanPoint) -> f64| -> Vec<(f64, f64)> {
             allan.points.iter().map(|point| (point.tau_s.log10(), value(point).log10())).collect()
         };
-        Panel::new(
-            format!("{}: Allan deviation of the residual", axis.name),
-            "averaging time, s",
-            format!("{}: Allan deviation, {}", axis.name, axis.rate_unit),
-        )
-        .with_height(260)
-        .with_logarithms()
-        .with(Mark::Line(Ink::Aim, of(|point| point.low)))
-        .with(Mark::Line(Ink::Aim, of(|point| point.high)))
-        .with(Mark::Line(Ink::X, of(|point| point.deviation)))
-        .with(Mark::Dots(Ink::X, of(|point| point.deviation)))
+        let marks = [
+            Mark::Line(Ink::Aim, of(|point| point.low)),
+            Mark::Line(Ink::Aim, of(|point| point.high)),
+            Mark::Line(Ink::X, of(|point| point.deviation)),
+            Mark::Dots(Ink::X, of(|point| point.deviation)),
+        ];
+        let title = format!("{}: Allan deviation of the residual", axis.name);
+        let up = format!("{}: Allan deviation, {}", axis.name, axis.calibration.rate_unit);
+        Panel { height: 2600, logarithms: true, ..Panel::new(title, "averaging time, s", up, marks) }
     };
     let mut columns = vec![Vec::new(), Vec::new()];
     axes.iter().enumerate().for_each(|(place, axis)| columns[place % 2].push(panel(axis)));
@@ -103,7 +106,7 @@ fn figure(report: &LogReport, axes: &[(&LogAxis, &Allan)]) -> Figure {
     let longest = axes.iter().filter_map(|(_, allan)| allan.points.last()).map(|point| point.tau_s).fold(0.0, f64::max);
     Figure {
         id: "allan".to_owned(),
-        name: format!("Figure {}", report.axes.len() + 1),
+        name: format!("Figure {}", fit.axes.len() + 1),
         caption: html! {
             "Overlapping Allan deviation of what the model leaves, with its 95 % confidence. These are residuals of a changing "
             "temperature and not of a soak: what the model misses stands in the long averages"
@@ -119,17 +122,17 @@ fn figure(report: &LogReport, axes: &[(&LogAxis, &Allan)]) -> Figure {
 }
 
 /// N, B and K.
-fn coefficients(axes: &[(&LogAxis, &Allan)]) -> Markup {
+fn coefficients(axes: &[(&AxisFit, &Allan)]) -> Markup {
     let cell = |coefficient: &Coefficient| match coefficient {
         Coefficient::Seen { value, low, high, .. } => html! {
             (significant(*value, 3)) " (" (significant(*low, 2)) " to " (significant(*high, 2)) ")"
         },
         Coefficient::Hidden { at_most } => html! { "below " (significant(*at_most, 2)) },
     };
-    let row = |(axis, allan): &(&LogAxis, &Allan)| {
+    let row = |(axis, allan): &(&AxisFit, &Allan)| {
         let found = &allan.coefficients;
         vec![
-            html! { (axis.name) ", " (axis.rate_unit) },
+            with_unit(axis),
             cell(&found.angle_random_walk),
             cell(&found.bias_instability),
             cell(&found.rate_random_walk),

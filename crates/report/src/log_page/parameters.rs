@@ -1,8 +1,18 @@
 //! Text to be copied: a button where the browser lets it, and text that is selected at a click everywhere.
 
 use maud::{Markup, html};
+use zerorate_cal::export::{ExportOptions, Format, export};
+use zerorate_cal::log_fit::LogFit;
+use zerorate_cal::units::{RateUnit, TemperatureUnit};
 
-use crate::Parameters;
+use crate::page::told;
+
+/// The forms that a page shows: those of autopilots, which people paste.
+const SHOWN: [(Format, &str); 3] = [
+    (Format::Px4, "PX4 (QGroundControl)"),
+    (Format::ArduPilot, "ArduPilot (Mission Planner, MAVProxy)"),
+    (Format::MethodicConfigurator, "ArduPilot (MethodicConfigurator)"),
+];
 
 /// Copies a text at a click on its button: by the clipboard where the page may, else by selecting it and the browser's own
 /// command, and if that fails too the text stays selected, for the keyboard.
@@ -42,25 +52,33 @@ pub(super) fn to_copy(id: &str, text: &str) -> Markup {
     }
 }
 
-/// The parameters of each program.
-pub(super) fn chapter(parameters: &[Parameters]) -> Markup {
-    html! {
+/// The parameters of each program; none for rates or temperatures in counts, or for a rejected log.
+pub(super) fn chapter(fit: &LogFit, command: Option<fn(Format) -> String>) -> Option<Markup> {
+    let in_counts = |unit: RateUnit| unit == RateUnit::Counts;
+    let known = fit.axes.first().is_some_and(|axis| axis.temperature_unit == TemperatureUnit::C);
+    if !known || fit.axes.iter().any(|axis| in_counts(axis.calibration.rate_unit)) {
+        return None;
+    }
+    // Without what a file needs and parameters do not: sources, serial.
+    let calibration = fit.to_calibration(Vec::new(), None).ok()?;
+    Some(html! {
         p {
             "An autopilot evaluates a cubic of temperature and no more: these are the best cubics there are of this log. What they "
             "cost against the chosen model stands in their comments."
         }
-        @for (place, parameters) in parameters.iter().enumerate() {
-            h3 { (parameters.program) }
-            @match &parameters.text {
-                Ok(text) => {
+        @for (place, (format, program)) in SHOWN.into_iter().enumerate() {
+            h3 { (program) }
+            @match export(&calibration, format, &ExportOptions::default()) {
+                Ok(exported) => {
+                    @let text = exported.text;
                     details open[place == 0] {
                         summary { (text.lines().filter(|line| !line.starts_with('#')).count()) " parameters" }
-                        (to_copy(&format!("parameters-{}", place + 1), text))
+                        (to_copy(&format!("parameters-{}", place + 1), &text))
                     }
                 }
-                Err(why) => p { (why) "." }
+                Err(why) => p { (told(&why.to_string())) "." }
             }
-            p.small { "To write them to a file: " code { (parameters.command) } }
+            @if let Some(command) = command { p.small { "To write them to a file: " code { (command(format)) } } }
         }
-    }
+    })
 }

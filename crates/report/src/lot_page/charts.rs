@@ -2,7 +2,7 @@
 
 use maud::html;
 
-use super::figure::{Figure, Ink, Mark, Panel, Sample, Side};
+use super::figure::{Figure, Ink, Mark, Panel, Sample, Side, extent};
 use crate::lot::{LotAxis, LotLimit, LotReport, LotUnit, Quantity};
 use crate::number::{counted, exact};
 
@@ -44,23 +44,17 @@ pub(super) fn distribution(report: &LotReport, number: usize) -> Option<Figure> 
         let numbers = |place| values(report, quantity, place).into_iter().map(|(_, value)| value).collect::<Vec<f64>>();
         let axes = [numbers(0), numbers(1)];
         let all = axes.concat();
-        if all.is_empty() {
-            return None;
-        }
         let limits = Limits::of(report, quantity, bounds(&all));
         let range = limits.range();
         // Bars as fine as without a limit; what lies beyond it is never counted on this side of it.
-        let ends = |(low, high): (f64, f64), value: &f64| (low.min(*value), high.max(*value));
-        let (low, high) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+        let (low, high) = extent(all.iter().copied())?;
         let bars = if high > low { (low.max(range.0), high.min(range.1)) } else { range };
         let name = format!("{}, counts", quantity.words());
-        let mut panel = Panel::new(format!("Distribution: {}", quantity.words()), name, "units")
-            .with_x_range(Some(range))
-            .with_counts();
-        for (ink, values) in [Ink::X, Ink::Y].into_iter().zip(&axes).filter(|(_, values)| !values.is_empty()) {
-            panel = panel.with(Mark::Line(ink, outline(values, bars)));
-        }
-        Some((limits.on(panel, [Side::Left, Side::Right]), limits.far))
+        let axes = [Ink::X, Ink::Y].into_iter().zip(&axes).filter(|(_, values)| !values.is_empty());
+        let mut marks: Vec<Mark> = axes.map(|(ink, values)| Mark::Line(ink, outline(values, bars))).collect();
+        marks.extend(limits.marks([Side::Left, Side::Right]));
+        let panel = Panel::new(format!("Distribution: {}", quantity.words()), name, "units", marks);
+        Some((Panel { x_range: Some(range), counts: true, ..panel }, limits.far))
     };
     let drawn = Drawn::of(panel)?;
     Some(Figure {
@@ -79,10 +73,7 @@ pub(super) fn distribution(report: &LotReport, number: usize) -> Option<Figure> 
 /// or all have one time.
 pub(super) fn over_time(report: &LotReport, number: usize) -> Option<Figure> {
     let days = || sound(report).map(|unit| unit.day).filter(|day| day.is_finite());
-    let (first, last) = days().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), day| (a.min(day), b.max(day)));
-    if last.partial_cmp(&first) != Some(std::cmp::Ordering::Greater) {
-        return None;
-    }
+    let (_, last) = extent(days()).filter(|(first, last)| last > first)?;
     let (unit_name, days_in_unit) = time_unit(last);
     let window = window(days().count());
     let panel = |quantity: Quantity| {
@@ -91,23 +82,16 @@ pub(super) fn over_time(report: &LotReport, number: usize) -> Option<Figure> {
             let points = points.map(|(unit, value)| (unit.day / days_in_unit, value));
             points.filter(|point| point.0.is_finite()).collect::<Vec<(f64, f64)>>()
         });
-        let heights = || axes.iter().flatten().map(|point| point.1);
-        let range = heights().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), value| (a.min(value), b.max(value)));
-        if range.0 > range.1 {
-            return None;
-        }
-        let limits = Limits::of(report, quantity, range);
-        let name = format!("{}, counts", quantity.words());
-        let mut panel =
-            Panel::new(format!("Over time: {}", quantity.words()), format!("{unit_name} since the first unit"), name);
+        let limits = Limits::of(report, quantity, extent(axes.iter().flatten().map(|point| point.1))?);
+        let mut marks = Vec::new();
         for (ink, points) in [Ink::X, Ink::Y].into_iter().zip(axes).filter(|(_, points)| !points.is_empty()) {
-            let median = window.map(|window| running_median(&points, window));
-            panel = panel.with(Mark::Dots(ink, points));
-            if let Some(median) = median {
-                panel = panel.with(Mark::Line(ink, median));
-            }
+            let median = window.map(|window| Mark::Line(ink, running_median(&points, window)));
+            marks.push(Mark::Dots(ink, points));
+            marks.extend(median);
         }
-        Some((limits.on(panel, [Side::Bottom, Side::Top]), limits.far))
+        marks.extend(limits.marks([Side::Bottom, Side::Top]));
+        let (title, up) = (format!("Over time: {}", quantity.words()), format!("{}, counts", quantity.words()));
+        Some((Panel::new(title, format!("{unit_name} since the first unit"), up, marks), limits.far))
     };
     let drawn = Drawn::of(panel)?;
     Some(Figure {
@@ -206,13 +190,11 @@ impl Limits {
         (if least < low { least - room } else { low }, if most > high { most + room } else { high })
     }
 
-    /// The panel with the limits drawn, the least on the first side.
-    fn on(&self, panel: Panel, [first, second]: [Side; 2]) -> Panel {
+    /// The limits as they are drawn, the least on the first side.
+    fn marks(&self, [first, second]: [Side; 2]) -> impl Iterator<Item = Mark> {
         let limits = [(first, "at least", self.least), (second, "at most", self.greatest)];
-        limits.into_iter().fold(panel, |panel, (side, word, at)| match at {
-            Some(at) => panel.with(Mark::Limit(side, at, format!("{word} {}", exact(at)))),
-            None => panel,
-        })
+        let drawn = limits.into_iter().filter_map(|(side, word, at)| Some((side, word, at?)));
+        drawn.map(|(side, word, at)| Mark::Limit(side, at, format!("{word} {}", exact(at))))
     }
 }
 

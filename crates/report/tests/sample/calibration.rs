@@ -1,9 +1,10 @@
 //! A calibration of the paper's gyro by its own equations, with noise, a saw-tooth and a little hysteresis.
 
 use zerorate_cal::quality::Verdict;
+use zerorate_fit::drift_fit::Candidate;
 use zerorate_report::{
-    AxisSoaks, CalibratedAxis, CalibrationReport, CandidateRow, Check, CompensationTest, Direction, DriftFacts, Mode,
-    RampPoint, SoakComparison, SoakPoint, TapDeviation, TestPoint, TrimFacts, TrimLine, TrimPoint, UnitFacts,
+    AxisSoaks, CalibratedAxis, CalibrationReport, Check, CompensationTest, Direction, DriftFacts, Mode, RampPoint,
+    SoakComparison, SoakPoint, TapDeviation, TestPoint, TrimFacts, TrimLine, TrimPoint, UnitFacts,
 };
 
 use super::noise;
@@ -55,11 +56,15 @@ fn axis(gyro: &Gyro) -> CalibratedAxis {
         RampPoint { elapsed_s: f64::from(group) * 1.5, temperature_counts, zro_counts, fitted_counts }
     };
     let ramp: Vec<RampPoint> = (0..GROUPS).map(point).collect();
-    let candidate = |order: usize, rms: f64| CandidateRow {
+    let candidate = |order: usize, rms: f64| Candidate {
         model: format!("poly:{order}"),
         in_sample_rms: rms,
-        held_out_rms: rms * 1.02,
-        standard_error: rms * 0.03,
+        held_out_rms: Some(rms * 1.02),
+        held_out_excess_standard_error: Some(rms * 0.03),
+        deployed_rms: None,
+        ends_rms: None,
+        by_direction_rms: None,
+        shrinkage_weight: None,
         chosen: order == 2,
     };
     let drift = DriftFacts {

@@ -37,10 +37,10 @@ pub fn lot(units: u32, days: f64) -> LotReport {
     let units: Vec<LotUnit> = (0..units).map(|number| unit(number, days)).collect();
     // A recording that only warms, as a ramp of the bench.
     let mut fit = log();
-    fit.left_out.clear();
+    fit.excluded.clear();
     fit.axes.truncate(1);
     fit.axes[0].name = "X".into();
-    fit.axes[0].points.retain(|point| point.elapsed_s > 8000.0);
+    fit.axes[0].trace.retain(|point| point.time_s > 8000.0);
     let worst = units.iter().find(|unit| unit.rejected.is_empty());
     let worst = worst.map(|unit| WorstUnit { serial: unit.serial.clone(), axis: "X".into(), held_out_rms: 6.1, fit });
     let gone = |unit: &LotUnit| {

@@ -27,9 +27,9 @@ pub fn models(page: &mut Page, fit: &LogFit) {
     page.gap();
     page.sentence(
         "  ",
-        "Each eighth of the log was predicted by a model chosen and fitted on the other seven. Deployed: without the log's \
-         own drift in time, less the mean of the eighth's first half minute, as a zero at boot takes it off; warm, the \
-         history known from the log's start; cold, unknown at the eighth's.",
+        "Blocked cross-validation: each of eight folds of the log was predicted by a model chosen and fitted on the other \
+         seven. Deployed: without the log's own drift in time, less the mean of the fold's first half minute, as a zero at \
+         boot takes it off; warm: the history is known from the log's start; cold: it begins with the fold.",
     );
 }
 
@@ -53,10 +53,10 @@ pub fn explain(page: &mut Page, fit: &LogFit) {
     page.gap();
     page.sentence(
         "  ",
-        "Held out: each eighth of the log predicted by a fit of the others; deployed, the same without drift in time, less \
-         the mean of its first half minute; cold and hot end, with that eighth of the temperatures held out. Taken (*) is \
-         the simplest whose held-out and deployed squares are within one standard error of the best, among those that are \
-         at neither end worse than the better of a straight line and a cubic, and in neither direction of the ramp worse \
+        "Held out: each fold of the log, predicted by a fit of the others. Deployed: the same without drift in time, less \
+         the mean of its first half minute. Cold and hot end: the coldest and the hottest eighth of the log held out. Taken \
+         (*) is the simplest model whose held-out and deployed squares are within one standard error of the best. It must \
+         be at neither end worse than the better of a straight line and a cubic, and in neither direction of the ramp worse \
          than the cubic.",
     );
 }

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use console::Style;
+use zerorate_cal::condition::Rejected;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::units::RateUnit;
 use zerorate_fit::drift_fit::{FitStatistics, ResidualOver};
 use zerorate_fit::residual::ResidualStatistics;
-use zerorate_report::LogReport;
 
 use super::models;
 use crate::screen::{Grid, Page, RateScale, aligned, style, thousands};
@@ -21,8 +21,6 @@ pub fn page(
     next: &Option<(&'static str, String)>,
     explained: bool,
 ) -> Page {
-    // The report has the words for what the fit found.
-    let report = LogReport::from(fit);
     let mut page = Page::default();
     verdict(&mut page, fit);
     if !fit.axes.is_empty() {
@@ -38,12 +36,13 @@ pub fn page(
         if explained {
             models::explain(&mut page, fit);
         }
-        left_out(&mut page, &report);
+        left_out(&mut page, fit);
     }
     rejected_axes(&mut page, fit);
-    if fit.judgement.rejected() && !report.advice.is_empty() {
+    let advice = fit.judgement.advice();
+    if fit.judgement.rejected() && !advice.is_empty() {
         page.heading("What to do");
-        report.advice.iter().for_each(|sentence| page.sentence("  - ", sentence));
+        advice.iter().for_each(|sentence| page.sentence("  - ", sentence));
     }
     if !fit.notes.is_empty() {
         page.heading("What was guessed");
@@ -130,9 +129,9 @@ fn terms(page: &mut Page, fit: &LogFit, over: ResidualOver) {
     page.sentence(
         "  ",
         &format!(
-            "pp is peak to peak. In-sample and held out are the residual of {of_what}: in-sample, of the rows that the \
-             curve was fitted to; held out, of each eighth of the log by a fit of the other seven, which is what to \
-             expect of new data."
+            "pp is peak to peak. In-sample and held out are residual statistics of {of_what}: in-sample, of the rows that \
+             the curve was fitted to; held out, by blocked cross-validation: of each of eight folds of the log, predicted \
+             by a fit of the other seven. That is what to expect of new data."
         ),
     );
     if fit.axes.iter().any(|axis| axis.calibration.reference_temperature.is_some()) {
@@ -160,14 +159,14 @@ fn temperatures(axes: &[&AxisFit]) -> String {
     format!("{min:.1} to {max:.1} {}", axes[0].temperature_unit.name())
 }
 
-fn left_out(page: &mut Page, report: &LogReport) {
+fn left_out(page: &mut Page, fit: &LogFit) {
     // Of one reason each column mostly has as many rows, for a row is left out of all.
-    let mut found: Vec<(u64, &str, Vec<&str>)> = Vec::new();
-    for axis in &report.axes {
+    let mut found: Vec<(Rejected, Vec<&str>)> = Vec::new();
+    for axis in &fit.axes {
         for rejected in &axis.samples_rejected {
-            match found.iter_mut().find(|(count, reason, _)| *count == rejected.count && *reason == rejected.reason) {
-                Some((_, _, names)) => names.push(&axis.name),
-                None => found.push((rejected.count, &rejected.reason, vec![&axis.name])),
+            match found.iter_mut().find(|(known, _)| known == rejected) {
+                Some((_, names)) => names.push(&axis.name),
+                None => found.push((*rejected, vec![&axis.name])),
             }
         }
     }
@@ -176,9 +175,9 @@ fn left_out(page: &mut Page, report: &LogReport) {
     }
     page.heading("Rows left out");
     let mut grid = Grid::new("rll");
-    for (count, reason, names) in found {
-        let names = if names.len() == report.axes.len() { "every column".to_owned() } else { names.join(", ") };
-        grid.row([thousands(count), reason.to_owned(), names]);
+    for (Rejected { count, reason }, names) in found {
+        let names = if names.len() == fit.axes.len() { "every column".to_owned() } else { names.join(", ") };
+        grid.row([thousands(count), reason.words().to_owned(), names]);
     }
     page.grid(&grid);
 }

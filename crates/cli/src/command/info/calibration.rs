@@ -8,7 +8,7 @@ use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin};
 use zerorate_cal::units::RateUnit;
 use zerorate_fit::drift_fit::ResidualOver;
 
-use crate::screen::{Grid, Page, RateScale, aligned, significant};
+use crate::screen::{Grid, Page, RateScale, aligned, three_digits};
 
 /// Digits of a SHA-256 that tell one file from another at a glance.
 const SHORT_HASH: usize = 12;
@@ -152,7 +152,7 @@ impl Trim {
         };
         let text = format!(
             "a tap moves it by {} counts ({measured}), towards {:.1} counts; dead band {} taps; starts in mode {}",
-            significant(self.counts_per_tap),
+            three_digits(self.counts_per_tap),
             self.centre_counts,
             self.dead_band_taps,
             self.start_up_mode

@@ -6,7 +6,7 @@ use anyhow::Result;
 use serde::Serialize;
 use zerorate_cal::device_record::{AxisFacts, StoredRecord};
 
-use crate::screen::{Grid, Page, significant};
+use crate::screen::{Grid, Page, three_digits};
 
 #[derive(Debug, Serialize)]
 pub struct Facts {
@@ -79,7 +79,7 @@ impl Facts {
                 axis.model.clone(),
                 format!("{min:.0} to {max:.0}"),
                 format!("{:.0}", axis.drift_pp_counts),
-                significant(axis.counts_per_tap),
+                three_digits(axis.counts_per_tap),
                 axis.taps_measured.to_string(),
                 axis.edges.map_or_else(|| "none".to_owned(), |edges| edges.to_string()),
                 axis.dead_band_taps.to_string(),

@@ -1,0 +1,230 @@
+//! A run in numbers: `summary.json`, for scripts and for the run's page.
+//!
+//! Figures known on a simulated bench alone are left out on a real one. A field may be added within a schema; none is
+//! taken away or given another meaning.
+
+use std::collections::BTreeMap;
+use std::io;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+use zerorate_core::compensate::Mode;
+use zerorate_core::units::Axis;
+
+use crate::quality::Verdict;
+use crate::recording::Phase;
+use crate::source::{Faulty, Source};
+
+/// The version of the summary's form.
+pub const SCHEMA: u32 = 1;
+
+/// The run in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// The simulated plant's name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plant: Option<String>,
+    /// The simulated plant's seed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// The unit's serial.
+    pub serial: String,
+    /// Good or rejected.
+    pub verdict: Verdict,
+    /// How long the run took by the wall clock, seconds.
+    pub wall_s: f64,
+    /// The trim part of the board, as `max5494`.
+    pub trim_part: String,
+    /// Counts in one deg/s; negative where the reading falls with the rate.
+    pub counts_per_dps: f64,
+    /// The axes by name, `x` and `y`.
+    pub axes: BTreeMap<String, AxisSummary>,
+    /// The compensation tests: X heating, X cooling, then Y heating, each by trim and hybrid.
+    pub tests: Vec<TestResult>,
+    /// What was checked.
+    pub checks: Vec<Check>,
+    /// The traditional test; `None` where it was left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub soaks: Option<Soaks>,
+    /// What was outside its limit, a sentence each.
+    pub failed_checks: Vec<String>,
+    /// What to look at, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// One axis in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisSummary {
+    /// The drift model, as `poly:2`.
+    pub model: String,
+    /// The drift's coefficients in temperature counts, constant first, counts; a table's knots.
+    pub drift_raw_coefficients: Vec<f64>,
+    /// Zero-rate output over the ramp's hour, peak to peak.
+    pub drift_pp_counts: f64,
+    /// V0: mean of the trimmed readings (eq. 4).
+    pub v0_counts: f64,
+    /// a, each point against its own trimmed reading.
+    pub trim_slope_taps_per_count: f64,
+    /// b, the same.
+    pub trim_intercept_taps: f64,
+    /// a by the paper's formula (eq. 2 to 4).
+    pub paper_trim_slope_taps_per_count: f64,
+    /// b by the paper's formula.
+    pub paper_trim_intercept_taps: f64,
+    /// The plant's own slope over the taps that the experiment used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plant_slope_taps_per_count: Option<f64>,
+    /// The least and greatest temperature fitted, counts.
+    pub temperature_counts: [f64; 2],
+    /// The largest distance of the fitted curve from the plant's deterministic curve of this run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub curve_error_counts: Option<f64>,
+    /// Residual of the fit, rms, in-sample.
+    pub fit_rms_counts: f64,
+    /// Residual of the fit, peak to peak, in-sample.
+    pub fit_pp_counts: f64,
+    /// Residual of the folds, each predicted by the fit of the others, rms; `None` where they do not settle the model.
+    pub held_out_rms_counts: Option<f64>,
+    /// The same, peak to peak.
+    pub held_out_pp_counts: Option<f64>,
+}
+
+/// One direction of a compensation test. All figures are of group means over the hour of the ramp, on a run that no
+/// model has seen: held out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TestResult {
+    /// How the axis was compensated.
+    #[serde(with = "crate::named")]
+    pub mode: Mode,
+    /// The compensated axis.
+    #[serde(with = "crate::named")]
+    pub axis: Axis,
+    /// The axis left alone.
+    #[serde(with = "crate::named")]
+    pub control: Axis,
+    /// Heating or cooling.
+    #[serde(with = "crate::named")]
+    pub direction: Phase,
+    /// What is left on the compensated axis, counts peak to peak.
+    pub residual_pp_counts: f64,
+    /// The same, rms about its mean.
+    pub residual_rms_counts: f64,
+    /// The control, counts peak to peak.
+    pub control_pp_counts: f64,
+    /// What no compensation could beat: the same groups with the plant's own drift and wiper voltage removed, counts
+    /// peak to peak. Known on a simulated bench alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floor_pp_counts: Option<f64>,
+    /// Wiper writes after the first.
+    pub wiper_writes: u32,
+    /// Tap changes of the noise-free law with the same dead band along the plant's true temperature, from the tap of the
+    /// first write on. Known on a simulated bench alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub taps_crossed: Option<u32>,
+    /// Mean of the compensated axis, counts.
+    pub mean_counts: f64,
+    /// The largest jump of the corrected samples in the second after a tap change, less its size elsewhere, counts.
+    pub largest_step_counts: f64,
+}
+
+/// Something that was checked.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Check {
+    /// What, in words.
+    pub what: String,
+    /// The limit, with its unit.
+    pub limit: String,
+    /// What was measured, with its unit.
+    pub measured: String,
+    /// Whether it is within the limit.
+    pub pass: bool,
+}
+
+/// One ramp beside the soaks that it replaces.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Soaks {
+    /// Chamber time of the ramp, its first soak included, hours.
+    pub ramp_hours: f64,
+    /// Chamber time of all soaks and the ways between them, hours.
+    pub soak_hours: f64,
+    /// The soaks of each axis by its name, in the order in which they were made.
+    pub axes: BTreeMap<String, Vec<SoakPoint>>,
+}
+
+/// The mean of one soak.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SoakPoint {
+    /// The chamber's set point.
+    pub chamber_c: f64,
+    /// The gyro's own temperature reading.
+    pub temperature_counts: f64,
+    /// The zero-rate output.
+    pub zro_counts: f64,
+}
+
+/// Why a summary cannot be read, with its name.
+pub type SummaryError = Faulty<SummaryFault>;
+
+/// Why a summary cannot be read.
+#[derive(Debug, Error)]
+pub enum SummaryFault {
+    /// The file cannot be read.
+    #[error("cannot be read: {0}")]
+    Read(#[from] io::Error),
+    /// It is another file, or one of a version that wrote less.
+    #[error("not the summary of a run, or written by an older zerorate: {0}: calibrate the unit again")]
+    NotOne(#[from] serde_json::Error),
+    /// A schema that this code does not know.
+    #[error("schema {found}, and this program knows schema {SCHEMA}: use a newer zerorate")]
+    UnknownSchema {
+        /// The schema found.
+        found: u32,
+    },
+}
+
+impl Summary {
+    /// Reads a summary.
+    ///
+    /// # Errors
+    /// [`SummaryFault`].
+    pub fn read(source: &Source) -> Result<Self, SummaryError> {
+        let read = || {
+            let text = io::read_to_string(source.open()?)?;
+            let summary: Self = serde_json::from_str(&text)?;
+            if summary.schema == SCHEMA {
+                Ok(summary)
+            } else {
+                Err(SummaryFault::UnknownSchema { found: summary.schema })
+            }
+        };
+        read().map_err(|fault| source.faulty(fault))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_test_is_written_by_the_names_that_recordings_have_and_reads_back() {
+        let text = r#"{"mode":"hybrid","axis":"x","control":"y","direction":"cooling","residual_pp_counts":7.1,
+            "residual_rms_counts":1.0,"control_pp_counts":400.0,"wiper_writes":13,"mean_counts":8200.1,
+            "largest_step_counts":0.5}"#;
+        let result: TestResult = serde_json::from_str(text).unwrap();
+        assert_eq!((result.mode, result.control, result.direction), (Mode::Hybrid, Axis::Y, Phase::Cooling));
+        let again = serde_json::to_value(&result).unwrap();
+        assert_eq!((&again["mode"], &again["direction"]), (&"hybrid".into(), &"cooling".into()));
+        let wrong = serde_json::from_str::<TestResult>(&text.replace("hybrid", "mixed")).unwrap_err().to_string();
+        assert!(wrong.contains("'mixed' is no mode: there are off, trim, digital, hybrid"), "{wrong}");
+    }
+
+    #[test]
+    fn what_is_no_summary_is_named_with_what_it_lacks() {
+        let refused =
+            |text: &str| Summary::read(&Source::bytes("summary.json", text.as_bytes())).unwrap_err().to_string();
+        let told = refused("{\"schema\": 1, \"serial\": \"ZR-1\"}");
+        assert!(told.starts_with("summary.json: ") && told.contains("missing field `verdict`"), "{told}");
+    }
+}
