@@ -96,6 +96,12 @@ pub struct FitStatistics {
 }
 
 impl FitStatistics {
+    /// Of a drift of which nobody says how well it was fitted.
+    #[must_use]
+    pub fn unknown() -> Self {
+        Self::new(ResidualOver::Groups, 0, ResidualStatistics::NONE, ResidualStatistics::NONE, Vec::new())
+    }
+
     /// Of a fit to `residuals` rows or groups, whatever was tried beside it.
     #[must_use]
     pub fn new(

@@ -68,7 +68,9 @@ struct AxisForm {
     sensor: Option<Sensor>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     reference_temperature: Option<f64>,
-    fit: FitStatistics,
+    /// Schema 1 could do without.
+    #[serde(default)]
+    fit: Option<FitStatistics>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     trim: Option<TrimCalibration>,
     #[serde(default)]
@@ -89,7 +91,7 @@ impl From<AxisCalibration> for AxisForm {
             rate_unit: axis.rate_unit,
             sensor: axis.sensor,
             reference_temperature: axis.reference_temperature,
-            fit: statistics,
+            fit: Some(statistics),
             trim: axis.trim,
             warnings: axis.warnings,
         }
@@ -106,7 +108,7 @@ impl TryFrom<AxisForm> for AxisCalibration {
         };
         let static_cubic = form.static_cubic.as_ref().map(StaticCubicForm::checked).transpose()?;
         let axis = Self {
-            fit: DriftFit { model, static_cubic, band: form.band, statistics: form.fit },
+            fit: DriftFit { model, static_cubic, band: form.band, statistics: form.fit.unwrap_or_else(FitStatistics::unknown) },
             rate_unit: form.rate_unit,
             sensor: form.sensor,
             reference_temperature: form.reference_temperature,

@@ -42,8 +42,8 @@ fn what_is_no_set_up_is_named_by_line() {
     let folder = folder_with("bench.toml", "[chamber]\ncold = -40.0\n");
     let check = ["setup", "--check", "bench.toml"];
     zerorate(folder.path(), &check).is_error(&[
-        "bench.toml, line 2: unknown field `cold`",
-        "`cold_c`",
+        "bench.toml, line 2: unknown field 'cold'",
+        "'cold_c'",
         "zerorate setup",
     ]);
     fs::write(folder.path().join("bench.toml"), "[board]\n\nconverter_bits = \n").unwrap();

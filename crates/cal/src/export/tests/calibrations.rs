@@ -22,8 +22,7 @@ pub fn drift(values: &[f64], is_table: bool, min: f64, max: f64) -> Drift {
 
 /// The cubic of an axis where it has none of its own, and nothing else known of the fit.
 pub fn axis(drift: Drift, rate_unit: RateUnit) -> AxisCalibration {
-    let none = ResidualStatistics::NONE;
-    let statistics = FitStatistics::new(ResidualOver::Groups, 0, none, none, Vec::new());
+    let statistics = FitStatistics::unknown();
     let model = DriftModel::of_curve(drift);
     AxisCalibration::of_fit(DriftFit { model, static_cubic: None, band: Vec::new(), statistics }, rate_unit)
 }
