@@ -4,12 +4,11 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use zerorate_cal::calibration::{AxisCalibration, ResidualOver};
-use zerorate_cal::choose::Model;
 use zerorate_cal::log_fit::FitOptions;
 use zerorate_cal::quality::Judgement;
-use zerorate_cal::recorded::{RampGroup, RampMeans, fit_axis};
+use zerorate_cal::ramp_fit::{RampGroup, RampMeans, fit_axis};
 use zerorate_core::units::Axis;
+use zerorate_fit::model::Model;
 
 use crate::dataset::{Found, Place, columns};
 use crate::engine::{Engine, EngineError};
@@ -121,8 +120,7 @@ fn fit_unit(unit: &Unit, expected: Option<u64>, options: &FitOptions) -> Fitted 
             means.push(row);
         }
         if let Some(fit) = fit_axis(axis.name(), &means, expected, options, &mut judgement) {
-            let calibration = AxisCalibration::of_fit(&fit, ResidualOver::Groups);
-            axes.push(AxisRow { axis: axis.name().to_owned(), calibration });
+            axes.push(AxisRow { axis: fit.name, calibration: fit.calibration });
         }
     }
     Fitted { judgement, axes, inconsistent: unit.inconsistent }

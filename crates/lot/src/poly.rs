@@ -14,14 +14,18 @@ use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use datafusion::arrow::compute::cast;
 use datafusion::arrow::datatypes::{DataType, Float64Type};
-use zerorate_cal::calibration::{AxisCalibration, CandidateStatistics, FitStatistics, ResidualOver};
-use zerorate_cal::choose::{Model, STRETCHES};
-use zerorate_cal::log_fit::{FitOptions, Spread};
+use zerorate_cal::calibration::AxisCalibration;
+use zerorate_cal::log_fit::FitOptions;
 use zerorate_cal::quality::{Judgement, Reason, ReasonKind};
-use zerorate_cal::recorded::{AxisSurvey, JUDGED_ORDER, RampMeans, judge_residual, judge_survey, verdict_of};
-use zerorate_cal::table::RateUnit;
+use zerorate_cal::ramp_fit::{AxisSurvey, JUDGED_ORDER, RampMeans, judge_residual, judge_survey, verdict_of};
+use zerorate_cal::units::RateUnit;
 use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, ValidRange};
 use zerorate_core::units::Axis;
+use zerorate_fit::drift_fit::{Candidate, DriftFit, FitStatistics, ResidualOver};
+use zerorate_fit::folds::FOLDS;
+use zerorate_fit::model::Model;
+use zerorate_fit::predict::DriftModel;
+use zerorate_fit::residual::ResidualStatistics;
 
 use crate::dataset::{Found, Place};
 use crate::engine::{Engine, EngineError};
@@ -130,7 +134,7 @@ fn survey(extent: Option<&Extent>, moments: Option<&Moments>) -> AxisSurvey {
         survey.span = extent.span;
         survey.saturated = extent.saturated;
         survey.taps = Some(extent.taps);
-        survey.stretches = moments.stretches;
+        survey.folds = moments.folds;
     }
     survey
 }
@@ -143,7 +147,7 @@ fn curve(extent: &Extent, moments: &Moments, order: usize) -> Option<Curve> {
     let all = all.truncated(order);
     let stretches: Vec<Sums> = moments.sums.iter().map(|sums| sums.truncated(order)).collect();
     let coefficients = all.solve()?;
-    let without = (0..STRETCHES)
+    let without = (0..FOLDS)
         .map(|left_out| {
             let mut rest = Sums::empty(order);
             stretches.iter().enumerate().filter(|(own, _)| *own != left_out).for_each(|(_, sums)| rest.add(sums));
@@ -171,14 +175,14 @@ fn row(axis: Axis, curve: &Curve, extent: &Extent, left: &Left, order: usize) ->
     let variance = left.squares / freedom as f64;
     let inverse = curve.all.inverse()?;
     let covariance = inverse.iter().map(|row| row.iter().map(|entry| entry * variance).collect()).collect();
-    let in_sample = Spread { rms: (left.squares / groups as f64).sqrt(), pp: left.extremes.1 - left.extremes.0 };
+    let in_sample = ResidualStatistics { rms: (left.squares / groups as f64).sqrt(), pp: left.extremes.1 - left.extremes.0 };
     let used = || curve.stretches.iter().zip(&curve.without).filter(|(sums, _)| sums.groups > 0);
     let complete = used().all(|(_, without)| without.is_some());
-    let held_out = complete.then(|| Spread {
+    let held_out = complete.then(|| ResidualStatistics {
         rms: (left.held_out_squares / groups as f64).sqrt(),
         pp: left.held_out_extremes.1 - left.held_out_extremes.0,
     });
-    let candidate = CandidateStatistics {
+    let candidate = Candidate {
         model: Model::Poly(order).to_string(),
         in_sample_rms: in_sample.rms,
         held_out_rms: held_out.map(|spread| spread.rms),
@@ -189,29 +193,21 @@ fn row(axis: Axis, curve: &Curve, extent: &Extent, left: &Left, order: usize) ->
         ridge: None,
         chosen: true,
     };
-    let calibration = AxisCalibration {
-        drift: Drift { shape: Shape::Polynomial(polynomial), valid },
-        history: None,
-        time_drift: None,
-        static_cubic: None,
-        band: Vec::new(),
-        sensor: None,
-        reference_temperature: None,
-        rate_unit: RateUnit::Counts,
-        fit: Some(FitStatistics {
-            residual_over: ResidualOver::Groups,
-            residuals: groups,
-            samples_used: extent.samples,
-            in_sample,
-            held_out,
-            held_out_stretches: STRETCHES as u64,
-            covariance,
-            candidates: vec![candidate],
-            nested: None,
-        }),
-        trim: None,
-        warnings: Vec::new(),
+    let statistics = FitStatistics {
+        residual_over: ResidualOver::Groups,
+        residuals: groups,
+        samples_used: extent.samples,
+        in_sample,
+        held_out,
+        held_out_stretches: FOLDS as u64,
+        covariance,
+        candidates: vec![candidate],
+        nested: None,
     };
+    let drift = Drift { shape: Shape::Polynomial(polynomial), valid };
+    let model = DriftModel { drift, history: None, time_drift: None };
+    let fit = DriftFit { model, static_cubic: None, band: Vec::new(), statistics };
+    let calibration = AxisCalibration::of_fit(fit, RateUnit::Counts);
     Some(AxisRow { axis: axis.name().to_owned(), calibration })
 }
 

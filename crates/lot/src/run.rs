@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde::Serialize;
-use zerorate_cal::choose::Model;
 use zerorate_cal::quality::Reason;
+use zerorate_fit::model::Model;
 
 use crate::auto;
 use crate::dataset::{Dataset, Found, Place, PlaceError, Skipped};
@@ -108,7 +108,7 @@ pub enum RunError {
     #[error(transparent)]
     Out(#[from] OutError),
     /// Another run writes there.
-    #[error("{path}: another run is writing there: wait for it, or give --out another name")]
+    #[error("{path}: another run is writing there: wait for it, or give `out` another name")]
     Busy {
         /// Where the rows go.
         path: String,
@@ -124,7 +124,7 @@ pub enum RunError {
         first: String,
     },
     /// The folder for the rows cannot be made.
-    #[error("{path}: cannot be made: {source}: give --out another place")]
+    #[error("{path}: cannot be made: {source}: give `out` another place")]
     Parts {
         /// The folder.
         path: String,
@@ -224,7 +224,7 @@ impl FitRun {
 
     async fn fit(&self, place: &Place, files: &[&Found]) -> Result<Vec<Fitted>, EngineError> {
         match self.model {
-            Model::Poly(order) => poly::fit(&self.engine, place, files, order, self.allow_narrow).await,
+            Model::Poly(order) if std::env::var_os("BY_SQL").is_some() => poly::fit(&self.engine, place, files, order, self.allow_narrow).await,
             model => auto::fit(&self.engine, place, files, model, self.allow_narrow).await,
         }
     }

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
-use zerorate_cal::choose::STRETCHES;
-use zerorate_cal::recorded::{JUDGED_ORDER, StretchSurvey};
+use zerorate_cal::ramp_fit::{FoldSurvey, JUDGED_ORDER};
+use zerorate_fit::folds::FOLDS;
 
 use super::{Extent, Key, column, count, keys};
 use crate::dataset::{Found, Place, columns};
@@ -18,7 +18,7 @@ pub(super) struct Moments {
     /// The sums.
     pub sums: Vec<Sums>,
     /// Counts and extremes.
-    pub stretches: [StretchSurvey; STRETCHES],
+    pub folds: [FoldSurvey; FOLDS],
 }
 
 impl Moments {
@@ -98,10 +98,10 @@ pub(super) async fn query(
         let products = (0..=order).map(|k| get(&format!("v{k}"))).collect::<Result<Vec<_>, _>>()?;
         for (row, key) in keys(batch)?.into_iter().enumerate() {
             let own = moments.entry(key).or_insert_with(|| Moments {
-                sums: vec![Sums::empty(order); STRETCHES],
-                stretches: [StretchSurvey::EMPTY; STRETCHES],
+                sums: vec![Sums::empty(order); FOLDS],
+                folds: [FoldSurvey::EMPTY; FOLDS],
             });
-            let place = usize::try_from(count(stretch[row])).unwrap_or(usize::MAX).min(STRETCHES - 1);
+            let place = usize::try_from(count(stretch[row])).unwrap_or(usize::MAX).min(FOLDS - 1);
             let groups = count(groups[row]);
             own.sums[place] = Sums {
                 groups,
@@ -109,8 +109,8 @@ pub(super) async fn query(
                 products: products.iter().map(|product| product[row]).collect(),
                 squares: squares[row],
             };
-            own.stretches[place] =
-                StretchSurvey { groups, temperature: (t_min[row], t_max[row]), reading: (z_min[row], z_max[row]) };
+            own.folds[place] =
+                FoldSurvey { groups, temperature: (t_min[row], t_max[row]), reading: (z_min[row], z_max[row]) };
         }
     }
     Ok(moments)

@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
-use zerorate_cal::choose::STRETCHES;
-use zerorate_cal::recorded::{JUDGED_ORDER, ResidualSurvey};
+use zerorate_cal::ramp_fit::JUDGED_ORDER;
+use zerorate_fit::folds::FOLDS;
+use zerorate_fit::residual::Residuals;
 
 use super::moments::{SCALED, frame};
 use super::{Curve, Extent, Key, column, count, keys};
@@ -16,7 +17,7 @@ use crate::table::{FileValue, Files};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Left {
     /// Of the curve that wild groups are searched for under.
-    pub survey: ResidualSurvey,
+    pub survey: Residuals,
     /// The sum of squares under the fit of everything.
     pub squares: f64,
     /// The least and the greatest there, counts.
@@ -43,7 +44,7 @@ fn sql(order: usize) -> String {
         // Writing to a string cannot fail.
         let _ = write!(sql, ", CASE WHEN is_y THEN {} ELSE {} END AS c{k}", name(k, "y", None), name(k, "x", None));
         let _ = write!(sql, ", CASE 2 * stretch + y");
-        for stretch in 0..STRETCHES {
+        for stretch in 0..FOLDS {
             for (y, axis) in ["x", "y"].into_iter().enumerate() {
                 let _ = write!(sql, " WHEN {} THEN {}", 2 * stretch + y, name(k, axis, Some(stretch)));
             }
@@ -81,7 +82,7 @@ pub(super) async fn query(
         let mut values = frame(file, extents);
         for (y, axis) in [(false, "x"), (true, "y")] {
             let curve = curves.get(&(file, y));
-            for without in std::iter::once(None).chain((0..STRETCHES).map(Some)) {
+            for without in std::iter::once(None).chain((0..FOLDS).map(Some)) {
                 let coefficients = match without {
                     None => curve.map(|curve| &curve.coefficients),
                     Some(stretch) => curve.and_then(|curve| curve.without[stretch].as_ref()),
@@ -109,11 +110,12 @@ pub(super) async fn query(
         let (least, most) = (get("r_min")?, get("r_max")?);
         let (held_squares, held_least, held_most) = (get("h2")?, get("h_min")?, get("h_max")?);
         for (row, key) in keys(batch)?.into_iter().enumerate().filter(|(_, key)| curves.contains_key(key)) {
-            let survey = ResidualSurvey {
+            let survey = Residuals {
                 count: count(groups[row]),
                 squares: judged_squares[row],
                 fourths: judged_fourths[row],
-                largest: judged_least[row].abs().max(judged_most[row].abs()),
+                min: judged_least[row],
+                max: judged_most[row],
             };
             left.insert(
                 key,
