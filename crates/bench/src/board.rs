@@ -20,7 +20,7 @@ pub use self::first_time::{FirstTime, MOST_STORES};
 pub use self::live::{LiveAxis, LiveGroup};
 
 use crate::choice::DeviceChoice;
-use crate::client::{ClientError, DeviceClient, LineCounts};
+use crate::client::{ClientError, DeviceClient, LineCounts, wording};
 use crate::instruments::Bench;
 use crate::plants::PlantKind;
 use crate::setup::SetUp;
@@ -112,12 +112,12 @@ impl Board {
             sample_period_us: identity.sample_period_us,
             group: identity.group.0,
             calibrated: identity.calibration.is_in_use(),
-            calibration: identity.calibration.to_string(),
+            calibration: wording::of_calibration(identity.calibration),
             record: RecordFacts::of(&stored),
             acquiring: identity.running,
             taps: identity.taps.map(Taps::get),
             modes: identity.modes.map(Mode::name),
-            started: identity.reset.to_string(),
+            started: wording::of_reset(identity.reset).into(),
         })
     }
 

@@ -28,26 +28,12 @@ const FULL_TEMPERATURE: &str = "full-temperature.parquet";
 const TRIM_SWEEP: &str = "trim-sweep.parquet";
 const SOAKS: &str = "soaks.parquet";
 
-/// Runs everything on one unit and writes the results into `out`; returns them with the summary.
+/// Runs everything on one unit and writes the results into `out`; returns them with the summary. On a bench that takes
+/// days `keep` has each procedure kept that was carried through, so that a run that was stopped goes on after it.
 ///
 /// # Errors
-/// [`BenchError`]; earlier results in `out` are then untouched.
+/// [`BenchError`]; earlier results in `out` are then untouched, and what was to be kept is.
 pub fn calibrate(
-    bench: &mut Bench,
-    setup: &SetUp,
-    unit: Unit,
-    out: &Path,
-    progress: &mut dyn Progress,
-) -> Result<(Calibrated, Summary), BenchError> {
-    calibrate_keeping(bench, setup, unit, out, progress, Keep::Nothing)
-}
-
-/// The same on a bench that takes days: each procedure that was carried through is kept, and a run that was stopped goes
-/// on after it.
-///
-/// # Errors
-/// [`BenchError`]; earlier results in `out` are then untouched, and what was finished is kept.
-pub fn calibrate_keeping(
     bench: &mut Bench,
     setup: &SetUp,
     unit: Unit,
@@ -144,8 +130,13 @@ fn run(
     let run = Calibrated { unit, setup: setup.clone(), measured, verifications, soaks, checks };
     let summary = Summary::of(&run, began.elapsed().as_secs_f64());
     results::write(&run, &summary, &mut output)?;
-    checkpoints.forget();
-    output.publish()?;
+    if let Some(aside) = output.publish()? {
+        progress.note(&format!(
+            "the results are in {}; something else that was there could not be moved back and is in {}: move it by hand",
+            out.display(),
+            aside.display()
+        ));
+    }
     Ok((run, summary))
 }
 

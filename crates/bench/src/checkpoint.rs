@@ -94,17 +94,15 @@ impl Checkpoints {
         Ok(results)
     }
 
-    /// The run is whole: nothing is kept any more.
-    pub fn forget(self) {
-        if let Some(folder) = self.folder {
-            // What cannot be removed is in nobody's way but the next run's, which says so.
-            let _ = fs::remove_dir_all(folder);
-        }
-    }
-
     fn file(&self, procedure: &str) -> Option<PathBuf> {
         self.folder.as_ref().map(|folder| folder.join(format!("{procedure}.bin")))
     }
+}
+
+/// The run in a folder is whole: nothing is kept of it any more.
+pub(crate) fn forget(in_progress: &Path) {
+    // What cannot be removed is in nobody's way but the next run's, which says so.
+    let _ = fs::remove_dir_all(in_progress.join(FOLDER));
 }
 
 fn cannot(path: &Path) -> impl FnOnce(std::io::Error) -> BenchError {
@@ -132,7 +130,7 @@ mod tests {
         let resumed = Checkpoints::open(folder.path(), Keep::Resume, "unit 1").unwrap();
         assert!(resumed.extent("ramp").is_some());
         assert_eq!(once(&resumed, 9), 7);
-        resumed.forget();
+        forget(folder.path());
         assert_eq!(once(&Checkpoints::open(folder.path(), Keep::Anew, "unit 1").unwrap(), 9), 9);
     }
 

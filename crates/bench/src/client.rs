@@ -4,6 +4,7 @@
 //! seconds: the device does it once and answers as often as it is asked. Groups that never came are named.
 
 mod conversation;
+pub(crate) mod wording;
 
 use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
@@ -54,7 +55,7 @@ pub enum ClientError {
     #[error(transparent)]
     Link(#[from] LinkError),
     /// The device will not do what it was asked.
-    #[error("the device refused: {0}")]
+    #[error("the device refused: {}", wording::of_refusal(.0))]
     Refused(Refusal),
     /// The device speaks another version.
     #[error("the device speaks version {device} of the wire, this program {WIRE_VERSION}: update {}", older(*device))]
@@ -294,7 +295,7 @@ impl DeviceClient {
     /// # Errors
     /// [`ClientError`].
     pub fn group_within(&mut self, patience: Duration) -> Result<Option<Group>, ClientError> {
-        self.conversation.group_before(Instant::now() + patience)
+        self.conversation.group_before(self.conversation.now() + patience)
     }
 
     /// A group that has arrived already.

@@ -5,6 +5,8 @@ pub mod serial;
 pub mod tcp;
 mod threaded;
 
+use std::time::Instant;
+
 pub use threaded::ThreadedLink;
 
 /// A line that bytes are sent and received on.
@@ -26,6 +28,11 @@ pub trait Link {
     /// not answered is sent again, and silence is an error.
     fn in_real_time(&self) -> bool {
         false
+    }
+
+    /// The clock by which silence is measured: the wall's, unless the line has one of its own, as in a test.
+    fn now(&self) -> Instant {
+        Instant::now()
     }
 }
 

@@ -1,7 +1,10 @@
 //! The output folder: results appear in it whole, or not at all.
 //!
-//! A run writes into `in-progress` inside the folder and moves its files up at the end. A run that fails leaves earlier
-//! results untouched and what it had recorded in `in-progress`, readable up to the last whole group.
+//! A run writes into `in-progress` inside the folder, and its files take the earlier ones' places at once when it is whole.
+//! A run that fails leaves earlier results untouched and what it had recorded in `in-progress`, readable up to the last
+//! whole group.
+
+mod place;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -23,11 +26,13 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Opens the folder, making it where it is missing, and makes sure that it can be written.
+    /// Opens the folder, making it where it is missing, and makes sure that it can be written. What a run that was killed
+    /// had begun to put in place is finished.
     ///
     /// # Errors
     /// [`BenchError::Write`].
     pub fn open(folder: &Path) -> Result<Self, BenchError> {
+        place::recover(folder, &mut || Ok(())).map_err(cannot(folder))?;
         let in_progress = folder.join(IN_PROGRESS);
         fs::create_dir_all(&in_progress).map_err(cannot(&in_progress))?;
         let probe = in_progress.join(".probe");
@@ -109,18 +114,13 @@ impl OutputFolder {
         self.in_progress.join(file)
     }
 
-    /// Moves everything up: the run is whole.
+    /// Puts everything in place: the run is whole, and nothing is kept to go on with. Returns the folder where something
+    /// else that was there is now, if it could not be moved back.
     ///
     /// # Errors
     /// [`BenchError::Write`].
-    pub fn publish(self) -> Result<(), BenchError> {
-        for file in &self.files {
-            let to = self.folder.join(file);
-            fs::rename(self.in_progress.join(file), &to).map_err(cannot(&to))?;
-        }
-        // Something left over from a run that was cut is not ours to throw away: then the folder stays.
-        let _ = fs::remove_dir(&self.in_progress);
-        Ok(())
+    pub fn publish(self) -> Result<Option<PathBuf>, BenchError> {
+        place::publish(&self.folder, &self.files, &mut || Ok(())).map_err(cannot(&self.folder))
     }
 }
 

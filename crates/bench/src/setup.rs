@@ -1,132 +1,133 @@
 //! The set-up: one TOML file describes a board and its bench. The paper's is the default.
 //!
-//! Everything is checked when a set-up is read, so that a run of hours does not end in a contradiction.
+//! Everything is checked when a set-up is read, so that a run of hours does not end in a contradiction. What stands here
+//! over a field stands over it in the file that `zerorate setup` prints, too.
 
 mod contradictions;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use documented::DocumentedFields;
 use serde::{Deserialize, Serialize};
 use zerorate_core::compensate::LowPass;
 use zerorate_core::units::{Celsius, Counts, Seconds, Taps};
 use zerorate_fit::model::Model;
 
 /// A board and its bench.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
 pub struct SetUp {
-    /// The board.
+    /// The board: what stands on its schematic.
     pub board: Board,
-    /// How groups are taken.
+    /// How groups are taken. Length times period is a group's time: 1.5 s, or 40 groups a minute.
     pub acquisition: Acquisition,
     /// The chamber's profile.
     pub chamber: ChamberProfile,
-    /// The trim experiment and the law.
+    /// The trim experiment, and the law that is made from it.
     pub trim: TrimExperiment,
     /// The drift model.
     pub drift: DriftChoice,
-    /// What a unit must pass.
+    /// What a unit must pass, over the heating ramp.
     pub limits: Limits,
-    /// What is to stand in every recording besides, by name, as `station` and `operator`.
+    /// What is to stand in every recording besides, by names of your own: station = "oven 2", operator = "A. N."
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub labels: BTreeMap<String, String>,
 }
 
-/// The board: what a newcomer reads off its schematic.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// The board: what stands on its schematic.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
 pub struct Board {
-    /// Bits of the A/D converter (paper: 14).
+    /// Bits of the A/D converter. Only 14 is supported so far.
     pub converter_bits: u32,
-    /// The zero-rate reading aimed at, counts (paper: 8200).
+    /// The zero-rate reading aimed at, V0, counts.
     pub centre_counts: f64,
-    /// The middle tap N0 (paper: 511).
+    /// The tap N0 at which the drift is measured: the middle of the part's 0 to 1023.
     pub middle_tap: u16,
-    /// The trim part.
+    /// The trim part. Only "max5494" is supported so far.
     pub trim_part: String,
-    /// Counts a degree per second; negative where the reading falls with the rate.
+    /// Counts a degree per second; negative where the reading falls when the rate rises.
     pub counts_per_dps: f64,
-    /// Counts a degree of temperature reading.
+    /// Counts a degree C of the temperature reading.
     pub counts_per_celsius: f64,
     /// Volts at the rate input that move the reading by one count, without sign.
     pub input_volts_per_count: f64,
     /// Cut-off of the circuit's first-order low-pass, Hz.
     pub low_pass_hz: f64,
-    /// From a set's last sample to the wiper's write, microseconds.
+    /// Time from a set's last sample to the wiper's write, microseconds.
     pub wiper_delay_us: f64,
 }
 
 /// How groups are taken.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
 pub struct Acquisition {
-    /// Samples a group (paper: 500).
+    /// Samples averaged to a group, 1 to 512.
     pub group_length: u16,
-    /// Microseconds from sample to sample (paper: 3000, which makes 40 groups a minute).
+    /// Time from sample to sample, microseconds.
     pub sample_period_us: u32,
 }
 
 /// The chamber's profile.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
 pub struct ChamberProfile {
-    /// The cold end, degrees C (paper: -40).
+    /// The cold end of the ramp, degrees C.
     pub cold_c: f64,
-    /// The hot end, degrees C (paper: +60).
+    /// The hot end of the ramp, degrees C.
     pub hot_c: f64,
-    /// Room temperature, degrees C.
+    /// Room temperature, at which the trim is measured, degrees C.
     pub room_c: f64,
-    /// How long the chamber is held before a ramp once it is at its set point, seconds (paper: 1 h).
+    /// How long the chamber is held before a ramp once it is at its set point, seconds.
     pub soak_s: f64,
-    /// Groups of a ramp that are used (paper: 2400, the first hour).
+    /// Groups of a ramp that are used, from its beginning: 2400 are its first hour.
     pub ramp_groups: u32,
-    /// Whether the full-temperature test records the way back down as well (paper: no); a drift that remembers shows only
-    /// where both directions were seen.
+    /// Whether the full-temperature test records the way back down too: a history shows only in both directions.
     pub cooling_ramp: bool,
     /// Groups taken at the end of a soak, before the ramp begins.
     pub soak_groups: u32,
-    /// The chamber's limits, degrees C (paper: -60 and +150).
+    /// The least and the greatest temperature that the chamber may be sent to, degrees C.
     pub limits_c: [f64; 2],
-    /// The soaks of the traditional test, degrees C.
+    /// The soaks of the traditional test to compare with, degrees C.
     pub soaks_c: Vec<f64>,
 }
 
 /// The trim experiment and the law made from it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrimExperiment {
-    /// Supply voltages (paper: 21, ten each side of the room reading).
+    /// Supply voltages, half of them to each side of the room reading.
     pub points: u32,
-    /// The reading's span each side of the room reading, counts (not in the paper; see READING.md).
+    /// How far the supply moves the reading to each side, counts.
     pub span_counts: f64,
-    /// Groups averaged at each point.
+    /// Groups averaged at each voltage.
     pub groups_per_point: u32,
-    /// Taps swept beyond those that the drift needs, each side.
+    /// Taps measured beyond those that the drift needs, on each side.
     pub margin_taps: u16,
-    /// Dead band, taps. Each 0.05 tap costs 1.6 counts of residual each way where the drift turns round; the group
-    /// temperature's noise is some hundredths of that here. At 10 counts of noise the paper's law needs 0.15.
+    /// Dead band of the law, taps, 0 to 0.45. Every 0.05 costs 1.6 counts of residual each way where the drift turns round;
+    /// too little, and noise of the temperature switches a tap to and fro.
     pub dead_band_taps: f64,
 }
 
 /// The drift model.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
 pub struct DriftChoice {
-    /// `poly:1` to `poly:5`, `table:1` to `table:32`, or `auto`: chosen by held-out error, with a
-    /// history where both directions are recorded (paper: quadratic).
+    /// poly:1 to poly:5, table:1 to table:32, or auto: what predicts held-out folds, with a history where
+    /// chamber.cooling_ramp records both directions.
     pub model: String,
 }
 
 /// What a unit must pass, over the heating ramp.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
 pub struct Limits {
-    /// Residual of mode trim, counts peak to peak (paper: less than 40).
+    /// Residual of mode trim, counts peak to peak.
     pub trim_residual_pp_counts: f64,
-    /// Residual of mode hybrid, in multiples of the floor peak to peak; used where the floor is known.
+    /// Residual of mode hybrid, in multiples of the floor (what no compensation could beat), where that is known.
     pub hybrid_residual_floors: f64,
-    /// Largest distance of the mean from the centre, counts.
+    /// Distance of the compensated mean from the centre, counts.
     pub mean_offset_counts: f64,
 }
 

@@ -9,13 +9,11 @@ use std::rc::Rc;
 
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::{Axis, Celsius, Seconds, Taps, Volts};
-use zerorate_core::wire::ResetCause;
 use zerorate_device::acquisition::{Acquisition, Timing};
-use zerorate_device::application::Application;
-use zerorate_device::compensator::Compensator;
-use zerorate_device::console::DeviceIdentity;
+use zerorate_device::application::{Application, Parts};
 use zerorate_device::direct::DirectAcquisition;
 use zerorate_device::port::PortAcquisition;
+use zerorate_device::restart::Kept;
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::Watchdog;
@@ -74,25 +72,11 @@ const PAGES: usize = 4;
 const FLASH_BYTES: u32 = (PAGES * PAGE) as u32;
 
 /// The native device's application.
-type NativeApplication<A> = Application<A, Potentiometer, FlashStore<RecordFlash>, SimulatedWatchdog>;
+type NativeApplication<A> = Application<A, Potentiometer, FlashStore<RecordFlash>, SimulatedWatchdog, Rc<Kept>>;
 
 /// The simulated watchdog restarts a board that has not fed it for so many seconds, or for three groups where they are
 /// longer.
 const WATCHDOG_S: f64 = 8.0;
-
-/// What a board keeps through a restart of its processor, in memory that is not cleared.
-#[derive(Debug, Clone, Copy)]
-struct Kept {
-    /// Restarts by the watchdog since power came.
-    restarts: u32,
-    taps: [Taps; 2],
-}
-
-impl Default for Kept {
-    fn default() -> Self {
-        Self { restarts: 0, taps: [Taps::MIDDLE; 2] }
-    }
-}
 
 /// A watchdog on the plant's time.
 struct SimulatedWatchdog {
@@ -106,50 +90,66 @@ impl Watchdog for SimulatedWatchdog {
     }
 }
 
-/// The native device: the application, what it runs on, and the bytes on their way to the host.
-pub(crate) struct NativeDevice<A> {
+/// What the board has on it, besides its processor.
+struct BareBoard {
     plant: SharedPlant,
-    identity: DeviceIdentity,
+    unit: UnitSerial,
     timing: Timing,
     flash: RecordFlash,
     fed_at: Rc<Cell<f64>>,
-    /// Restarts by the watchdog since power came.
-    restarts: u32,
+    /// Memory that a restart of the processor does not clear.
+    kept: Rc<Kept>,
+}
+
+impl BareBoard {
+    /// The application as it starts when power comes, or the watchdog has restarted it.
+    fn start<A: OnPlant>(&self, by_watchdog: bool) -> NativeApplication<A> {
+        let Ok(store) = FlashStore::new(self.flash.clone(), 0..FLASH_BYTES) else {
+            unreachable!("the pages are enough")
+        };
+        self.fed_at.set(self.plant.borrow().time().0);
+        Application::start(Parts {
+            acquisition: A::connect(&self.plant),
+            trim: Max5494Trim::new(PotentiometerSpi::new(&self.plant), PlantDelay::new(&self.plant)),
+            store,
+            watchdog: SimulatedWatchdog { plant: Rc::clone(&self.plant), fed_at: Rc::clone(&self.fed_at) },
+            kept: Rc::clone(&self.kept),
+            by_watchdog,
+            unit: self.unit.clone(),
+            timing: self.timing,
+        })
+    }
+}
+
+/// The native device: the application, what it runs on, and the bytes on their way to the host.
+pub(crate) struct NativeDevice<A> {
+    board: BareBoard,
     application: NativeApplication<A>,
     outgoing: Vec<u8>,
     truths: Vec<Truth>,
 }
 
 impl<A: OnPlant> NativeDevice<A> {
-    fn new(plant: SharedPlant, identity: DeviceIdentity, timing: Timing) -> Self {
-        let flash = FlashPart::new(Flash::erased(PAGES));
-        let fed_at = Rc::new(Cell::new(plant.borrow().time().0));
-        let application = start(&plant, &identity, timing, &flash, &fed_at, Kept::default());
-        Self {
-            plant,
-            identity,
-            timing,
-            flash,
-            fed_at,
-            restarts: 0,
-            application,
-            outgoing: Vec::new(),
-            truths: Vec::new(),
-        }
-    }
-
     /// The device on a plant of its own.
     pub(crate) fn of_plant(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Self {
         let mut plant = plant;
         plant.scan_every(setup.acquisition.sample_period_us);
-        let identity = DeviceIdentity { unit: unit.clone(), firmware: firmware_version() };
         let timing =
             Timing { scan_period_us: setup.acquisition.sample_period_us, set_length: setup.acquisition.group_length };
-        Self::new(plant.share(), identity, timing)
+        let board = BareBoard {
+            plant: plant.share(),
+            unit: unit.clone(),
+            timing,
+            flash: FlashPart::new(Flash::erased(PAGES)),
+            fed_at: Rc::default(),
+            kept: Rc::default(),
+        };
+        let application = board.start(false);
+        Self { board, application, outgoing: Vec::new(), truths: Vec::new() }
     }
 
     pub(crate) const fn plant(&self) -> &SharedPlant {
-        &self.plant
+        &self.board.plant
     }
 
     /// What the device has said since the last call; a board in real time has nobody who asks for its truth.
@@ -159,80 +159,51 @@ impl<A: OnPlant> NativeDevice<A> {
     }
 
     pub(crate) fn group_period(&self) -> Seconds {
-        Seconds(f64::from(self.timing.set_length) * f64::from(self.timing.scan_period_us) * 1e-6)
+        let Timing { set_length, scan_period_us } = self.board.timing;
+        Seconds(f64::from(set_length) * f64::from(scan_period_us) * 1e-6)
     }
 
     pub(crate) fn power_cycle(&mut self) {
-        self.plant.borrow_mut().power_cycle();
-        self.restart(Kept::default());
+        self.plant().borrow_mut().power_cycle();
+        self.board.kept = Rc::default();
+        self.restart(false);
     }
 
-    fn restart(&mut self, kept: Kept) {
+    fn restart(&mut self, by_watchdog: bool) {
         self.outgoing.clear();
-        self.restarts = kept.restarts;
-        self.fed_at.set(self.plant.borrow().time().0);
-        self.application = start(&self.plant, &self.identity, self.timing, &self.flash, &self.fed_at, kept);
+        self.application = self.board.start(by_watchdog);
     }
 
-    /// The task below the interrupt goes round; the watchdog restarts the processor, and nothing else on the board, if it
-    /// was not fed.
-    fn task_ran(&mut self) {
-        self.application.task_ran();
+    /// The task goes round with what the host has sent; the watchdog restarts the processor, and nothing else on the board,
+    /// if it was not fed.
+    pub(crate) fn hear(&mut self, bytes: &[u8]) {
+        let Self { application, outgoing, .. } = self;
+        application.run(bytes.iter().copied(), &mut |bytes: &[u8]| {
+            outgoing.extend_from_slice(bytes);
+            true
+        });
         let patience = WATCHDOG_S.max(3.0 * self.group_period().0);
-        if self.plant.borrow().time().0 - self.fed_at.get() > patience {
-            self.restart(Kept { restarts: self.restarts + 1, taps: self.application.status().taps });
+        if self.plant().borrow().time().0 - self.board.fed_at.get() > patience {
+            self.restart(true);
         }
     }
 
     /// Lets the plant run until a set is full, and the application take it.
     pub(crate) fn run_set(&mut self) -> Result<(), LinkError> {
-        let Some(truth) = self.application.acquisition().run_set(&self.plant) else {
-            if self.application.status().running {
+        let compensator = &mut self.application.compensator;
+        let Some(truth) = compensator.acquisition().run_set(&self.board.plant) else {
+            if compensator.status().running {
                 // Sets should come and do not: time passes all the same.
-                self.plant.borrow_mut().wait(self.group_period());
-                self.task_ran();
+                self.plant().borrow_mut().wait(self.group_period());
+                self.hear(&[]);
             }
             return Err(LinkError::Silent);
         };
         self.truths.push(truth);
-        let Self { application, outgoing, .. } = self;
-        application.data_ready(&mut |bytes: &[u8]| {
-            outgoing.extend_from_slice(bytes);
-            true
-        });
-        self.task_ran();
+        compensator.service();
+        self.hear(&[]);
         Ok(())
     }
-
-    pub(crate) fn hear(&mut self, bytes: &[u8]) {
-        let Self { application, outgoing, .. } = self;
-        application.receive(bytes, &mut |bytes: &[u8]| {
-            outgoing.extend_from_slice(bytes);
-            true
-        });
-        self.task_ran();
-    }
-}
-
-/// The application as it starts when power comes, or the watchdog has restarted it so often.
-fn start<A: OnPlant>(
-    plant: &SharedPlant,
-    identity: &DeviceIdentity,
-    timing: Timing,
-    flash: &RecordFlash,
-    fed_at: &Rc<Cell<f64>>,
-    kept: Kept,
-) -> NativeApplication<A> {
-    let Ok(store) = FlashStore::new(flash.clone(), 0..FLASH_BYTES) else { unreachable!("the pages are enough") };
-    let part = Max5494Trim::new(PotentiometerSpi::new(plant), PlantDelay::new(plant));
-    let acquisition = A::connect(plant);
-    let (reset, compensator) = if kept.restarts == 0 {
-        (ResetCause::Power, Compensator::new(acquisition, part, timing))
-    } else {
-        (ResetCause::Watchdog, Compensator::holding(acquisition, part, timing, kept.taps))
-    };
-    let watchdog = SimulatedWatchdog { plant: Rc::clone(plant), fed_at: Rc::clone(fed_at) };
-    Application::supervised(compensator, identity.clone(), store, watchdog, reset, kept.restarts)
 }
 
 /// The line to a native device.
@@ -264,9 +235,9 @@ impl<A: OnPlant> Surroundings for SimulatedSurroundings<A> {
 
     fn wait(&mut self, time: Seconds) -> Result<(), InstrumentError> {
         let device = self.0.borrow();
-        device.plant.borrow_mut().wait(time);
+        device.plant().borrow_mut().wait(time);
         // The device does its work meanwhile, on a bench that leaves out what nobody looks at.
-        device.fed_at.set(device.plant.borrow().time().0);
+        device.board.fed_at.set(device.plant().borrow().time().0);
         Ok(())
     }
 }
@@ -279,7 +250,7 @@ impl<A: OnPlant> Witness for SimulatedWitness<A> {
     }
 
     fn tap_counts(&self, axis: Axis, tap: Taps) -> f64 {
-        self.0.borrow().plant.borrow().true_tap_counts(axis, tap)
+        self.0.borrow().plant().borrow().true_tap_counts(axis, tap)
     }
 }
 
@@ -348,7 +319,7 @@ pub fn direct_bench(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
 #[must_use]
 pub fn bare_device(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> (Box<dyn Link>, SharedPlant) {
     let device = NativeDevice::<PortAcquisition<PortSpi>>::of_plant(plant, setup, unit);
-    let plant = Rc::clone(&device.plant);
+    let plant = Rc::clone(device.plant());
     (Box::new(NativeLink(Rc::new(RefCell::new(device)))), plant)
 }
 
@@ -356,7 +327,7 @@ pub fn bare_device(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> (Box<dyn L
 #[must_use]
 pub fn bench_on<A: OnPlant + 'static>(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
     let device = NativeDevice::<A>::of_plant(plant, setup, unit);
-    let plant = Rc::clone(&device.plant);
+    let plant = Rc::clone(device.plant());
     let device = Rc::new(RefCell::new(device));
     Bench {
         device: DeviceClient::new(Box::new(NativeLink(Rc::clone(&device)))),
@@ -365,10 +336,4 @@ pub fn bench_on<A: OnPlant + 'static>(plant: Plant, setup: &SetUp, unit: &UnitSe
         surroundings: Box::new(SimulatedSurroundings(Rc::clone(&device))),
         witness: Some(Box::new(SimulatedWitness(device))),
     }
-}
-
-/// This crate's version: the native device is built with it.
-fn firmware_version() -> [u16; 3] {
-    let part = |text: &str| text.parse().unwrap_or(0);
-    [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")].map(part)
 }

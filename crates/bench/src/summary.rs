@@ -71,7 +71,7 @@ pub struct AxisSummary {
     pub fit_rms_counts: f64,
     /// Residual of the fit, peak to peak, in-sample.
     pub fit_pp_counts: f64,
-    /// Residual of contiguous stretches predicted by the fit of the others, rms.
+    /// Residual of the folds, each predicted by the fit of the others, rms.
     pub held_out_rms_counts: f64,
     /// The same, peak to peak.
     pub held_out_pp_counts: f64,

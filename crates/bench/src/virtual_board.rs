@@ -26,8 +26,9 @@ pub use self::socket::{ListenOn, UnknownPlace};
 /// The most that the board's time falls behind before it lets the rest go: a process that was halted goes on where it
 /// was, as a board in a debugger does.
 const MOST_BEHIND: Duration = Duration::from_millis(250);
-/// Bytes on their way to a host that does not take them; what comes on top is lost.
-const MOST_PENDING: usize = 1 << 16;
+/// Bytes on their way to a host that does not take them, at the speed of the wall clock: some twenty seconds of samples. What
+/// comes on top is lost. A faster board keeps as many seconds, for its host is no faster.
+const MOST_PENDING: f64 = 65_536.0;
 /// How long sets are made before the host is looked at again.
 const SLICE: Duration = Duration::from_millis(20);
 
@@ -94,7 +95,9 @@ impl VirtualBoard {
             incoming.clear();
             self.pass_time();
             let said = self.device.said();
-            if self.socket.is_connected() && self.pending.len() < MOST_PENDING {
+            #[allow(clippy::cast_precision_loss)] // bytes
+            let has_room = (self.pending.len() as f64) < MOST_PENDING * self.speed.max(1.0);
+            if self.socket.is_connected() && has_room {
                 let from = self.pending.len();
                 self.pending.extend(said);
                 self.damage.do_to(&mut self.pending[from..]);

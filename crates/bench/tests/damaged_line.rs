@@ -7,6 +7,7 @@ mod paper_record;
 
 use std::cell::Cell;
 use std::rc::Rc;
+use std::time::{Duration, Instant};
 
 use zerorate_bench::client::DeviceClient;
 use zerorate_bench::link::{Link, LinkError};
@@ -17,9 +18,10 @@ use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, UnitSerial};
 use zerorate_core::trim::TapEffects;
 use zerorate_core::units::{Counts, Taps};
 
-/// A line that damages bytes, in real time: what is lost is noticed by the clock.
+/// A line that damages bytes, in real time: what is lost is noticed by the clock, which is the line's own.
 struct Damaging {
     inner: Box<dyn Link>,
+    now: Instant,
     /// One byte in so many; 0: none.
     one_in: Rc<Cell<u64>>,
     state: u64,
@@ -54,7 +56,7 @@ impl Link for Damaging {
         let mut bytes = Vec::new();
         match self.inner.receive(&mut bytes) {
             // The acquisition stands still: a native device says nothing, and a line in real time goes on waiting.
-            Err(LinkError::Silent) => std::thread::sleep(std::time::Duration::from_millis(20)),
+            Err(LinkError::Silent) => self.now += Duration::from_millis(20),
             other => other?,
         }
         self.damage(&mut bytes);
@@ -64,6 +66,10 @@ impl Link for Damaging {
 
     fn in_real_time(&self) -> bool {
         true
+    }
+
+    fn now(&self) -> Instant {
+        self.now
     }
 }
 
@@ -84,7 +90,8 @@ fn deploy(seed: u64, one_in: u64) -> (bool, u32) {
     let unit = UnitSerial::try_from("ZR-1").unwrap();
     let (inner, _) = simulated::bare_device(PlantKind::Paper.build(1), &SetUp::paper(), &unit);
     let (rate, damaged) = (Rc::new(Cell::new(0)), Rc::new(Cell::new(0)));
-    let link = Damaging { inner, one_in: Rc::clone(&rate), state: seed * 7919 + 1, damaged: Rc::clone(&damaged) };
+    let state = seed * 7919 + 1;
+    let link = Damaging { inner, now: Instant::now(), one_in: Rc::clone(&rate), state, damaged: Rc::clone(&damaged) };
     let mut device = DeviceClient::new(Box::new(link));
     let (old, new) = (record(0.05), record(0.1));
     device.identify().unwrap();

@@ -4,6 +4,7 @@
 
 use zerorate_bench::calibrate::calibrate;
 use zerorate_bench::calibrated::Unit;
+use zerorate_bench::checkpoint::Keep;
 use zerorate_bench::error::BenchError;
 use zerorate_bench::measure::measure;
 use zerorate_bench::plants::PlantKind;
@@ -81,7 +82,7 @@ fn an_output_folder_that_cannot_be_written_is_named_before_anything_is_run() {
     let setup = SetUp::paper();
     let unit = Unit::new("ZR-1", None).unwrap();
     let mut bench = simulated::bench(PlantKind::Paper.build(1), &setup, &unit.serial);
-    let error = calibrate(&mut bench, &setup, unit, &file, &mut Silent).unwrap_err().to_string();
+    let error = calibrate(&mut bench, &setup, unit, &file, &mut Silent, Keep::Nothing).unwrap_err().to_string();
     assert!(error.contains("results") && error.contains("Earlier results are untouched"), "{error}");
 }
 

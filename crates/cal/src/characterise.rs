@@ -10,6 +10,7 @@ use serde::Serialize;
 use zerorate_fit::allan::{Allan, NoAllan};
 use zerorate_fit::direction::warming;
 use zerorate_fit::folds::{FOLDS, fold_of_row};
+use zerorate_fit::robust::median;
 
 use crate::log_fit::AxisFit;
 use crate::trace::TracePoint;
@@ -70,7 +71,7 @@ pub struct Hysteresis {
 pub struct RampSensitivity {
     /// Rate for a degree a second.
     pub value: f64,
-    /// Its standard error, by leaving out an eighth of the log at a time.
+    /// Its standard error, by leaving out one fold of the log at a time (jackknife).
     pub standard_error: f64,
 }
 
@@ -238,8 +239,7 @@ fn regression(rows: &[Ramp], without: Option<usize>) -> (f64, f64) {
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn residual_noise(points: &[TracePoint]) -> Result<Allan, NoAllan> {
     let mut steps: Vec<f64> = points.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
-    steps.sort_by(f64::total_cmp);
-    let period_s = steps.get(steps.len() / 2).copied().unwrap_or(f64::NAN);
+    let period_s = median(&mut steps);
     if !(period_s.is_finite() && period_s > 0.0) {
         return Err(NoAllan::NoPeriod { period_s });
     }

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUPS};
 pub use level::{Levels, leave_out_times, level};
-pub use temperature::smooth_stairs;
+pub use temperature::dequantise;
 pub use weight::weigh;
 
 /// Why rows were left out.

@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::TemperatureUnit;
 
-/// Groups a coefficient, at least: fewer, and a stretch held out takes a coefficient's data with it.
+/// Groups for each coefficient, at least: with fewer, a fold held out takes a coefficient's data with it.
 pub const MIN_ROWS_A_COEFFICIENT: u64 = 2;
 
-/// The share of dropped rows above which a log is warned of.
-const WARNED_SHARE: f64 = 1e-3;
+/// A log in which a larger fraction of the rows was dropped gets a warning.
+const WARNED_FRACTION: f64 = 1e-3;
 
 /// What a log is good for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
@@ -39,7 +39,7 @@ pub enum ReasonKind {
     CutRun,
     /// Rejected: most groups of the span are missing, or their numbers are damaged.
     LostGroups,
-    /// Rejected: the reading never changes over an eighth of the recording.
+    /// Rejected: the reading never changes over a fold of the recording.
     StuckReading,
     /// Rejected: groups far from the curve, too many or too far for noise.
     Outliers,
@@ -55,7 +55,7 @@ pub enum ReasonKind {
     MissingValues,
     /// Warning: single rows far from their neighbours.
     Spikes,
-    /// Warning: a stretch in which the unit was moved.
+    /// Warning: an interval in which the unit was moved.
     Rotation,
     /// Warning: the rate jumped and stayed, with no change of temperature to match.
     Step,
@@ -206,7 +206,7 @@ impl Judgement {
 
     /// Warns of rows dropped for one reason when they are more than a thousandth of all.
     pub fn dropped(&mut self, kind: ReasonKind, axis: &str, what: &str, dropped: u64, of: u64) {
-        if dropped as f64 > WARNED_SHARE * of as f64 {
+        if dropped as f64 > WARNED_FRACTION * of as f64 {
             let text = format!("{axis}: {dropped} of {of} rows were left out: {what}");
             self.add(Reason::new(kind, text));
         }

@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -109,38 +109,96 @@ fn a_full_disk_keeps_earlier_results_and_what_was_recorded() {
     assert!(String::from_utf8(info.stdout).unwrap().contains("CUT"));
 }
 
+/// What a run with the short set-up has come to when it is killed: a file of its own that is as large as this, the last
+/// when all is there and only has to be put in place.
+const MOMENTS: [(&str, u64); 20] = [
+    ("full-temperature.arrows", 0),
+    ("full-temperature.arrows", 1),
+    ("full-temperature.arrows", 50_000),
+    ("full-temperature.arrows", 700_000),
+    ("full-temperature.arrows", 2_000_000),
+    ("full-temperature.parquet.partial", 0),
+    ("full-temperature.parquet", 0),
+    ("trim-sweep.parquet", 0),
+    ("compensation-test-trim.arrows", 1),
+    ("compensation-test-trim.arrows", 1_234_567),
+    ("compensation-test-trim.arrows", 3_000_000),
+    ("compensation-test-trim.arrows", 7_000_001),
+    ("compensation-test-trim.parquet", 0),
+    ("compensation-test-hybrid.arrows", 123_456),
+    ("compensation-test-hybrid.arrows", 5_000_000),
+    ("compensation-test-hybrid.arrows", 8_000_000),
+    ("compensation-test-hybrid.parquet", 0),
+    ("soaks.arrows", 0),
+    ("calibration.json", 0),
+    ("summary.json", 0),
+];
+/// Guards against a run that hangs, however slow the machine.
+const HANGS: Duration = Duration::from_secs(600);
+
+/// Starts a run in an empty folder and kills it when it has come to a moment. A run that was over before is none: whether
+/// it was killed in time.
+fn killed(folder: &Path, (file, bytes): (&str, u64)) -> bool {
+    let file = folder.join("calibration/in-progress").join(file);
+    let mut child = Command::new(env!("CARGO_BIN_EXE_zerorate"))
+        .args(["calibrate", "--setup", "short.toml"])
+        .current_dir(folder)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let began = Instant::now();
+    while fs::metadata(&file).map_or(true, |file| file.len() < bytes) && child.try_wait().unwrap().is_none() {
+        assert!(began.elapsed() < HANGS, "{} does not become {bytes} bytes", file.display());
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    child.kill().unwrap();
+    // What ended by itself has a code.
+    child.wait().unwrap().code().is_none()
+}
+
 #[test]
 fn a_run_killed_at_any_moment_leaves_every_whole_group_and_earlier_results() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("calibration");
-    fs::create_dir(&out).unwrap();
-    fs::write(out.join("summary.json"), "earlier").unwrap();
-    for kill in 0..20_u64 {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_zerorate"))
-            .arg("calibrate")
-            .current_dir(folder.path())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        // 20 moments over the first second and a half, at odd distances: within the ramp, the sweep and the tests.
-        std::thread::sleep(Duration::from_millis(20 + (kill * 617) % 1500));
-        child.kill().unwrap();
-        child.wait().unwrap();
-        let left = out.join("in-progress");
-        // The half-written Parquet beside a stream that is still whole is not a recording.
-        for name in names(&left).iter().filter(|name| !name.ends_with(".partial")) {
-            let info = zerorate(&["info", "--json", &format!("calibration/in-progress/{name}")], folder.path());
-            // A kill before the header is on disk leaves no recording to speak of, and that is said.
-            let cut_at_the_head = String::from_utf8_lossy(&info.stderr).contains("before its header was whole");
-            assert!(
-                info.status.success() || cut_at_the_head,
-                "kill {kill}, {name}: {}",
-                String::from_utf8_lossy(&info.stderr)
-            );
+    let mut in_time = 0;
+    for (kill, moment) in MOMENTS.into_iter().enumerate() {
+        let folder = tempfile::tempdir().unwrap();
+        short_set_up(folder.path());
+        let out = folder.path().join("calibration");
+        fs::create_dir(&out).unwrap();
+        fs::write(out.join("summary.json"), "earlier").unwrap();
+        fs::write(out.join("notes.txt"), "mine").unwrap();
+        in_time += usize::from(killed(folder.path(), moment));
+
+        // Between two renames neither set is in place, and both are beside.
+        let found = if out.exists() { names(&out) } else { Vec::new() };
+        if found.iter().any(|name| name == "report.html") {
+            // It had put everything in place, or had begun to: then all of it is there.
+            assert!(FILES.iter().all(|file| found.iter().any(|name| name == file)), "kill {kill}: {found:?}");
+        } else if !found.is_empty() {
+            assert_eq!(fs::read_to_string(out.join("summary.json")).unwrap(), "earlier", "kill {kill}");
+            let left = out.join("in-progress");
+            // The half-written Parquet beside a stream that is still whole is not a recording.
+            let recordings =
+                names(&left).into_iter().filter(|name| [".arrows", ".parquet"].iter().any(|end| name.ends_with(end)));
+            for name in recordings {
+                let info = zerorate(&["info", "--json", &format!("calibration/in-progress/{name}")], folder.path());
+                let told = String::from_utf8_lossy(&info.stderr);
+                // A kill before the header is on disk leaves no recording to speak of, and that is said.
+                let cut_at_the_head = told.contains("before its header was whole");
+                assert!(info.status.success() || cut_at_the_head, "kill {kill}, {name}: {told}");
+            }
         }
-        assert_eq!(fs::read_to_string(out.join("summary.json")).unwrap(), "earlier");
+
+        if kill % 5 == 4 {
+            // The next run takes no harm from what is left, and loses nothing of it.
+            assert!(zerorate(&["calibrate", "--setup", "short.toml"], folder.path()).status.success(), "kill {kill}");
+            let found = names(&out);
+            assert!(FILES.iter().chain(&["notes.txt"]).all(|file| found.iter().any(|name| name == file)), "{found:?}");
+            assert_eq!(names(folder.path()), ["calibration", "short.toml"], "kill {kill}");
+        }
     }
+    // A machine that is busy with other things may let a run or two come to its end first.
+    assert!(in_time > 0, "no run was killed before its end");
 }
 
 #[test]

@@ -9,7 +9,7 @@
 //! holds each against the other before a record leaves it; the device, which has the integers alone, believes none of them
 //! unchecked ([`AxisLaw::from_numbers`]).
 //!
-//! A drift with history ([`crate::drift::History`]) has no table of edges: the device evaluates it ([`FixedHistory`]) and
+//! A drift with history ([`crate::drift::History`]) has no table of edges: the device evaluates it, in integers again, and
 //! compares it with the middles between taps, in counts. Mode trim stays with the static table.
 //!
 //! Signs: a reading `R` at tap `N` is `V(T) + effect(N)`. The correction is what is subtracted from it,
@@ -17,68 +17,31 @@
 
 mod axis;
 mod axis_law;
+mod compose;
 mod dynamic;
 mod edges;
 mod effects;
 mod fixed;
-mod law;
+mod interval;
+mod mode;
 mod numbers;
-mod rounding;
+mod q16;
+mod refused;
 mod settling;
 
-use serde::{Deserialize, Serialize};
-
 pub use axis::{AxisCompensation, GroupOutcome};
-pub use axis_law::{AxisLaw, LawRefused, Part};
-pub use dynamic::{FixedHistory, FixedHistoryState};
-pub use edges::{EdgeError, EdgeTable, Interval, MAX_INTERVALS};
-pub use fixed::{FixedDrift, Q16};
-pub use law::StaticLaw;
+pub use axis_law::AxisLaw;
+pub use compose::{LowPass, StaticLaw};
+pub use edges::EdgeTable;
+pub use fixed::FixedDrift;
+pub use interval::{Interval, MAX_INTERVALS};
+pub use mode::Mode;
 pub use numbers::{
     CurveNumbers, DriftNumbers, HistoryNumbers, LawNumbers, LowPassNumbers, MemoryNumbers, PolynomialNumbers,
     TableNumbers, TermNumbers, TrimNumbers,
 };
-pub use rounding::{ACCURACY_COUNTS, Unrepresentable};
-pub use settling::{LowPass, Settling};
-
-/// What an axis does with its calibration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-pub enum Mode {
-    /// Nothing: the control of the compensation test.
-    #[default]
-    Off,
-    /// The paper: the tap from the temperature, nothing else.
-    Trim,
-    /// The wiper stays; the drift is subtracted in numbers.
-    Digital,
-    /// The tap from the temperature, and what is left below a tap subtracted in numbers.
-    Hybrid,
-}
-
-impl Mode {
-    /// Whether the wiper follows the temperature.
-    #[must_use]
-    pub const fn moves_wiper(self) -> bool {
-        matches!(self, Self::Trim | Self::Hybrid)
-    }
-
-    /// Whether the reading is corrected in numbers.
-    #[must_use]
-    pub const fn corrects(self) -> bool {
-        matches!(self, Self::Digital | Self::Hybrid)
-    }
-
-    /// `"off"`, `"trim"`, `"digital"` or `"hybrid"`, as in recordings and summaries.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Off => "off",
-            Self::Trim => "trim",
-            Self::Digital => "digital",
-            Self::Hybrid => "hybrid",
-        }
-    }
-}
+pub use q16::Q16;
+pub use refused::{EdgeError, LawRefused, Part, Unrepresentable};
 
 #[cfg(test)]
 mod tests;

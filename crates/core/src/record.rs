@@ -94,20 +94,34 @@ impl core::fmt::Display for RecordError {
 
 impl core::error::Error for RecordError {}
 
-impl DeviceRecord {
-    /// The record of a unit, from the models of its axes, X then Y.
-    ///
-    /// # Errors
-    /// [`LawRefused`] and the axis, when its law is none that a device would run.
-    pub fn new(
-        unit: UnitSerial,
-        temperature_scale: TemperatureScale,
-        axes: &[AxisModel; 2],
-    ) -> Result<Self, (Axis, LawRefused)> {
-        let record = |axis: Axis| axes[axis.index()].record(temperature_scale).map_err(|refused| (axis, refused));
-        Ok(Self { unit, temperature_scale, axes: [record(Axis::X)?, record(Axis::Y)?] })
-    }
+/// What a unit runs: the laws of its axes, X then Y, and what they do when the board starts.
+pub type Laws = ([AxisLaw; 2], [Mode; 2]);
 
+/// Why a unit does not run a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RecordRefused {
+    /// The bytes are no record.
+    Bytes(RecordError),
+    /// It is another unit's.
+    OtherUnit,
+    /// A law of it cannot be run.
+    Law,
+}
+
+/// The laws in a record's bytes, checked in every respect, for the unit of a serial; without one for any.
+///
+/// # Errors
+/// [`RecordRefused`].
+pub fn laws_for(serial: Option<&[u8]>, bytes: &[u8]) -> Result<Laws, RecordRefused> {
+    let record = DeviceRecord::decode(bytes).map_err(RecordRefused::Bytes)?;
+    if serial.is_some_and(|serial| serial != record.unit.as_bytes()) {
+        return Err(RecordRefused::OtherUnit);
+    }
+    let law = |axis| record.axis(axis).law().map_err(|_| RecordRefused::Law);
+    Ok(([law(Axis::X)?, law(Axis::Y)?], Axis::BOTH.map(|axis| record.axis(axis).start_up_mode)))
+}
+
+impl DeviceRecord {
     /// One axis's part.
     #[must_use]
     pub const fn axis(&self, axis: Axis) -> &AxisRecord {

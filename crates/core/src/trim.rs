@@ -4,7 +4,6 @@
 //! working range once gives, beside it, what each tap adds to the line: the part's own unevenness.
 
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
 
 use crate::units::{Counts, Taps};
 
@@ -15,30 +14,12 @@ pub const MAX_TAP_OFFSETS: usize = 96;
 ///
 /// Sign convention: `a` is negative, since a higher tap raises the reading; one tap is `-1/a` counts (+31.26 on the
 /// paper's X axis).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "RawTrimLine")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrimLine {
     slope_taps_per_count: f64,
     intercept_taps: f64,
     centre: Counts,
     middle: Taps,
-}
-
-/// A trim line as stored, before it is checked.
-#[derive(Deserialize)]
-struct RawTrimLine {
-    slope_taps_per_count: f64,
-    intercept_taps: f64,
-    centre: Counts,
-    middle: Taps,
-}
-
-impl TryFrom<RawTrimLine> for TrimLine {
-    type Error = &'static str;
-    fn try_from(raw: RawTrimLine) -> Result<Self, Self::Error> {
-        Self::new(raw.slope_taps_per_count, raw.intercept_taps, raw.centre, raw.middle)
-            .ok_or("a trim line needs finite numbers and a slope below zero")
-    }
 }
 
 impl TrimLine {
@@ -98,25 +79,10 @@ impl TrimLine {
 
 /// What each tap of the working range really adds to the reading at the middle tap, as measured: rising from tap to
 /// tap, so that a reading has one nearest tap.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "RawTapEffects")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TapEffects {
     first: Taps,
     effects: Vec<Counts, MAX_TAP_OFFSETS>,
-}
-
-/// Tap effects as stored, before they are checked.
-#[derive(Deserialize)]
-struct RawTapEffects {
-    first: Taps,
-    effects: Vec<Counts, MAX_TAP_OFFSETS>,
-}
-
-impl TryFrom<RawTapEffects> for TapEffects {
-    type Error = &'static str;
-    fn try_from(raw: RawTapEffects) -> Result<Self, Self::Error> {
-        Self::new(raw.first, &raw.effects).ok_or("tap effects must be finite, rise from tap to tap and end at a tap")
-    }
 }
 
 impl TapEffects {
@@ -180,7 +146,7 @@ fn as_f64(index: usize) -> f64 {
 }
 
 /// The trim model: the line, and the measured effects where there are any.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Trim {
     /// Eq. (2).
     pub line: TrimLine,

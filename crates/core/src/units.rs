@@ -3,13 +3,13 @@
 //! An unbounded quantity has a public field. A bounded one has a private field and a constructor that can refuse.
 //! Temperature is affine: a difference of two [`Celsius`] is [`Kelvins`], and two `Celsius` cannot be added.
 
-use core::ops::{Add, Mul, Neg, Sub};
+use core::ops::{Add, Mul, Sub};
 
 use serde::{Deserialize, Serialize};
 
-/// Defines a linear quantity over `f64`: it can be added, subtracted, negated and scaled by a number.
-macro_rules! linear_quantity {
-    ($(#[$doc:meta])* $name:ident) => {
+/// Defines linear quantities over `f64`: they can be added, subtracted and scaled by a number.
+macro_rules! linear_quantities {
+    ($($(#[$doc:meta])* $name:ident,)+) => {$(
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default, Serialize, Deserialize)]
         pub struct $name(pub f64);
@@ -28,41 +28,26 @@ macro_rules! linear_quantity {
             }
         }
 
-        impl Neg for $name {
-            type Output = Self;
-            fn neg(self) -> Self {
-                Self(-self.0)
-            }
-        }
-
         impl Mul<f64> for $name {
             type Output = Self;
             fn mul(self, factor: f64) -> Self {
                 Self(self.0 * factor)
             }
         }
-    };
+    )+};
 }
 
-linear_quantity! {
+linear_quantities! {
     /// A/D counts: a reading, a mean of readings, or a difference of them. One count is one step of the converter.
-    Counts
-}
-linear_quantity! {
+    Counts,
     /// Volts.
-    Volts
-}
-linear_quantity! {
+    Volts,
     /// A span of time in seconds.
-    Seconds
-}
-linear_quantity! {
+    Seconds,
     /// A difference of temperatures in kelvins.
-    Kelvins
-}
-linear_quantity! {
+    Kelvins,
     /// Angular rate in degrees per second.
-    DegreesPerSecond
+    DegreesPerSecond,
 }
 
 /// A temperature in degrees Celsius. Affine: `Celsius - Celsius = Kelvins`, `Celsius + Kelvins = Celsius`.

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::compensate::Mode;
 use crate::drift::Coverage;
 use crate::group::GroupSums;
-use crate::record::{RecordError, UnitSerial};
+use crate::record::{RecordError, RecordRefused, UnitSerial};
 use crate::units::{Axis, GroupNumber, Taps};
 
 /// The version of this table. Host and device compare it in the answer to [`Request::Identity`].
@@ -232,17 +232,6 @@ impl ResetCause {
     }
 }
 
-impl core::fmt::Display for ResetCause {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Power => "power on",
-            Self::Watchdog => "restarted by the watchdog: sets stopped coming, or the program hung",
-            Self::Panic => "restarted after a fault of the program",
-            Self::Other => "reset pin or debugger",
-        })
-    }
-}
-
 /// Whether a calibration is in use, and why not. Without one the device runs uncompensated at the middle tap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CalibrationState {
@@ -275,32 +264,6 @@ impl CalibrationState {
     }
 }
 
-impl core::fmt::Display for CalibrationState {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::InUse => f.write_str("in use"),
-            Self::OlderInUse => {
-                f.write_str("the one before the last is in use, the last one is damaged: deploy it again")
-            }
-            Self::Blank => f.write_str("none stored, the device runs uncompensated: deploy one"),
-            Self::Damaged => f.write_str("damaged, the device runs uncompensated: deploy it again"),
-            Self::UnknownVersion { found } => write!(
-                f,
-                "a record of version {found}, which the firmware does not know, so it runs uncompensated: make the record anew from calibration.json and deploy it"
-            ),
-            Self::OtherUnit => {
-                f.write_str("another unit's record is stored, the device runs uncompensated: deploy this unit's")
-            }
-            Self::LawRefused => {
-                f.write_str("the stored record's law cannot be run, the device runs uncompensated: compose it again")
-            }
-            Self::Unreachable => {
-                f.write_str("the flash does not answer, the device runs uncompensated: check the flash's wiring")
-            }
-        }
-    }
-}
-
 /// Why a command was not done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refusal {
@@ -328,27 +291,15 @@ pub enum Refusal {
     Stopped,
 }
 
-impl core::fmt::Display for Refusal {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::NoCalibration => f.write_str("the device has no calibration: deploy one first"),
-            Self::NoEdges => {
-                f.write_str("this calibration cannot move the wiper (its drift needs too many taps): use mode digital")
-            }
-            Self::TrimPartFailed => f.write_str("the potentiometer could not be written: check its SPI wiring"),
-            Self::AcquisitionFailed => f.write_str("the acquisition port does not answer: check its SPI wiring"),
-            Self::Busy => f.write_str("too many commands are waiting: send it again later"),
-            Self::OutOfBuffer => f.write_str("the record is longer than the device can hold"),
-            Self::Record(error) => error.fmt(f),
-            Self::OtherUnit => f.write_str("the record belongs to a unit of another serial"),
-            Self::LawRefused => f.write_str("the device cannot run the record's law: compose it again"),
-            Self::StoreFailed => f.write_str("the device could not store the record: its flash has failed"),
-            Self::Stopped => f.write_str("the acquisition was stopped before the command's group came: send it again"),
+impl From<RecordRefused> for Refusal {
+    fn from(refused: RecordRefused) -> Self {
+        match refused {
+            RecordRefused::Bytes(error) => Self::Record(error),
+            RecordRefused::OtherUnit => Self::OtherUnit,
+            RecordRefused::Law => Self::LawRefused,
         }
     }
 }
-
-impl core::error::Error for Refusal {}
 
 /// How often each fault has happened since the device started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -393,17 +344,6 @@ pub enum TemperatureCheck {
     Jumped,
     /// It stands at either end of the converter.
     Saturated,
-}
-
-impl core::fmt::Display for TemperatureCheck {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Believed => "believed",
-            Self::Stuck => "stuck: it does not move by a count, the tap is held",
-            Self::Jumped => "jumped: more than a temperature can, the tap is held",
-            Self::Saturated => "at an end of the converter, the tap is held: is the sensor connected?",
-        })
-    }
 }
 
 /// One axis's part of a group.

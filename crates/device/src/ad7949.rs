@@ -22,8 +22,7 @@ const EXTERNAL_REFERENCE: u16 = 0b110 << 3;
 const NO_READ_BACK: u16 = 1;
 
 /// The configuration that converts one channel.
-#[must_use]
-pub const fn configuration(channel: u16) -> u16 {
+const fn configuration(channel: u16) -> u16 {
     OVERWRITE | UNIPOLAR | (channel & 0b111) << CHANNEL_SHIFT | FULL_BANDWIDTH | EXTERNAL_REFERENCE | NO_READ_BACK
 }
 
@@ -58,12 +57,6 @@ impl<SPI: SpiDevice> Ad7949<SPI> {
             }
         }
         Ok(scan)
-    }
-
-    /// Gives the SPI device back.
-    #[must_use]
-    pub fn release(self) -> SPI {
-        self.spi
     }
 }
 

@@ -1,135 +1,169 @@
-//! The whole application in one piece, for a home without interrupts: the native device.
+//! The application: what is assembled when a board starts, fed, supervised and restarted, whatever the board.
 //!
-//! An interrupt-driven board keeps the same parts apart: [`Compensator`] in the interrupt, [`Console`] below it.
+//! ```text
+//! data ready (high)   Compensator   set -> group -> law -> wiper
+//!     | reports   ^ commands                                        borrowed for moments, never while flash is written
+//! task (low)          Task          frames, store, watchdog
+//! ```
+//!
+//! A board with interrupts shares the [`Compensator`] with its data-ready interrupt and runs the [`Task`] below it; a home
+//! without has both in one piece.
 
-use heapless::spsc::Queue;
-use zerorate_core::wire::ResetCause;
+use core::ops::Deref;
 
-use crate::acquisition::Acquisition;
-use crate::compensator::{Compensator, Report, Scheduled, Status};
-use crate::console::{Console, DeviceIdentity, Transmit};
+use zerorate_core::record::UnitSerial;
+
+use crate::acquisition::{Acquisition, Timing};
+use crate::compensator::Compensator;
+use crate::console::{Console, Transmit};
+use crate::restart::{Keeping, Kept};
 use crate::store::RecordStore;
 use crate::trim_part::TrimPart;
-use crate::watchdog::{NoWatchdog, Supervisor, Watchdog};
+use crate::watchdog::{Supervisor, Watchdog};
 
-/// Commands between console and compensator.
-pub const COMMANDS: usize = 8;
-/// Reports between compensator and console: a group, some answers, and some blocks of samples at a time.
-pub const REPORTS: usize = 12;
-
-/// Compensator and console, joined by their queues.
-pub struct Application<A, P, S, W = NoWatchdog> {
-    compensator: Compensator<A, P>,
-    console: Console<S>,
-    commands: Queue<Scheduled, COMMANDS>,
-    reports: Queue<Report, REPORTS>,
-    supervisor: Supervisor<W>,
+/// What a home gives the application.
+pub struct Parts<A, P, S, W, K> {
+    /// Where sets come from.
+    pub acquisition: A,
+    /// What trims.
+    pub trim: P,
+    /// Where the record is kept.
+    pub store: S,
+    /// What restarts the processor when it is not fed; running.
+    pub watchdog: W,
+    /// What is kept through a restart.
+    pub kept: K,
+    /// Whether the watchdog has started the program.
+    pub by_watchdog: bool,
+    /// The unit's serial; empty on a board that has not been given one, which takes any record.
+    pub unit: UnitSerial,
+    /// How sets are taken.
+    pub timing: Timing,
 }
 
-impl<A: Acquisition, P: TrimPart, S: RecordStore> Application<A, P, S> {
-    /// The application at start-up, with the stored record in use if it is whole and this unit's.
-    #[must_use]
-    pub fn new(compensator: Compensator<A, P>, identity: DeviceIdentity, store: S) -> Self {
-        Self::supervised(compensator, identity, store, NoWatchdog, ResetCause::Power, 0)
+/// The application of a home.
+pub struct Application<A, P, S, W, K> {
+    /// What a data-ready interrupt works with.
+    pub compensator: Compensator<A, Keeping<P, K>>,
+    /// What goes round below it.
+    pub task: Task<S, W>,
+}
+
+/// A compensator that a task shares with an interrupt.
+pub trait Shared {
+    /// Where its sets come from.
+    type Acquisition: Acquisition;
+    /// What trims.
+    type Part: TrimPart;
+
+    /// Borrows it; the interrupt waits meanwhile.
+    fn lock<R>(&mut self, act: impl FnOnce(&mut Compensator<Self::Acquisition, Self::Part>) -> R) -> R;
+}
+
+/// Without interrupts it is there for the taking.
+impl<A: Acquisition, P: TrimPart> Shared for Compensator<A, P> {
+    type Acquisition = A;
+    type Part = P;
+
+    fn lock<R>(&mut self, act: impl FnOnce(&mut Self) -> R) -> R {
+        act(self)
     }
 }
 
-impl<A: Acquisition, P: TrimPart, S: RecordStore, W: Watchdog> Application<A, P, S, W> {
-    /// The application at start-up with a watchdog over it. After a restart by the watchdog or by a fault of the program,
-    /// a calibrated device takes groups again by itself: compensation goes on, host or no host. The compensator is then one
-    /// that [holds](Compensator::holding) the wipers.
+impl<A, P, S, W, K> Application<A, P, S, W, K>
+where
+    A: Acquisition,
+    P: TrimPart,
+    S: RecordStore,
+    W: Watchdog,
+    K: Deref<Target = Kept>,
+{
+    /// The application at start-up: both wipers at the middle tap, and the stored record in use if it is whole and this
+    /// unit's.
+    ///
+    /// After a restart by the watchdog or by a fault of the program the wipers are held where they are, and a calibrated
+    /// device takes groups again by itself: compensation goes on, host or no host.
     #[must_use]
-    pub fn supervised(
-        mut compensator: Compensator<A, P>,
-        identity: DeviceIdentity,
-        store: S,
-        watchdog: W,
-        reset: ResetCause,
-        restarts: u32,
-    ) -> Self {
-        let mut console = Console::new(identity, compensator.timing(), store);
-        console.started(reset, restarts);
+    pub fn start(parts: Parts<A, P, S, W, K>) -> Self {
+        let Parts { acquisition, trim, store, watchdog, kept, by_watchdog, unit, timing } = parts;
+        let started = kept.started(by_watchdog);
+        let goes_on = started.reset.is_fault();
+        let trim = Keeping::new(trim, kept);
+        let mut compensator = if goes_on {
+            Compensator::holding(acquisition, trim, timing, started.taps)
+        } else {
+            Compensator::new(acquisition, trim, timing)
+        };
+        let mut console = Console::new(unit, timing, store, started);
         if let Some((laws, modes)) = console.take_laws() {
             compensator.install(laws);
             compensator.set_modes(modes);
-            if reset.is_fault() {
+            if goes_on {
                 compensator.resume();
             }
-        } else if reset.is_fault() {
+        } else if goes_on {
             // Uncompensated means the middle tap; wherever the wipers were held, it was for a law that is gone.
             compensator.rest();
         }
-        let supervisor = Supervisor::new(watchdog);
-        Self { compensator, console, commands: Queue::new(), reports: Queue::new(), supervisor }
+        Self { compensator, task: Task { console, supervisor: Supervisor::new(watchdog), taken: 0 } }
     }
 
-    /// What the compensator says of itself.
-    #[must_use]
-    pub fn status(&self) -> Status {
-        self.compensator.status()
+    /// The task goes round once, in a home without interrupts, with the bytes that the host has sent.
+    pub fn run(&mut self, bytes: impl IntoIterator<Item = u8>, line: &mut impl Transmit) {
+        self.task.run(&mut self.compensator, bytes, line);
     }
+}
 
-    /// The task goes round once more: feeds the watchdog if all is well.
-    pub fn task_ran(&mut self) {
-        self.supervisor.task_ran(&self.compensator.status());
-    }
+/// The task below the interrupts: console, store and supervision.
+pub struct Task<S, W> {
+    console: Console<S>,
+    supervisor: Supervisor<W>,
+    taken: u32,
+}
 
-    /// The watchdog.
-    pub const fn watchdog(&mut self) -> &mut W {
-        self.supervisor.watchdog()
-    }
-
-    /// The compensator's acquisition, for whoever drives its ticks.
-    pub const fn acquisition(&mut self) -> &mut A {
-        self.compensator.acquisition()
-    }
-
-    /// Where the record is kept.
-    pub const fn store(&self) -> &S {
-        self.console.store()
-    }
-
-    /// Data ready: closes the group and sends what there is to say.
-    pub fn data_ready(&mut self, line: &mut impl Transmit) {
-        self.service();
-        self.upload(line);
-        self.install();
-    }
-
-    /// Bytes from the host: acts on the commands in them and answers.
-    pub fn receive(&mut self, bytes: &[u8], line: &mut impl Transmit) {
-        for &byte in bytes {
-            let status = self.compensator.status();
-            let has_work = self.console.receive(byte, &status, &mut self.commands.split().0, line);
-            self.install();
-            if has_work {
-                self.service();
-                self.upload(line);
+impl<S: RecordStore, W: Watchdog> Task<S, W> {
+    /// Goes round once: says what there is to say, acts on the bytes that the host has sent, and feeds the watchdog if all is
+    /// well. Due after every set and whenever bytes have come.
+    pub fn run(
+        &mut self,
+        compensator: &mut impl Shared,
+        bytes: impl IntoIterator<Item = u8>,
+        line: &mut impl Transmit,
+    ) {
+        self.report(compensator, line);
+        for byte in bytes {
+            self.taken = self.taken.wrapping_add(1);
+            let Some(command) = self.console.hear(byte) else { continue };
+            let status = compensator.lock(|compensator| compensator.status());
+            let order = self.console.obey(command, &status, line);
+            self.install(compensator);
+            if let Some(order) = order {
+                compensator.lock(|compensator| compensator.order(order));
+                self.report(compensator, line);
             }
         }
+        let status = compensator.lock(|compensator| compensator.status());
+        self.supervisor.task_ran(&status);
+    }
+
+    /// Bytes of the host that have been acted on since the start.
+    #[must_use]
+    pub const fn taken(&self) -> u32 {
+        self.taken
+    }
+
+    /// Sends all that the compensator has to say.
+    fn report(&mut self, compensator: &mut impl Shared, line: &mut impl Transmit) {
+        while let Some(report) = compensator.lock(Compensator::next_report) {
+            self.console.report(report, line);
+        }
+        self.install(compensator);
     }
 
     /// Takes a new record into use, when its group is about to begin.
-    fn install(&mut self) {
+    fn install(&mut self, compensator: &mut impl Shared) {
         if let Some((laws, _)) = self.console.take_laws() {
-            self.compensator.install(laws);
+            compensator.lock(|compensator| compensator.install(laws));
         }
-    }
-
-    /// Sends what there is, and the samples that had no room in the queue.
-    fn upload(&mut self, line: &mut impl Transmit) {
-        loop {
-            let (mut reports, mut reported) = self.reports.split();
-            let more = self.compensator.stream(&mut reports);
-            self.console.upload(&mut reported, line);
-            if !more {
-                break;
-            }
-        }
-    }
-
-    fn service(&mut self) {
-        let (mut reports, _) = self.reports.split();
-        self.compensator.service(&mut self.commands.split().1, &mut reports);
     }
 }

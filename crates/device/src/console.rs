@@ -1,25 +1,22 @@
 //! The task below the interrupt: host messages and the store.
 //!
-//! Bytes come in one by one; frames go out through [`Transmit`]. What concerns groups is handed to the compensator by
-//! a queue; what only asks is answered at once.
+//! Bytes come in one by one; frames go out through [`Transmit`]. What concerns groups is handed on to the compensator; what
+//! only asks is answered at once.
 
+mod calibration;
 mod memory;
 
-use heapless::Vec;
-use heapless::spsc::{Consumer, Producer};
-use zerorate_core::compensate::{AxisLaw, Mode};
-use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, RecordError, UnitSerial};
-use zerorate_core::units::{Axis, GroupNumber};
+use zerorate_core::record::{Laws, UnitSerial};
+use zerorate_core::units::GroupNumber;
 use zerorate_core::wire::frame::{FrameError, Receiver, encode};
-use zerorate_core::wire::{
-    Answer, CHUNK, CalibrationState, Command, FaultCounts, Identity, Message, Refusal, Request, ResetCause, Upload,
-    WIRE_VERSION,
-};
+use zerorate_core::wire::{Answer, Command, FaultCounts, Identity, Message, Refusal, Request, Upload, WIRE_VERSION};
 
-use self::memory::{Memory, Outcome};
+use self::calibration::Calibration;
+use self::memory::Memory;
 use crate::acquisition::Timing;
 use crate::compensator::{Action, Report, Scheduled, Status};
-use crate::store::{RecordStore, Stored};
+use crate::restart::Started;
+use crate::store::RecordStore;
 
 /// The line to the host.
 pub trait Transmit {
@@ -33,155 +30,145 @@ impl<F: FnMut(&[u8]) -> bool> Transmit for F {
     }
 }
 
-/// Who the device is, fixed at build or first set-up.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct DeviceIdentity {
-    /// The unit's serial; empty on a board that has not been given one, which takes any record.
-    pub unit: UnitSerial,
-    /// The firmware's version, major, minor, patch.
-    pub firmware: [u16; 3],
-}
-
-/// A record taken into use: the laws of both axes, and what they do at start-up.
-pub type Laws = ([AxisLaw; 2], [Mode; 2]);
-
-/// The console: frames in and out, the calibration buffer, the store.
+/// The console: frames in and out, and the calibration on its way.
 pub struct Console<S> {
-    identity: DeviceIdentity,
     timing: Timing,
-    store: S,
+    started: Started,
+    calibration: Calibration<S>,
     receiver: Receiver,
-    buffer: Vec<u8, MAX_RECORD_BYTES>,
     uploads: u32,
     with_groups: bool,
     memory: Memory,
     /// The console's part of the fault counters.
     faults: FaultCounts,
-    reset: ResetCause,
-    calibration: CalibrationState,
-    /// The buffer holds a checked record that is to be taken into use from this group on.
-    install: Option<GroupNumber>,
     /// The group that is being filled, as far as it is known here.
     group: GroupNumber,
 }
 
 impl<S: RecordStore> Console<S> {
-    /// A console at start-up. The stored record, if it is whole and this unit's, waits in
-    /// [`take_laws`](Self::take_laws); otherwise the device runs uncompensated, and keeps talking.
+    /// A console at start-up, of the unit of a serial, or without one of a board that takes any record. The stored record, if
+    /// it is whole and this unit's, waits in [`take_laws`](Self::take_laws); otherwise the device runs uncompensated, and
+    /// keeps talking.
     #[must_use]
-    pub fn new(identity: DeviceIdentity, timing: Timing, store: S) -> Self {
-        let mut console = Self {
-            identity,
+    pub fn new(unit: UnitSerial, timing: Timing, store: S, started: Started) -> Self {
+        Self {
             timing,
-            store,
+            started,
+            calibration: Calibration::stored(store, unit),
             receiver: Receiver::new(),
-            buffer: Vec::new(),
             uploads: 0,
             with_groups: false,
             memory: Memory::new(),
             faults: FaultCounts::default(),
-            reset: ResetCause::Power,
-            calibration: CalibrationState::Blank,
-            install: None,
             group: GroupNumber(0),
-        };
-        console.calibration = console.load();
-        console.install = console.calibration.is_in_use().then_some(GroupNumber(0));
-        console
-    }
-
-    /// Why the device started, and how often it has restarted itself since its power came: the board knows.
-    pub const fn started(&mut self, reset: ResetCause, restarts: u32) {
-        self.reset = reset;
-        self.faults.restarts = restarts;
-    }
-
-    /// Whether a calibration is in use, and why not.
-    pub const fn calibration(&self) -> CalibrationState {
-        self.calibration
-    }
-
-    /// Reads the stored record into the buffer and checks it.
-    fn load(&mut self) -> CalibrationState {
-        let stored = self.store.stored();
-        let length = usize::from(stored.length());
-        self.buffer.clear();
-        if self.buffer.resize_default(length).is_err() {
-            return CalibrationState::Damaged;
-        }
-        if self.store.read(0, &mut self.buffer) != Ok(length) {
-            return CalibrationState::Unreachable;
-        }
-        let in_use = match stored {
-            Stored::Blank => return CalibrationState::Blank,
-            Stored::Damaged => return CalibrationState::Damaged,
-            Stored::Unreachable => return CalibrationState::Unreachable,
-            Stored::Whole(_) => CalibrationState::InUse,
-            Stored::Older(_) => CalibrationState::OlderInUse,
-        };
-        match laws_of(&self.buffer, &self.identity.unit) {
-            Ok(_) => in_use,
-            Err(Refusal::OtherUnit) => CalibrationState::OtherUnit,
-            Err(Refusal::LawRefused) => CalibrationState::LawRefused,
-            Err(Refusal::Record(RecordError::UnknownVersion { found })) => CalibrationState::UnknownVersion { found },
-            Err(_) => CalibrationState::Damaged,
         }
     }
 
-    /// Where the record is kept.
-    pub const fn store(&self) -> &S {
-        &self.store
-    }
-
-    /// The laws that are to be taken into use now, once; to be asked after bytes were received and after reports were
-    /// uploaded. They are made here, from the buffered record, so that they need not be kept twice.
+    /// The laws that are to be taken into use now, once; to be asked after a command was obeyed and after a report was sent.
     pub fn take_laws(&mut self) -> Option<Laws> {
-        self.install.take_if(|from| *from <= self.group)?;
-        let laws = laws_of(&self.buffer, &self.identity.unit).ok();
-        self.buffer.clear();
-        laws
+        self.calibration.take_laws(self.group)
     }
 
-    /// Takes a byte from the host; acts on it when it ends a frame. `true` when the compensator has work.
-    pub fn receive(
-        &mut self,
-        byte: u8,
-        status: &Status,
-        commands: &mut Producer<'_, Scheduled>,
-        line: &mut impl Transmit,
-    ) -> bool {
-        match self.receiver.push::<Command>(byte) {
-            None => false,
-            Some(Err(error)) => {
-                let unknown = error == FrameError::Content;
-                self.faults.unknown_frames += u32::from(unknown);
-                self.faults.damaged_frames += u32::from(!unknown);
-                false
-            }
-            Some(Ok(command)) => {
-                self.group = status.group;
-                self.obey(command, status, commands, line)
-            }
+    /// Takes a byte from the host; the command that it ends, if it ends one.
+    pub fn hear(&mut self, byte: u8) -> Option<Command> {
+        match self.receiver.push(byte)? {
+            Ok(command) => return Some(command),
+            Err(FrameError::Content) => self.faults.unknown_frames += 1,
+            Err(_) => self.faults.damaged_frames += 1,
         }
+        None
     }
 
-    /// Sends what the compensator has reported.
-    pub fn upload(&mut self, reports: &mut Consumer<'_, Report>, line: &mut impl Transmit) {
-        while let Some(report) = reports.dequeue() {
-            if let Report::Group(group) = &report {
-                self.group = GroupNumber(group.group.0.wrapping_add(1));
+    /// Acts on the command that was heard last; what of it is the compensator's is returned.
+    pub fn obey(&mut self, command: Command, status: &Status, line: &mut impl Transmit) -> Option<Scheduled> {
+        let Command { sequence, at, request } = command;
+        self.group = status.group;
+        if let Some(answer) = self.answer_anew(&request, status) {
+            self.answer(sequence, status.group, answer, line);
+            return None;
+        }
+        let crc = self.receiver.crc();
+        if let Some(outcome) = self.memory.find(sequence, crc) {
+            self.faults.repeated_commands += 1;
+            if let Some((group, result)) = outcome {
+                self.answer(sequence, group, answer_of(result), line);
             }
-            let message = match report {
-                Report::Group(_) if !self.with_groups => continue,
-                Report::Group(group) => Message::Group(group),
-                Report::Samples(block) => Message::Samples(block),
-                Report::Done { sequence, group, result } => {
-                    self.memory.settle(sequence, (group, result));
-                    Message::Answer { to: sequence, group, answer: answer_of(result) }
+            return None;
+        }
+        if let Request::CommitCalibration { length } = request {
+            let group = at.map_or(status.group, |at| at.max(status.group));
+            let result = self.calibration.commit(length, group);
+            self.memory.done(sequence, crc, (group, result));
+            self.answer(sequence, group, answer_of(result), line);
+            return None;
+        }
+        let action = Action::of(&request)?;
+        if !self.memory.wait(sequence, crc) {
+            self.answer(sequence, status.group, Answer::Refused(Refusal::Busy), line);
+            return None;
+        }
+        if let Request::SetStream { groups, .. } = request {
+            self.with_groups = groups;
+        }
+        Some(Scheduled { sequence, at, action })
+    }
+
+    /// Sends what the compensator has to say.
+    pub fn report(&mut self, report: Report, line: &mut impl Transmit) {
+        match report {
+            Report::Done(sequence, outcome @ (group, result)) => {
+                self.memory.settle(sequence, outcome);
+                self.answer(sequence, group, answer_of(result), line);
+            }
+            Report::Group(report) => {
+                self.group = GroupNumber(report.group.0.wrapping_add(1));
+                if self.with_groups {
+                    self.send(Message::Group(report), line);
                 }
-            };
-            self.send(message, line);
+            }
+            Report::Samples(block) => self.send(Message::Samples(block), line),
         }
+    }
+
+    /// The answer to what only asks, or may be done twice.
+    fn answer_anew(&mut self, request: &Request, status: &Status) -> Option<Answer> {
+        Some(match request {
+            Request::Identity => {
+                self.memory.forget();
+                Answer::Identity(self.identity(status))
+            }
+            Request::Faults => Answer::Faults(self.faults(status)),
+            Request::ReadCalibration { offset } => self.calibration.read(*offset),
+            Request::WriteCalibration { offset, bytes } => answer_of(self.calibration.write(*offset, bytes)),
+            _ => return None,
+        })
+    }
+
+    fn identity(&self, status: &Status) -> Identity {
+        Identity {
+            wire_version: WIRE_VERSION,
+            unit: self.calibration.unit().clone(),
+            firmware: FIRMWARE,
+            samples_per_group: self.timing.set_length,
+            sample_period_us: self.timing.scan_period_us,
+            calibration: self.calibration.state(),
+            group: status.group,
+            running: status.running,
+            taps: status.taps,
+            modes: status.modes,
+            reset: self.started.reset,
+        }
+    }
+
+    fn faults(&self, status: &Status) -> FaultCounts {
+        let FaultCounts { damaged_frames, dropped_uploads, unknown_frames, repeated_commands, .. } = self.faults;
+        let dropped_uploads = dropped_uploads.saturating_add(status.faults.dropped_uploads);
+        let restarts = self.started.restarts;
+        FaultCounts { damaged_frames, dropped_uploads, unknown_frames, repeated_commands, restarts, ..status.faults }
+    }
+
+    fn answer(&mut self, to: u16, group: GroupNumber, answer: Answer, line: &mut impl Transmit) {
+        self.send(Message::Answer { to, group, answer }, line);
     }
 
     fn send(&mut self, message: Message, line: &mut impl Transmit) {
@@ -191,144 +178,26 @@ impl<S: RecordStore> Console<S> {
         let sent = encode(&upload).is_ok_and(|frame| line.transmit(&frame));
         self.faults.dropped_uploads += u32::from(!sent);
     }
-
-    fn obey(
-        &mut self,
-        command: Command,
-        status: &Status,
-        commands: &mut Producer<'_, Scheduled>,
-        line: &mut impl Transmit,
-    ) -> bool {
-        let Command { sequence, at, request } = command;
-        // What only asks, and what may be done twice, is answered anew.
-        let answer = match request {
-            Request::Identity => {
-                self.memory.forget();
-                Some(Answer::Identity(self.identity(status)))
-            }
-            Request::Faults => Some(Answer::Faults(self.faults(status))),
-            Request::ReadCalibration { offset } => Some(self.read_calibration(offset)),
-            Request::WriteCalibration { offset, ref bytes } => Some(answer_of(self.write_calibration(offset, bytes))),
-            _ => None,
-        };
-        if let Some(answer) = answer {
-            self.answer(sequence, status.group, answer, line);
-            return false;
-        }
-        let crc = self.receiver.crc();
-        if let Some(outcome) = self.memory.find(sequence, crc) {
-            self.faults.repeated_commands += 1;
-            if let Some((group, result)) = outcome {
-                self.answer(sequence, group, answer_of(result), line);
-            }
-            return false;
-        }
-        let action = match request {
-            Request::CommitCalibration { length } => {
-                let group = at.map_or(status.group, |at| at.max(status.group));
-                let outcome: Outcome = (group, self.commit_calibration(length, group));
-                self.memory.done(sequence, crc, outcome);
-                self.answer(sequence, group, answer_of(outcome.1), line);
-                return false;
-            }
-            Request::SetMode { axis, mode } => Action::SetMode(axis, mode),
-            Request::SetTap { axis, tap } => Action::SetTap(axis, tap),
-            Request::StorePowerUpTap => Action::StorePowerUpTap,
-            Request::SetAcquisition { run } => Action::SetAcquisition(run),
-            Request::SetStream { samples, .. } => Action::SetSamples(samples),
-            // The others were answered.
-            _ => return false,
-        };
-        if self.memory.wait(sequence, crc) {
-            if commands.enqueue(Scheduled { sequence, at, action }).is_ok() {
-                if let Request::SetStream { groups, .. } = request {
-                    self.with_groups = groups;
-                }
-                return true;
-            }
-            self.memory.settle(sequence, (status.group, Err(Refusal::Busy)));
-        }
-        self.answer(sequence, status.group, Answer::Refused(Refusal::Busy), line);
-        false
-    }
-
-    fn answer(&mut self, to: u16, group: GroupNumber, answer: Answer, line: &mut impl Transmit) {
-        self.send(Message::Answer { to, group, answer }, line);
-    }
-
-    fn identity(&self, status: &Status) -> Identity {
-        Identity {
-            wire_version: WIRE_VERSION,
-            unit: self.identity.unit.clone(),
-            firmware: self.identity.firmware,
-            samples_per_group: self.timing.set_length,
-            sample_period_us: self.timing.scan_period_us,
-            calibration: self.calibration,
-            group: status.group,
-            running: status.running,
-            taps: status.taps,
-            modes: status.modes,
-            reset: self.reset,
-        }
-    }
-
-    fn faults(&self, status: &Status) -> FaultCounts {
-        let FaultCounts { damaged_frames, dropped_uploads, unknown_frames, repeated_commands, restarts, .. } =
-            self.faults;
-        let dropped_uploads = dropped_uploads.saturating_add(status.faults.dropped_uploads);
-        FaultCounts { damaged_frames, dropped_uploads, unknown_frames, repeated_commands, restarts, ..status.faults }
-    }
-
-    fn read_calibration(&mut self, offset: u16) -> Answer {
-        let mut bytes = Vec::<u8, CHUNK>::from_array([0; CHUNK]);
-        match self.store.read(usize::from(offset), &mut bytes) {
-            Ok(n) => {
-                bytes.truncate(n);
-                Answer::Calibration { length: self.store.stored().length(), offset, bytes }
-            }
-            Err(_) => Answer::Refused(Refusal::StoreFailed),
-        }
-    }
-
-    fn write_calibration(&mut self, offset: u16, bytes: &[u8]) -> Result<(), Refusal> {
-        if self.install.is_some() {
-            // The buffer is still needed: the record in it waits for its group.
-            return Err(Refusal::Busy);
-        }
-        let end = usize::from(offset) + bytes.len();
-        if end > self.buffer.len() {
-            self.buffer.resize_default(end).map_err(|_| Refusal::OutOfBuffer)?;
-        }
-        self.buffer[usize::from(offset)..end].copy_from_slice(bytes);
-        Ok(())
-    }
-
-    /// Everything is checked before anything is stored: a record that cannot be run never replaces one that can.
-    fn commit_calibration(&mut self, length: u16, from: GroupNumber) -> Result<(), Refusal> {
-        let record = self.buffer.get(..usize::from(length)).ok_or(Refusal::OutOfBuffer)?;
-        laws_of(record, &self.identity.unit)?;
-        self.store.commit(record).map_err(|_| Refusal::StoreFailed)?;
-        self.buffer.truncate(usize::from(length));
-        self.calibration = CalibrationState::InUse;
-        self.install = Some(from);
-        Ok(())
-    }
 }
 
 fn answer_of(result: Result<(), Refusal>) -> Answer {
     result.map_or_else(Answer::Refused, |()| Answer::Done)
 }
 
-/// The laws in a record's bytes, checked in every respect, for a unit.
-fn laws_of(bytes: &[u8], unit: &UnitSerial) -> Result<Laws, Refusal> {
-    let record = DeviceRecord::decode(bytes).map_err(Refusal::Record)?;
-    if !unit.is_empty() && record.unit != *unit {
-        return Err(Refusal::OtherUnit);
+/// This crate's version is the firmware's: major, minor, patch.
+const FIRMWARE: [u16; 3] = {
+    const fn part(text: &str) -> u16 {
+        match u16::from_str_radix(text, 10) {
+            Ok(part) => part,
+            Err(_) => 0,
+        }
     }
-    let law = |axis| record.axis(axis).law().map_err(|_| Refusal::LawRefused);
-    let laws = [law(Axis::X)?, law(Axis::Y)?];
-    Ok((laws, Axis::BOTH.map(|axis| record.axis(axis).start_up_mode)))
-}
+    [
+        part(env!("CARGO_PKG_VERSION_MAJOR")),
+        part(env!("CARGO_PKG_VERSION_MINOR")),
+        part(env!("CARGO_PKG_VERSION_PATCH")),
+    ]
+};
 
 #[cfg(test)]
 mod tests;

@@ -14,6 +14,7 @@ pub mod compensator;
 pub mod console;
 pub mod direct;
 pub mod port;
+pub mod restart;
 pub mod store;
 pub mod trim_part;
 pub mod watchdog;

@@ -70,12 +70,6 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
         Self { spi, set_length: Timing::PAPER.set_length }
     }
 
-    /// Gives the SPI device back.
-    #[must_use]
-    pub fn release(self) -> SPI {
-        self.spi
-    }
-
     fn read_word(&mut self, address: u8) -> Result<u32, PortError<SPI::Error>> {
         let mut word = [0; 4];
         let header = [READ | address, 0];
@@ -149,10 +143,13 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
         let operations = if with_scans { burst.len() } else { 2 };
         self.spi.transaction(&mut burst[..operations]).map_err(PortError::Spi)?;
 
-        let words = checked(&head).ok_or(PortError::Damaged)?;
-        let head = Head::parse(words);
-        if head.length != self.set_length {
-            return Err(PortError::Length { found: head.length });
+        let (words, _) = checked(&head).ok_or(PortError::Damaged)?.as_chunks();
+        let word = |index: usize| u32::from_be_bytes(words[index]);
+        let wide = |index: usize| u64::from(word(index)) << 32 | u64::from(word(index + 1));
+        let [high, low, ..] = word(1).to_be_bytes();
+        let length = u16::from_be_bytes([high, low]);
+        if length != self.set_length {
+            return Err(PortError::Length { found: length });
         }
         if with_scans && CRC.checksum(bytemuck::cast_slice(samples)) != u32::from_be_bytes(crc) {
             return Err(PortError::Damaged);
@@ -160,9 +157,18 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
         for sample in samples {
             *sample = u16::from_be(*sample);
         }
-        set.number = head.number;
-        set.lost = head.lost;
-        set.sums = head.sums;
+        (set.number, set.lost) = (word(0), word(2));
+        // Four sums from word 3 on, four sums of squares from word 7 on.
+        set.sums = [0, 2].map(|temperature| {
+            let zro = temperature + 1;
+            GroupSums {
+                n: u32::from(length),
+                temperature: u64::from(word(3 + temperature)),
+                temperature_sq: wide(7 + 2 * temperature),
+                zro: u64::from(word(3 + zro)),
+                zro_sq: wide(7 + 2 * zro),
+            }
+        });
         Ok(())
     }
 }
@@ -171,41 +177,6 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
 fn checked(bytes: &[u8]) -> Option<&[u8]> {
     let (content, crc) = bytes.split_last_chunk::<CRC_BYTES>()?;
     (CRC.checksum(content) == u32::from_be_bytes(*crc)).then_some(content)
-}
-
-/// Words 0 to 14 of a burst.
-struct Head {
-    number: u32,
-    length: u16,
-    lost: u32,
-    sums: [GroupSums; 2],
-}
-
-impl Head {
-    fn parse(bytes: &[u8]) -> Self {
-        let sum = |channel: usize| u64::from(word(bytes, 3 + channel));
-        let squares = |channel: usize| {
-            let high = 7 + 2 * channel;
-            u64::from(word(bytes, high)) << 32 | u64::from(word(bytes, high + 1))
-        };
-        let length = half_word(bytes, 2);
-        let axis = |temperature: usize| GroupSums {
-            n: u32::from(length),
-            temperature: sum(temperature),
-            temperature_sq: squares(temperature),
-            zro: sum(temperature + 1),
-            zro_sq: squares(temperature + 1),
-        };
-        Self { number: word(bytes, 0), length, lost: word(bytes, 2), sums: [axis(0), axis(2)] }
-    }
-}
-
-fn word(bytes: &[u8], index: usize) -> u32 {
-    u32::from(half_word(bytes, 2 * index)) << 16 | u32::from(half_word(bytes, 2 * index + 1))
-}
-
-fn half_word(bytes: &[u8], index: usize) -> u16 {
-    u16::from_be_bytes([bytes[2 * index], bytes[2 * index + 1]])
 }
 
 #[cfg(test)]

@@ -5,9 +5,6 @@
 mod blocking;
 mod flash;
 
-use heapless::Vec;
-use zerorate_core::record::MAX_RECORD_BYTES;
-
 pub use flash::{FlashStore, Unusable};
 
 /// A store for one record: flash on a board, memory in a test.
@@ -58,33 +55,3 @@ impl Stored {
 /// The store could not be read or written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StoreFailed;
-
-/// A store in memory: lost with the power.
-#[derive(Debug, Clone, Default)]
-pub struct MemoryStore {
-    bytes: Vec<u8, MAX_RECORD_BYTES>,
-}
-
-impl RecordStore for MemoryStore {
-    fn stored(&self) -> Stored {
-        match u16::try_from(self.bytes.len()) {
-            Ok(0) | Err(_) => Stored::Blank,
-            Ok(length) => Stored::Whole(length),
-        }
-    }
-
-    fn read(&mut self, offset: usize, into: &mut [u8]) -> Result<usize, StoreFailed> {
-        let rest = self.bytes.get(offset..).unwrap_or(&[]);
-        let n = rest.len().min(into.len());
-        into[..n].copy_from_slice(&rest[..n]);
-        Ok(n)
-    }
-
-    fn commit(&mut self, record: &[u8]) -> Result<(), StoreFailed> {
-        self.bytes = Vec::from_slice(record).map_err(|_| StoreFailed)?;
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests;

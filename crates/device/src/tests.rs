@@ -10,9 +10,12 @@ use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, ValidRange};
 use zerorate_core::group::GroupSums;
 use zerorate_core::record::{AxisModel, DeviceRecord, UnitSerial};
 use zerorate_core::trim::{Trim, TrimLine};
-use zerorate_core::units::{Axis, Counts, Taps, TemperatureScale};
+use zerorate_core::units::{Axis, Counts, GroupNumber, Taps, TemperatureScale};
+use zerorate_core::wire::FaultCounts;
 
 use crate::acquisition::{Acquisition, Set, Timing};
+use crate::compensator::Status;
+use crate::store::{RecordStore, StoreFailed, Stored};
 use crate::trim_part::TrimPart;
 
 /// Sets that wait to be read.
@@ -72,6 +75,45 @@ impl TrimPart for Part {
     fn store_power_up(&mut self) -> Result<(), ()> {
         self.stores.set(self.stores.get() + 1);
         if self.unplugged.get() { Err(()) } else { Ok(()) }
+    }
+}
+
+/// A store in memory: lost with the power.
+#[derive(Debug, Clone, Default)]
+pub struct MemoryStore {
+    bytes: Vec<u8>,
+}
+
+impl RecordStore for MemoryStore {
+    fn stored(&self) -> Stored {
+        match u16::try_from(self.bytes.len()) {
+            Ok(0) | Err(_) => Stored::Blank,
+            Ok(length) => Stored::Whole(length),
+        }
+    }
+
+    fn read(&mut self, offset: usize, into: &mut [u8]) -> Result<usize, StoreFailed> {
+        let rest = self.bytes.get(offset..).unwrap_or(&[]);
+        let n = rest.len().min(into.len());
+        into[..n].copy_from_slice(&rest[..n]);
+        Ok(n)
+    }
+
+    fn commit(&mut self, record: &[u8]) -> Result<(), StoreFailed> {
+        self.bytes = record.to_vec();
+        Ok(())
+    }
+}
+
+/// A compensator that stands still.
+pub fn idle() -> Status {
+    Status {
+        group: GroupNumber(0),
+        running: false,
+        sets: 0,
+        taps: [Taps::MIDDLE; 2],
+        modes: [Mode::Off; 2],
+        faults: FaultCounts::default(),
     }
 }
 

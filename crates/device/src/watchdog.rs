@@ -43,16 +43,12 @@ impl<W: Watchdog> Supervisor<W> {
             self.watchdog.feed();
         }
     }
-
-    /// The watchdog.
-    pub const fn watchdog(&mut self) -> &mut W {
-        &mut self.watchdog
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::idle;
 
     #[derive(Default)]
     struct Fed(u32);
@@ -67,8 +63,8 @@ mod tests {
     fn it_is_fed_while_sets_arrive_or_none_are_to() {
         let mut supervisor = Supervisor::new(Fed::default());
         let mut fed = |running, sets| {
-            supervisor.task_ran(&Status { running, sets, ..Status::default() });
-            core::mem::take(&mut supervisor.watchdog().0) == 1
+            supervisor.task_ran(&Status { running, sets, ..idle() });
+            core::mem::take(&mut supervisor.watchdog.0) == 1
         };
         assert!(fed(false, 0) && fed(false, 0), "the acquisition stands still");
         assert!(!fed(true, 0), "started, and no set yet");

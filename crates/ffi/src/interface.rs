@@ -8,10 +8,10 @@ use core::ffi::{CStr, c_char};
 use zerorate_core::compensate::Mode;
 use zerorate_core::drift::{Coverage, Knowledge};
 use zerorate_core::group::GroupSums;
-use zerorate_core::record::RecordError;
+use zerorate_core::record::{RecordError, RecordRefused};
 use zerorate_core::units::{Axis, Taps};
 
-use crate::unit::{Refused, Stored, Unit, ZerorateUnit};
+use crate::unit::{CalibratedAxis, Stored, Unit, ZerorateUnit};
 
 /// Axis X.
 pub const ZERORATE_AXIS_X: u32 = 0;
@@ -58,6 +58,12 @@ pub enum ZerorateResult {
     LawRefused = 7,
     /// The mode moves the wiper and this calibration cannot: use digital.
     NoEdges = 8,
+}
+
+impl From<()> for ZerorateResult {
+    fn from((): ()) -> Self {
+        Self::Done
+    }
 }
 
 /// The sums of one axis's samples in a group. Start from zeros; `zerorate_push` adds a sample.
@@ -122,10 +128,10 @@ pub unsafe extern "C" fn zerorate_init(
             stored.fill(unit);
             ZerorateResult::Done
         }
-        Err(Refused::Record(RecordError::UnknownVersion { .. })) => ZerorateResult::UnknownVersion,
-        Err(Refused::Record(_)) => ZerorateResult::DamagedRecord,
-        Err(Refused::OtherUnit) => ZerorateResult::OtherUnit,
-        Err(Refused::Law) => ZerorateResult::LawRefused,
+        Err(RecordRefused::Bytes(RecordError::UnknownVersion { .. })) => ZerorateResult::UnknownVersion,
+        Err(RecordRefused::Bytes(_)) => ZerorateResult::DamagedRecord,
+        Err(RecordRefused::OtherUnit) => ZerorateResult::OtherUnit,
+        Err(RecordRefused::Law) => ZerorateResult::LawRefused,
     }
 }
 
@@ -142,14 +148,12 @@ pub unsafe extern "C" fn zerorate_set_mode(unit: *mut ZerorateUnit, axis: u32, m
         ZERORATE_MODE_HYBRID => Mode::Hybrid,
         _ => return ZerorateResult::OutOfRange,
     };
+    let act = |axis: &mut CalibratedAxis| match axis.set_mode(mode) {
+        true => ZerorateResult::Done,
+        false => ZerorateResult::NoEdges,
+    };
     // SAFETY: the caller's word.
-    match unsafe { unit_and_axis(unit, axis) } {
-        Ok((unit, axis)) => match unit.set_mode(axis, mode) {
-            true => ZerorateResult::Done,
-            false => ZerorateResult::NoEdges,
-        },
-        Err(result) => result,
-    }
+    unsafe { with_axis(unit, axis, act) }
 }
 
 /// Adds one sample of temperature and zero-rate output, counts, to a group.
@@ -187,13 +191,7 @@ pub unsafe extern "C" fn zerorate_correct(
         return ZerorateResult::NullPointer;
     };
     // SAFETY: the caller's word.
-    match unsafe { unit_and_axis(unit, axis) } {
-        Ok((unit, axis)) => {
-            *corrected = unit.correct(axis, zro);
-            ZerorateResult::Done
-        }
-        Err(result) => result,
-    }
+    unsafe { with_axis(unit, axis, |axis| *corrected = axis.correct(zro)) }
 }
 
 /// Closes an axis's group: `outcome` gets its corrected mean, and the tap for its temperature.
@@ -211,23 +209,20 @@ pub unsafe extern "C" fn zerorate_update(
     let (Some(group), Some(outcome)) = (unsafe { group.as_ref() }, unsafe { outcome.as_mut() }) else {
         return ZerorateResult::NullPointer;
     };
+    let ZerorateGroup { n, temperature, zro } = *group;
+    let act = |axis: &mut CalibratedAxis| {
+        // The law does not look at the squares: they are for whoever records.
+        let (closed, tap) = axis.update(&GroupSums { n, temperature, zro, ..GroupSums::default() });
+        *outcome = ZerorateOutcome {
+            corrected_q16: closed.corrected.0,
+            coverage: coverage(closed.coverage),
+            tap: tap.get(),
+            write_wiper: closed.move_to.is_some(),
+            history_known: closed.knowledge == Knowledge::Known,
+        };
+    };
     // SAFETY: the caller's word.
-    match unsafe { unit_and_axis(unit, axis) } {
-        Ok((unit, axis)) => {
-            let ZerorateGroup { n, temperature, zro } = *group;
-            // The law does not look at the squares: they are for whoever records.
-            let (closed, tap) = unit.update(axis, &GroupSums { n, temperature, zro, ..GroupSums::default() });
-            *outcome = ZerorateOutcome {
-                corrected_q16: closed.corrected.0,
-                coverage: coverage(closed.coverage),
-                tap: tap.get(),
-                write_wiper: closed.move_to.is_some(),
-                history_known: closed.knowledge == Knowledge::Known,
-            };
-            ZerorateResult::Done
-        }
-        Err(result) => result,
-    }
+    unsafe { with_axis(unit, axis, act) }
 }
 
 /// Says that the wiper was written. A write that failed is not said: the law then asks again with the next group.
@@ -240,13 +235,7 @@ pub unsafe extern "C" fn zerorate_wiper_written(unit: *mut ZerorateUnit, axis: u
         return ZerorateResult::OutOfRange;
     };
     // SAFETY: the caller's word.
-    match unsafe { unit_and_axis(unit, axis) } {
-        Ok((unit, axis)) => {
-            unit.wiper_written(axis, tap);
-            ZerorateResult::Done
-        }
-        Err(result) => result,
-    }
+    unsafe { with_axis(unit, axis, |axis| axis.wiper_written(tap)) }
 }
 
 /// Says that `groups` groups of `n` samples each were lost before the one that is being filled: the wiper settles
@@ -262,26 +251,28 @@ pub unsafe extern "C" fn zerorate_groups_lost(
     n: u32,
 ) -> ZerorateResult {
     // SAFETY: the caller's word.
-    match unsafe { unit_and_axis(unit, axis) } {
-        Ok((unit, axis)) => {
-            unit.groups_lost(axis, groups, n);
-            ZerorateResult::Done
-        }
-        Err(result) => result,
-    }
+    unsafe { with_axis(unit, axis, |axis| axis.groups_lost(groups, n)) }
 }
 
+/// Does something to an axis of a unit, if there are both.
+///
 /// # Safety
 /// `unit` is null or leads to a `ZerorateUnit` that nobody else uses meanwhile.
-unsafe fn unit_and_axis<'a>(unit: *mut ZerorateUnit, axis: u32) -> Result<(&'a mut Unit, Axis), ZerorateResult> {
+unsafe fn with_axis<R: Into<ZerorateResult>>(
+    unit: *mut ZerorateUnit,
+    axis: u32,
+    act: impl FnOnce(&mut CalibratedAxis) -> R,
+) -> ZerorateResult {
     let axis = match axis {
         ZERORATE_AXIS_X => Axis::X,
         ZERORATE_AXIS_Y => Axis::Y,
-        _ => return Err(ZerorateResult::OutOfRange),
+        _ => return ZerorateResult::OutOfRange,
     };
     // SAFETY: the caller's word; storage of any contents is a `Stored`.
-    let stored = unsafe { unit.cast::<Stored>().as_mut() }.ok_or(ZerorateResult::NullPointer)?;
-    Ok((stored.unit().ok_or(ZerorateResult::NotInitialised)?, axis))
+    let Some(stored) = (unsafe { unit.cast::<Stored>().as_mut() }) else {
+        return ZerorateResult::NullPointer;
+    };
+    stored.unit().map_or(ZerorateResult::NotInitialised, |unit| act(&mut unit.0[axis.index()]).into())
 }
 
 fn coverage(coverage: Coverage) -> u32 {

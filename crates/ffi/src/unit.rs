@@ -4,8 +4,8 @@ use core::mem::MaybeUninit;
 
 use zerorate_core::compensate::{AxisCompensation, AxisLaw, GroupOutcome, Mode};
 use zerorate_core::group::GroupSums;
-use zerorate_core::record::{DeviceRecord, RecordError};
-use zerorate_core::units::{Axis, Taps};
+use zerorate_core::record::{RecordRefused, laws_for};
+use zerorate_core::units::Taps;
 
 /// 64-bit words of a unit's storage: more than its laws and state take on any target.
 pub const ZERORATE_UNIT_WORDS: usize = 512;
@@ -46,69 +46,59 @@ impl Stored {
     }
 }
 
-/// Laws and state of both axes.
-pub(crate) struct Unit {
-    laws: [AxisLaw; 2],
-    axes: [AxisCompensation; 2],
-    /// Samples of the group being filled that `correct` has seen.
-    seen: [u32; 2],
-}
+/// Both axes, X then Y.
+pub(crate) struct Unit(pub(crate) [CalibratedAxis; 2]);
 
-/// Why a unit cannot be made from a record.
-pub(crate) enum Refused {
-    Record(RecordError),
-    OtherUnit,
-    Law,
+/// Law and state of an axis.
+pub(crate) struct CalibratedAxis {
+    law: AxisLaw,
+    state: AxisCompensation,
+    /// Samples of the group being filled that `correct` has seen.
+    seen: u32,
 }
 
 impl Unit {
     /// A unit at start-up, both wipers at the middle tap, in the modes that the record gives for start-up. A `serial`
     /// that is not the record's refuses it.
-    pub(crate) fn from_record(bytes: &[u8], serial: Option<&[u8]>) -> Result<Self, Refused> {
-        let record = DeviceRecord::decode(bytes).map_err(Refused::Record)?;
-        if serial.is_some_and(|serial| serial != record.unit.as_bytes()) {
-            return Err(Refused::OtherUnit);
-        }
-        let law = |axis: Axis| record.axis(axis).law().map_err(|_| Refused::Law);
-        let laws = [law(Axis::X)?, law(Axis::Y)?];
-        let axes = Axis::BOTH.map(|axis| {
-            let mut state = AxisCompensation::new(Some(&laws[axis.index()]), Taps::MIDDLE);
-            state.set_mode(record.axis(axis).start_up_mode);
-            state
-        });
-        Ok(Self { laws, axes, seen: [0; 2] })
+    pub(crate) fn from_record(bytes: &[u8], serial: Option<&[u8]>) -> Result<Self, RecordRefused> {
+        let ([x, y], modes) = laws_for(serial, bytes)?;
+        let axis = |law: AxisLaw, mode| {
+            let mut state = AxisCompensation::new(Some(&law), Taps::MIDDLE);
+            state.set_mode(mode);
+            CalibratedAxis { law, state, seen: 0 }
+        };
+        Ok(Self([axis(x, modes[0]), axis(y, modes[1])]))
     }
+}
 
+impl CalibratedAxis {
     /// `false` when the mode moves the wiper and the calibration cannot.
-    pub(crate) fn set_mode(&mut self, axis: Axis, mode: Mode) -> bool {
-        let possible = !mode.moves_wiper() || self.laws[axis.index()].moves_wiper();
+    pub(crate) fn set_mode(&mut self, mode: Mode) -> bool {
+        let possible = !mode.moves_wiper() || self.law.moves_wiper();
         if possible {
-            self.axes[axis.index()].set_mode(mode);
+            self.state.set_mode(mode);
         }
         possible
     }
 
-    pub(crate) fn correct(&mut self, axis: Axis, zro: u16) -> i32 {
-        self.seen[axis.index()] += 1;
-        self.axes[axis.index()].sample(zro).0
+    pub(crate) fn correct(&mut self, zro: u16) -> i32 {
+        self.seen += 1;
+        self.state.sample(zro).0
     }
 
     /// Closes a group; samples that `correct` was not shown are passed over first.
-    pub(crate) fn update(&mut self, axis: Axis, sums: &GroupSums) -> (GroupOutcome, Taps) {
-        let state = &mut self.axes[axis.index()];
-        let seen = core::mem::take(&mut self.seen[axis.index()]);
-        state.skip_samples(sums.n.saturating_sub(seen));
-        let outcome = state.close_group(Some(&self.laws[axis.index()]), sums);
-        (outcome, outcome.move_to.unwrap_or(state.tap()))
+    pub(crate) fn update(&mut self, sums: &GroupSums) -> (GroupOutcome, Taps) {
+        self.state.skip_samples(sums.n.saturating_sub(core::mem::take(&mut self.seen)));
+        let outcome = self.state.close_group(Some(&self.law), sums);
+        (outcome, outcome.move_to.unwrap_or(self.state.tap()))
     }
 
-    pub(crate) fn wiper_written(&mut self, axis: Axis, tap: Taps) {
-        self.axes[axis.index()].wiper_written(Some(&self.laws[axis.index()]), tap);
+    pub(crate) fn wiper_written(&mut self, tap: Taps) {
+        self.state.wiper_written(Some(&self.law), tap);
     }
 
-    pub(crate) fn groups_lost(&mut self, axis: Axis, groups: u32, n: u32) {
-        let state = &mut self.axes[axis.index()];
-        state.skip_lost(groups.saturating_mul(n));
-        state.lose_groups(groups);
+    pub(crate) fn groups_lost(&mut self, groups: u32, n: u32) {
+        self.state.skip_lost(groups.saturating_mul(n));
+        self.state.lose_groups(groups);
     }
 }

@@ -36,12 +36,12 @@ use sample::Sample;
 use score::{FoldSums, Scored};
 use thinned::Thinned;
 
-/// The ridge of the fit that finds out which groups to believe; weak, for it has every column.
-const PILOT_RIDGE: f64 = 1e-4;
+/// The shrinkage of the fit that finds out which groups to believe; weak, for it has every column.
+const PILOT_SHRINKAGE: f64 = 1e-4;
 
-/// How far past the measured temperatures a polynomial chosen by `auto` is believed before it is held, a share of the span
-/// at each end: as far as it was tested there, for it was chosen with either end, an eighth of the groups, held out, and
-/// is no worse on it than the better of a straight line and a cubic. The next flight may start a little colder.
+/// How far past the measured temperatures a polynomial chosen by `auto` is believed before it is held, as a fraction of
+/// the span at each end. It was tested that far: chosen with the groups at either end held out, as many as a fold. The
+/// next flight may start a little colder.
 const BEYOND: f64 = 1.0 / 8.0;
 
 /// What came of a fit.
@@ -55,8 +55,8 @@ pub struct GroupFit {
 
 /// Fits a series: `auto`, or the model asked for alone, without history and drift in time.
 ///
-/// `measured` is the least and greatest temperature of the groups that have a rate. `auto` believes its curve an eighth
-/// of that further at each end, where it was tested; another model is held at the ends.
+/// `measured` is the least and greatest temperature of the groups that have a rate. `auto` believes its curve
+/// further than that, by [`BEYOND`] of the span at each end, where it was tested; another model is held at the ends.
 ///
 /// # Errors
 /// [`FitError`], when the groups do not settle the model, or no model.
@@ -167,7 +167,7 @@ impl<'a> Prepared<'a> {
         let memories: Vec<usize> = (0..self.features.memories.len()).collect();
         let time = self.features.time.is_some();
         for order in (1..=MAX_ORDER).rev() {
-            let pilot = Spec::new(&self.features, Model::Poly(order), &memories, time, PILOT_RIDGE);
+            let pilot = Spec::new(&self.features, Model::Poly(order), &memories, time, PILOT_SHRINKAGE);
             if sample.fit_robustly(&self.features, &pilot.penalised()).is_some() {
                 return;
             }
@@ -266,7 +266,7 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// The candidates as they are shown: of one model the strength of ridge that did best, or the one chosen.
+/// The candidates as they are shown: of one model the strength of shrinkage that did best, or the one chosen.
 fn listed(specs: &[Spec], scored: &[Option<Scored>], errors: &[f64], chosen: usize) -> Vec<Candidate> {
     let mut shown: Vec<usize> = Vec::new();
     for (place, spec) in specs.iter().enumerate() {
@@ -295,7 +295,7 @@ fn listed(specs: &[Spec], scored: &[Option<Scored>], errors: &[f64], chosen: usi
             deployed_rms: finite(own.deployed.sqrt()),
             ends_rms: Some(own.ends.map(f64::sqrt)).filter(|ends| ends.iter().all(|end| end.is_finite())),
             by_direction_rms: Some(own.by_direction.map(|square| finite(square.sqrt()))),
-            ridge: Some(spec.ridge),
+            shrinkage_weight: Some(spec.shrinkage),
             chosen: place == chosen,
         })
     };

@@ -46,7 +46,7 @@ pub struct StaticCubic {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
     /// How many folds.
-    pub stretches: u64,
+    pub folds: u64,
     /// Within the recording: with its drift in time.
     pub in_recording: Option<f64>,
     /// As deployed, the history known from the recording's start: no drift in time; the mean of the fold's first groups
@@ -84,7 +84,7 @@ pub struct FitStatistics {
     /// Residual of the folds, each predicted by the fit of the others; `None` where the others do not settle the model.
     pub held_out: Option<ResidualStatistics>,
     /// How many folds.
-    pub held_out_stretches: u64,
+    pub held_out_folds: u64,
     /// Covariance of the scaled coefficients (of a table: of its knots), a row a coefficient, rate units squared.
     pub covariance: Vec<Vec<f64>>,
     /// The models tried, simplest first.
@@ -111,7 +111,7 @@ impl FitStatistics {
             samples_used: residuals,
             in_sample,
             held_out: held_out.rms.is_finite().then_some(held_out),
-            held_out_stretches: FOLDS as u64,
+            held_out_folds: FOLDS as u64,
             covariance,
             candidates: Vec::new(),
             nested: None,
@@ -134,15 +134,15 @@ pub struct Candidate {
     /// As deployed: over the folds without drift in time, less the mean of each one's first groups.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub deployed_rms: Option<f64>,
-    /// With the coldest and with the hottest eighth of the groups held out.
+    /// With the coldest groups held out, and with the hottest, as many as a fold.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ends_rms: Option<[f64; 2]>,
     /// The held-out groups taken while it was heating, and while it was cooling.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub by_direction_rms: Option<[Option<f64>; 2]>,
-    /// How strongly its weights were drawn to zero: a share of the data's own weight.
+    /// The weight that shrinks the terms beside the curve, as a fraction of the data's own weight.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ridge: Option<f64>,
+    pub shrinkage_weight: Option<f64>,
     /// Whether it is the one chosen.
     #[serde(default)]
     pub chosen: bool,

@@ -6,13 +6,15 @@ pub const MAD_TO_SIGMA: f64 = 1.4826;
 /// The mean absolute deviation times this is the standard deviation of a normal distribution: sqrt(pi / 2).
 const MEAN_DEVIATION_TO_SIGMA: f64 = 1.2533;
 
-/// The median; the upper one of an even number; NaN of none. The values are reordered.
+/// The median, as numpy's: of an even number the mean of the two in the middle; NaN of none. The values are reordered.
 pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;
     }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    let even = values.len().is_multiple_of(2);
+    let (below, &mut upper, _) = values.select_nth_unstable_by(values.len() / 2, f64::total_cmp);
+    let lower = below.iter().copied().max_by(f64::total_cmp).filter(|_| even);
+    lower.map_or(upper, |lower| lower.midpoint(upper))
 }
 
 /// The median and the standard deviation about it by the median absolute deviation.
@@ -34,4 +36,20 @@ pub fn noise(values: &[f64]) -> f64 {
         return 0.0;
     }
     centre_and_sigma(&differences).1 / 6.0_f64.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[allow(clippy::float_cmp)]
+    fn a_median_is_numpys() {
+        assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
+        // numpy.median([4.0, 1.0, 3.0, 2.5]), and of one and of two.
+        assert_eq!(median(&mut [4.0, 1.0, 3.0, 2.5]), 2.75);
+        assert_eq!(median(&mut [7.0]), 7.0);
+        assert_eq!(median(&mut [9.0, 7.0]), 8.0);
+        assert!(median(&mut []).is_nan());
+    }
 }

@@ -32,14 +32,6 @@ pub trait Line {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BusFailed;
 
-impl core::fmt::Display for BusFailed {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("the other end of the lock-step channel could not do it")
-    }
-}
-
-impl core::error::Error for BusFailed {}
-
 impl embedded_hal::spi::Error for BusFailed {
     fn kind(&self) -> ErrorKind {
         ErrorKind::Other
@@ -53,30 +45,32 @@ impl nor_flash::NorFlashError for BusFailed {
 }
 
 /// The channel to the host: a request out, its answer in.
-pub struct Channel<L> {
-    line: Option<L>,
-}
+///
+/// Interrupts and tasks share it. Each request is asked and answered with interrupts off: half of one must not be
+/// overtaken by another.
+pub struct Channel<L>(Mutex<RefCell<Option<L>>>);
 
 impl<L> Channel<L> {
     /// A channel whose line is not there yet: every request fails.
     pub const fn closed() -> Self {
-        Self { line: None }
+        Self(Mutex::new(RefCell::new(None)))
+    }
+
+    /// A channel on a line.
+    pub const fn new(line: L) -> Self {
+        Self(Mutex::new(RefCell::new(Some(line))))
     }
 }
 
 impl<L: Line> Channel<L> {
-    /// A channel on a line.
-    pub const fn new(line: L) -> Self {
-        Self { line: Some(line) }
-    }
-
-    /// Says that the board has started, and learns what board it is.
+    /// Gives the channel its line, says that the board has started, and learns what board it is.
     ///
     /// # Errors
     /// [`BusFailed`], when the host is gone or speaks another version.
-    pub fn hello(&mut self) -> Result<Board, BusFailed> {
+    pub fn open(&self, line: L) -> Result<Board, BusFailed> {
+        critical_section::with(|section| self.0.replace(section, Some(line)));
         let mut bytes = [0; Board::BYTES];
-        self.ask(&Request::Hello { version: VERSION }, [bytes.as_mut_slice()])?;
+        self.ask(&Request::Hello { version: VERSION }, &mut bytes)?;
         let board = Board::from_bytes(&bytes);
         if board.version == VERSION { Ok(board) } else { Err(BusFailed) }
     }
@@ -85,114 +79,53 @@ impl<L: Line> Channel<L> {
     ///
     /// # Errors
     /// [`BusFailed`], when the host is gone.
-    pub fn poll(&mut self, poll: Poll) -> Result<bool, BusFailed> {
+    pub fn poll(&self, poll: Poll) -> Result<bool, BusFailed> {
         let mut buffer = [0; 16];
-        let bytes = Request::Poll(poll).encode(&mut buffer).ok_or(BusFailed)?;
-        self.write(bytes)?;
-        match self.answer()? {
-            Answer::SetReady => Ok(true),
-            Answer::Done => Ok(false),
-            Answer::Failed => Err(BusFailed),
-        }
+        let request = Request::Poll(poll).encode(&mut buffer).ok_or(BusFailed)?;
+        Ok(self.exchange(request, &mut core::iter::empty())? == Answer::SetReady)
     }
 
     /// Says where the firmware has panicked.
     ///
     /// # Errors
-    /// [`BusFailed`], when the host is gone.
-    pub fn panicked(&mut self, file: &str, line: u32) -> Result<(), BusFailed> {
-        self.ask(&Request::Panicked { file, line }, [])
+    /// [`BusFailed`], when the host is gone, or the panic happened within a request.
+    pub fn panicked(&self, file: &str, line: u32) -> Result<(), BusFailed> {
+        self.ask(&Request::Panicked { file, line }, &mut [])
     }
 
-    fn ask<'b>(
-        &mut self,
-        request: &Request<'_>,
-        answers: impl IntoIterator<Item = &'b mut [u8]>,
-    ) -> Result<(), BusFailed> {
+    /// Asks for some bytes, or for none.
+    fn ask(&self, request: &Request<'_>, answer: &mut [u8]) -> Result<(), BusFailed> {
         let mut buffer = [0; 2 + MAX_REQUEST];
-        let bytes = request.encode(&mut buffer).ok_or(BusFailed)?;
-        self.exchange(bytes, answers)
+        let request = request.encode(&mut buffer).ok_or(BusFailed)?;
+        self.exchange(request, &mut core::iter::once(answer)).map(|_| ())
     }
 
-    /// Sends an encoded request and reads the bytes of its answer.
-    fn exchange<'b>(
-        &mut self,
-        request: &[u8],
-        answers: impl IntoIterator<Item = &'b mut [u8]>,
-    ) -> Result<(), BusFailed> {
-        self.write(request)?;
-        if self.answer()? != Answer::Done {
-            return Err(BusFailed);
-        }
-        answers.into_iter().try_for_each(|bytes| self.read(bytes))
+    /// Sends an encoded request, alone, and reads the bytes of its answer.
+    fn exchange(&self, request: &[u8], answers: &mut dyn Iterator<Item = &mut [u8]>) -> Result<Answer, BusFailed> {
+        critical_section::with(|section| {
+            let mut line = self.0.borrow(section).try_borrow_mut().map_err(|_| BusFailed)?;
+            let line = line.as_mut().ok_or(BusFailed)?;
+            line.write(request).map_err(|_| BusFailed)?;
+            let mut byte = [0];
+            line.read(&mut byte).map_err(|_| BusFailed)?;
+            let answer = Answer::of(byte[0]).filter(|answer| *answer != Answer::Failed).ok_or(BusFailed)?;
+            for bytes in answers {
+                line.read(bytes).map_err(|_| BusFailed)?;
+            }
+            Ok(answer)
+        })
     }
-
-    fn write(&mut self, bytes: &[u8]) -> Result<(), BusFailed> {
-        self.line.as_mut().ok_or(BusFailed)?.write(bytes).map_err(|_| BusFailed)
-    }
-
-    fn read(&mut self, bytes: &mut [u8]) -> Result<(), BusFailed> {
-        self.line.as_mut().ok_or(BusFailed)?.read(bytes).map_err(|_| BusFailed)
-    }
-
-    fn answer(&mut self) -> Result<Answer, BusFailed> {
-        let mut byte = [0];
-        self.read(&mut byte)?;
-        Answer::of(byte[0]).ok_or(BusFailed)
-    }
-}
-
-/// A channel that interrupts and tasks share. Each request is asked and answered with interrupts off: half of one
-/// must not be overtaken by another.
-pub type SharedChannel<L> = Mutex<RefCell<Channel<L>>>;
-
-/// Asks and is answered, alone.
-fn alone<L, T>(
-    channel: &SharedChannel<L>,
-    act: impl FnOnce(&mut Channel<L>) -> Result<T, BusFailed>,
-) -> Result<T, BusFailed> {
-    critical_section::with(|section| {
-        let mut channel = channel.borrow(section).try_borrow_mut().map_err(|_| BusFailed)?;
-        act(&mut channel)
-    })
-}
-
-/// Gives a shared channel its line, says that the board has started, and learns what board it is.
-///
-/// # Errors
-/// [`BusFailed`], when the host is gone or speaks another version.
-pub fn open<L: Line>(channel: &SharedChannel<L>, line: L) -> Result<Board, BusFailed> {
-    alone(channel, |channel| {
-        channel.line = Some(line);
-        channel.hello()
-    })
-}
-
-/// Says through a shared channel where the firmware has panicked.
-///
-/// # Errors
-/// [`BusFailed`], when the host is gone, or the panic happened within a request.
-pub fn panicked<L: Line>(channel: &SharedChannel<L>, file: &str, line: u32) -> Result<(), BusFailed> {
-    alone(channel, |channel| channel.panicked(file, line))
-}
-
-/// Asks a shared channel whether a set is ready.
-///
-/// # Errors
-/// [`BusFailed`], when the host is gone.
-pub fn poll<L: Line>(channel: &SharedChannel<L>, poll: Poll) -> Result<bool, BusFailed> {
-    alone(channel, |channel| channel.poll(poll))
 }
 
 /// An SPI device at the other end of a channel.
 pub struct LockstepSpi<'c, L> {
-    channel: &'c SharedChannel<L>,
+    channel: &'c Channel<L>,
     bus: Bus,
 }
 
 impl<'c, L> LockstepSpi<'c, L> {
     /// A part on the board's SPI.
-    pub const fn new(channel: &'c SharedChannel<L>, bus: Bus) -> Self {
+    pub const fn new(channel: &'c Channel<L>, bus: Bus) -> Self {
         Self { channel, bus }
     }
 }
@@ -217,40 +150,27 @@ impl<L: Line> SpiDevice for LockstepSpi<'_, L> {
         }
         let mut request = [0; 2 + MAX_REQUEST];
         let request = Request::Transaction { bus: self.bus, transfers }.encode(&mut request).ok_or(BusFailed)?;
-        alone(self.channel, |channel| {
-            let reads = operations.iter_mut().filter_map(|operation| match operation {
-                Operation::Read(bytes) | Operation::TransferInPlace(bytes) | Operation::Transfer(bytes, _) => {
-                    Some(&mut **bytes)
-                }
-                Operation::Write(_) | Operation::DelayNs(_) => None,
-            });
-            channel.exchange(request, reads)
-        })
+        let mut reads = operations.iter_mut().filter_map(|operation| match operation {
+            Operation::Read(bytes) | Operation::TransferInPlace(bytes) | Operation::Transfer(bytes, _) => {
+                Some(&mut **bytes)
+            }
+            Operation::Write(_) | Operation::DelayNs(_) => None,
+        });
+        self.channel.exchange(request, &mut reads).map(|_| ())
     }
 }
 
 /// A delay on the bench's timeline.
-pub struct LockstepDelay<'c, L> {
-    channel: &'c SharedChannel<L>,
-}
-
-impl<'c, L> LockstepDelay<'c, L> {
-    /// The bench's time.
-    pub const fn new(channel: &'c SharedChannel<L>) -> Self {
-        Self { channel }
-    }
-}
-
-impl<L: Line> DelayNs for LockstepDelay<'_, L> {
+impl<L: Line> DelayNs for &Channel<L> {
     fn delay_ns(&mut self, ns: u32) {
         // Without a host there is no bench, and no time to wait for.
-        let _ = alone(self.channel, |channel| channel.ask(&Request::Delay { ns }, []));
+        let _ = self.ask(&Request::Delay { ns }, &mut []);
     }
 }
 
 /// A NOR flash at the other end of a channel: `CAPACITY` bytes in sectors of `SECTOR`, written by words.
 pub struct LockstepFlash<'c, L, const CAPACITY: usize, const SECTOR: usize> {
-    channel: &'c SharedChannel<L>,
+    channel: &'c Channel<L>,
 }
 
 impl<'c, L, const CAPACITY: usize, const SECTOR: usize> LockstepFlash<'c, L, CAPACITY, SECTOR> {
@@ -258,18 +178,8 @@ impl<'c, L, const CAPACITY: usize, const SECTOR: usize> LockstepFlash<'c, L, CAP
     const CHUNK: usize = 512;
 
     /// The flash.
-    pub const fn new(channel: &'c SharedChannel<L>) -> Self {
+    pub const fn new(channel: &'c Channel<L>) -> Self {
         Self { channel }
-    }
-}
-
-impl<L: Line, const CAPACITY: usize, const SECTOR: usize> LockstepFlash<'_, L, CAPACITY, SECTOR> {
-    fn ask<'b>(
-        &mut self,
-        request: &Request<'_>,
-        answers: impl IntoIterator<Item = &'b mut [u8]>,
-    ) -> Result<(), BusFailed> {
-        alone(self.channel, |channel| channel.ask(request, answers))
     }
 }
 
@@ -280,11 +190,13 @@ impl<L, const CAPACITY: usize, const SECTOR: usize> nor_flash::ErrorType for Loc
 impl<L: Line, const CAPACITY: usize, const SECTOR: usize> ReadNorFlash for LockstepFlash<'_, L, CAPACITY, SECTOR> {
     const READ_SIZE: usize = 1;
 
+    // Inlined, every reader of the flash would have its own: 700 bytes.
+    #[inline(never)]
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), BusFailed> {
         let mut at = offset;
         for chunk in bytes.chunks_mut(Self::CHUNK) {
             let length = u16::try_from(chunk.len()).map_err(|_| BusFailed)?;
-            self.ask(&Request::FlashRead { offset: at, length }, [chunk])?;
+            self.channel.ask(&Request::FlashRead { offset: at, length }, chunk)?;
             at += u32::from(length);
         }
         Ok(())
@@ -300,13 +212,13 @@ impl<L: Line, const CAPACITY: usize, const SECTOR: usize> NorFlash for LockstepF
     const ERASE_SIZE: usize = SECTOR;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), BusFailed> {
-        self.ask(&Request::FlashErase { from, to }, [])
+        self.channel.ask(&Request::FlashErase { from, to }, &mut [])
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), BusFailed> {
         let mut at = offset;
         for chunk in bytes.chunks(Self::CHUNK) {
-            self.ask(&Request::FlashWrite { offset: at, bytes: chunk }, [])?;
+            self.channel.ask(&Request::FlashWrite { offset: at, bytes: chunk }, &mut [])?;
             at += u32::try_from(chunk.len()).map_err(|_| BusFailed)?;
         }
         Ok(())

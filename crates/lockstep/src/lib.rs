@@ -7,9 +7,5 @@ extern crate std;
 mod board;
 mod message;
 
-pub use board::{
-    BusFailed, Channel, Line, LockstepDelay, LockstepFlash, LockstepSpi, SharedChannel, open, panicked, poll,
-};
-pub use message::{
-    Answer, Board, Bus, MAX_REQUEST, MAX_TRANSACTION, Malformed, Poll, Request, SERIAL_BYTES, Transfer, VERSION,
-};
+pub use board::{BusFailed, Channel, Line, LockstepFlash, LockstepSpi};
+pub use message::{Answer, Board, Bus, MAX_REQUEST, MAX_TRANSACTION, Poll, Request, SERIAL_BYTES, Transfer, VERSION};

@@ -169,25 +169,11 @@ impl Board {
     }
 }
 
-/// Bytes that are no request.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Malformed;
-
-impl core::fmt::Display for Malformed {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("the board sent what is no request of this version of the lock-step channel")
-    }
-}
-
-impl core::error::Error for Malformed {}
-
 impl<'a> Request<'a> {
-    /// Reads a request, its length left off.
-    ///
-    /// # Errors
-    /// [`Malformed`].
-    pub fn decode(bytes: &'a [u8]) -> Result<Self, Malformed> {
-        postcard::from_bytes(bytes).map_err(|_| Malformed)
+    /// Reads a request, its length left off; `None` where the bytes are none of this version.
+    #[must_use]
+    pub fn decode(bytes: &'a [u8]) -> Option<Self> {
+        postcard::from_bytes(bytes).ok()
     }
 
     /// The request with its length before it, in `buffer`; `None` when it does not fit.

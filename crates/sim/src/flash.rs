@@ -36,7 +36,6 @@ pub struct Flash<const PAGE: usize, const WORD: usize> {
     /// Which words have been written since they were erased.
     written: Vec<bool>,
     operations: u32,
-    erases: u32,
     cut: Option<(u32, HalfErased)>,
     is_powered: bool,
 }
@@ -72,7 +71,6 @@ impl<const PAGE: usize, const WORD: usize> Flash<PAGE, WORD> {
             bytes: vec![ERASED; pages * PAGE],
             written: vec![false; pages * PAGE / WORD],
             operations: 0,
-            erases: 0,
             cut: None,
             is_powered: true,
         }
@@ -82,12 +80,6 @@ impl<const PAGE: usize, const WORD: usize> Flash<PAGE, WORD> {
     #[must_use]
     pub const fn operations(&self) -> u32 {
         self.operations
-    }
-
-    /// Erases of a page so far.
-    #[must_use]
-    pub const fn erases(&self) -> u32 {
-        self.erases
     }
 
     /// Lets the power fail in the middle of the operation after so many further ones: 0, the very next. If that is an
@@ -175,7 +167,6 @@ impl<const PAGE: usize, const WORD: usize> NorFlash for Flash<PAGE, WORD> {
         let place = self.place(from, length, PAGE)?;
         for page in place.step_by(PAGE) {
             let half = self.fails();
-            self.erases += 1;
             let (part, to) = match half {
                 None => (0..PAGE, ERASED),
                 Some(HalfErased::Untouched) => (0..0, ERASED),

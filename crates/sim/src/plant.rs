@@ -144,12 +144,6 @@ impl Plant {
         self.port.data_ready()
     }
 
-    /// Frames to the A/D that it could not do: a length other than 16 clocks, or a mode the bench does not have.
-    #[must_use]
-    pub fn converter_frames_refused(&self) -> u32 {
-        self.ad7949.refused()
-    }
-
     /// Lets the acquisition port scan until a set is full, and tells that set's truth; `None` if the port does not run.
     pub fn run_set(&mut self) -> Option<Truth> {
         while self.port_scans() {

@@ -34,10 +34,11 @@ pub fn test(workspace: &Workspace) -> Result<Outcome> {
     run(workspace, &[&["test"], &EVERY_CRATE[..]].concat())
 }
 
-/// The driver can be published alone: it is packed, unpacked and built as a registry would have it.
+/// The driver and the readers of logs can be published alone: they are packed, unpacked and built as a registry would
+/// have them.
 pub fn publish(workspace: &Workspace) -> Result<Outcome> {
     run(workspace, &["build", "--package", "max5494", "--no-default-features"])?;
-    run(workspace, &["publish", "--dry-run", "--allow-dirty", "--package", "max5494"])
+    run(workspace, &["publish", "--dry-run", "--allow-dirty", "--package", "max5494", "--package", "imu-logs"])
 }
 
 /// Builds the command as its users do, for the steps that run it.

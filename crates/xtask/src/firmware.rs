@@ -1,7 +1,5 @@
 //! `cargo xtask firmware`: the firmware built for its target, its size, its costs, and its run in QEMU.
 
-use std::env;
-use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -10,6 +8,7 @@ use anyhow::{Context, Result, ensure};
 use crate::cargo;
 use crate::provide;
 use crate::steps::{Outcome, Step};
+use crate::toolchain::Toolchain;
 use crate::workspace::Workspace;
 
 /// The firmware's workspace, from the root.
@@ -77,10 +76,10 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
 }
 
 fn build(workspace: &Workspace) -> Result<Outcome> {
-    let toolchain = Toolchain::find()?;
-    toolchain.run(workspace, &["fmt", "--check"])?;
+    let manifest = workspace.root.join(FOLDER).join("Cargo.toml").display().to_string();
+    cargo::run(workspace, &["fmt", "--check", "--manifest-path", &manifest])?;
     for board in BOARDS {
-        toolchain.run(workspace, &["build", "--release", "--locked", "--package", board])?;
+        build_package(workspace, board)?;
     }
     println!("    {:22} {:>12} {:>12}", "board", "flash, bytes", "static RAM");
     for board in BOARDS {
@@ -93,7 +92,7 @@ fn build(workspace: &Workspace) -> Result<Outcome> {
 
 /// Counts the instructions of what runs in the interrupt, and holds them against what they may be.
 fn costs(workspace: &Workspace) -> Result<Outcome> {
-    Toolchain::find()?.run(workspace, &["build", "--release", "--locked", "--package", COST])?;
+    build_package(workspace, COST)?;
     if provide::on_path(&[EMULATOR]).is_none() {
         provide::install("the emulator", &["qemu-system-arm"])?;
     }
@@ -121,6 +120,12 @@ fn costs(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
+fn build_package(workspace: &Workspace, package: &str) -> Result<()> {
+    let folder = workspace.root.join(FOLDER);
+    let arguments = ["build", "--release", "--locked", "--package", package];
+    Toolchain::of_board()?.run(&folder, &folder.join("target"), &arguments)
+}
+
 fn built(workspace: &Workspace, package: &str) -> PathBuf {
     workspace.root.join(FOLDER).join("target").join(TARGET).join("release").join(package)
 }
@@ -141,60 +146,4 @@ fn size(workspace: &Workspace, package: &str) -> Result<(u64, u64)> {
     let flash = [".vector_table", ".text", ".rodata", ".data"].map(section);
     let ram = [".data", ".bss", ".uninit"].map(section);
     Ok((flash.iter().sum(), ram.iter().sum()))
-}
-
-/// A Rust that builds for the target.
-enum Toolchain {
-    /// The one that runs us: rustup has the target.
-    Ordinary,
-    /// Debian's, which has its own std's source and builds core from it.
-    FromSource,
-}
-
-impl Toolchain {
-    /// The ordinary one where the target is installed, else Debian's, which is installed if it may be.
-    fn find() -> Result<Self> {
-        const PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "binutils-arm-none-eabi"];
-        let installed = Command::new("rustup").args(["target", "list", "--installed"]).output();
-        if installed.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).lines().any(|line| line == TARGET)) {
-            return Ok(Self::Ordinary);
-        }
-        let is_there = ["/usr/bin/rustc", "/usr/bin/cargo", "/usr/bin/arm-none-eabi-ld"]
-            .iter()
-            .chain(&["/usr/lib/rustlib/src/rust/library/core/Cargo.toml"])
-            .all(|path| std::path::Path::new(path).is_file());
-        if !is_there {
-            println!("    `rustup target add {TARGET}` would do; without it core is built from Debian's source");
-            provide::install("a Rust with its own source, to build core for the firmware's target", &PACKAGES)?;
-        }
-        Ok(Self::FromSource)
-    }
-
-    /// Runs a cargo command in the firmware's workspace.
-    fn run(&self, workspace: &Workspace, arguments: &[&str]) -> Result<()> {
-        println!("    {FOLDER}: cargo {}", arguments.join(" "));
-        // Formatting needs no target, and Debian's cargo has no rustfmt.
-        let mut command = match self {
-            Self::FromSource if arguments.first() != Some(&"fmt") => from_source(),
-            _ => cargo::program(),
-        };
-        command.current_dir(workspace.root.join(FOLDER)).env("CARGO_TARGET_DIR", "target").args(arguments);
-        provide::succeed(&mut command)
-    }
-}
-
-/// Debian's cargo with its rustc, as `rustc-web` and `rust-web-src` install them.
-fn from_source() -> Command {
-    let mut command = Command::new("/usr/bin/cargo");
-    let mut path = OsString::from("/usr/bin:");
-    path.push(env::var_os("PATH").unwrap_or_default());
-    command
-        .env("PATH", path)
-        .env("RUSTC_BOOTSTRAP", "1")
-        .env("CARGO_UNSTABLE_BUILD_STD", "core,alloc")
-        .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", "arm-none-eabi-ld");
-    for variable in ["CARGO", "RUSTC", "RUSTUP_TOOLCHAIN", "RUSTFLAGS"] {
-        command.env_remove(variable);
-    }
-    command
 }

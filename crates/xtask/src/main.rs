@@ -5,25 +5,33 @@
 mod arrows;
 mod browser;
 mod cargo;
+mod circles;
 mod circuit;
 mod devtools;
+mod figures;
 mod firmware;
 mod fuzz;
 mod gateware;
 mod house;
+mod lines;
 mod lot;
-mod no_std;
 mod provide;
 mod python;
 mod report;
 mod steps;
+mod syntax;
+mod unused;
+mod targets;
+mod toolchain;
 mod workspace;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 
+use figures::Comparison;
 use steps::{Outcome, Step};
 use workspace::Workspace;
 
@@ -55,7 +63,7 @@ enum Chore {
         /// Leave out this step; `--without lot` saves some twenty minutes, for its query engine is long to build
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
-        /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, arrows, house, build, numpy, damage, circuit,
+        /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house, build, numpy, damage, circuit,
         /// gateware, firmware, report, lot
         #[arg(value_name = "STEP")]
         only: Vec<String>,
@@ -72,6 +80,25 @@ enum Chore {
         /// These rates only: 2 (as recorded), 25, 100, or others
         #[arg(value_name = "HZ")]
         rates: Vec<f64>,
+    },
+    /// Compare the figures of two builds of `zerorate`, digit by digit
+    ///
+    /// `calibrate` with three seeds (what is printed, and every file but the report), a `study`, and `fit` of the chamber
+    /// cycle as ULog, DataFlash, CSV and TSV, by the model that it chooses and by a plain cubic. Wall times and versions are left
+    /// out. A change that only moves code must move no figure: keep a build from before it.
+    Figures {
+        /// The build whose figures hold
+        #[arg(long, value_name = "PROGRAM")]
+        before: PathBuf,
+        /// The build that must have the same; without it this tree's release build
+        #[arg(long, value_name = "PROGRAM")]
+        after: Option<PathBuf>,
+        /// Let a number differ by so much of itself: 1e-9 lets the order of a sum change
+        #[arg(long, value_name = "RELATIVE", default_value = "0")]
+        within: f64,
+        /// The protocol of held-out figures as well, by ../tools/held_out.py beside the recordings
+        #[arg(long)]
+        held_out: bool,
     },
     /// Run every fuzz target for a while; a crash, 64 MiB or a second is a failure
     ///
@@ -98,6 +125,8 @@ enum Chore {
         #[arg(long)]
         rows: Option<u64>,
     },
+    /// Print how many lines of Rust every package has, tests left out
+    Lines,
     /// Check the acquisition gateware and build it for the iCEBreaker
     ///
     /// Verilator's lint, a proof by yosys, the tests of the verilated block, a shortened test of a unit through it, synthesis
@@ -131,7 +160,17 @@ fn main() -> Result<ExitCode> {
                 python::compare_tools(&workspace, deadline, &rates)
             })])
         }
+        Chore::Figures { before, after, within, held_out } => {
+            let after = after.map_or_else(|| workspace.zerorate(), Ok)?;
+            let [before, after] =
+                [before, after].map(|program| program.canonicalize().with_context(|| program.display().to_string()));
+            let comparison = Comparison { workspace: &workspace, before: before?, after: after?, within, held_out };
+            let step =
+                Step::new("figures", "mend it, or say in the commit which figures moved and why", || comparison.run());
+            steps::run(&[step])
+        }
         Chore::Fuzz { seconds, only } => steps::run(&fuzz::steps(&workspace, seconds, &only)?),
+        Chore::Lines => steps::run(&[Step::new("lines", "mend what it points at", || lines::print(&workspace))]),
         Chore::Circuit => steps::run(&[circuit(&workspace)]),
         Chore::Gateware => steps::run(&gateware::steps(&workspace)),
         Chore::Firmware { cost } => steps::run(&firmware::steps(&workspace, cost)),
@@ -150,9 +189,12 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("clippy", "mend what it points at", within(cargo::lint)),
         Step::new("rustdoc", "mend what it points at", within(cargo::document)),
         Step::new("tests", "`cargo test -p CRATE NAME` runs one", within(cargo::test)),
-        Step::new("publish", "mend crates/max5494", within(cargo::publish)),
-        Step::new("no_std", "see ARCHITECTURE.md, Arrows", within(no_std::check)),
+        Step::new("publish", "mend what cannot be published", within(cargo::publish)),
+        Step::new("no_std", "see ARCHITECTURE.md, Arrows", within(targets::no_std)).skipped_if(fast, "--fast"),
+        Step::new("wasm", "see ARCHITECTURE.md, Where things happen", within(targets::wasm)).skipped_if(fast, "--fast"),
         Step::new("arrows", "see ARCHITECTURE.md, Arrows", within(arrows::check)),
+        Step::new("circles", "see CONTRIBUTING.md, Arrows", within(circles::check)),
+        Step::new("unused", "take it out, or say in crates/xtask/src/unused/kept.rs why not", within(unused::check)),
         Step::new("house", "see CONTRIBUTING.md, Habits", within(house::check)),
         Step::new("build", "mend the build", within(cargo::build_command)).skipped_if(fast, "--fast"),
         Step::new("numpy", "see crates/xtask/python/compare_fit.py", within(python::compare_fit))

@@ -2,9 +2,9 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 
 use crate::provide;
 use crate::steps::Outcome;
@@ -58,6 +58,26 @@ pub fn compare_tools(workspace: &Workspace, deadline_s: u32, rates_hz: &[f64]) -
     script.args(rates_hz.iter().map(ToString::to_string));
     provide::succeed(&mut script)?;
     Ok(Outcome::Passed)
+}
+
+/// A tool that stands beside the recordings and is no part of the project.
+pub fn tool(workspace: &Workspace, name: &str) -> Result<PathBuf> {
+    let tool = workspace.data().map(|data| data.join("../tools").join(name));
+    tool.filter(|tool| tool.is_file())
+        .with_context(|| format!("{name} is missing: it is looked for in ../tools from the folder of the recordings"))
+}
+
+/// Runs a script with the pinned packages.
+pub fn run(workspace: &Workspace, arguments: &[&Path]) -> Result<()> {
+    // What it prints is for whoever calls it by hand.
+    provide::succeed(Command::new(venv(workspace)?).args(arguments).stdout(Stdio::null()))
+}
+
+/// What a script with the pinned packages prints.
+pub fn printed(workspace: &Workspace, arguments: &[&Path]) -> Result<String> {
+    let output = Command::new(venv(workspace)?).args(arguments).stderr(Stdio::inherit()).output()?;
+    ensure!(output.status.success(), "{} ended with {}", arguments[0].display(), output.status);
+    Ok(String::from_utf8(output.stdout)?)
 }
 
 /// The call of a script with the built command as its first argument.

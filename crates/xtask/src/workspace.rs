@@ -52,13 +52,19 @@ impl Workspace {
     ///
     /// Git is not asked: it may be missing where this runs.
     pub fn files(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>> {
-        const MADE: [&str; 4] = [".git", "target", "calibration", "__pycache__"];
+        const MADE: [&str; 3] = [".git", "target", "__pycache__"];
+        // `zerorate calibrate` writes it where it is called; a folder of sources may have the same name.
+        let results = self.root.join("calibration");
         let mut found = Vec::new();
         let mut folders = vec![self.root.join(folder)];
         while let Some(folder) = folders.pop() {
             for path in entries(&folder)? {
                 let name = path.file_name().unwrap_or_default();
-                if path.is_dir() && !MADE.iter().any(|made| name == *made) {
+                // In a worktree of git's, .git is a file.
+                if path == results || MADE.iter().any(|made| name == *made) {
+                    continue;
+                }
+                if path.is_dir() {
                     folders.push(path);
                 } else if path.is_file() {
                     found.push(path.strip_prefix(&self.root)?.to_owned());

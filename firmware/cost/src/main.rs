@@ -30,29 +30,9 @@ unsafe extern "C" {
     fn cost_ten();
 }
 
-fn push(sums: &mut GroupSums, temperature: u16, zro: u16) {
-    sums.push(temperature, zro);
-}
-
 fn close(axis: &mut AxisCompensation, law: &AxisLaw, sums: &GroupSums) -> i32 {
     axis.skip_samples(sums.n);
     axis.close_group(Some(law), sums).corrected.0
-}
-
-fn update(axis: &mut AxisCompensation, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
-    axis.update(law, code)
-}
-
-fn written(axis: &mut AxisCompensation, law: &AxisLaw, tap: Taps) {
-    axis.wiper_written(Some(law), tap);
-}
-
-fn correction(law: &AxisLaw, code: TemperatureCode, tap: Taps) -> Q16 {
-    law.correction(code, tap)
-}
-
-fn sample(axis: &mut AxisCompensation, zro: u16) -> i32 {
-    axis.sample(zro).0
 }
 
 /// Eq. (1), X, its taps measured, in mode hybrid with a dead band of 0.05 tap.
@@ -107,7 +87,7 @@ fn main() -> ! {
     for k in 0..499_u16 {
         sums.push(8600 + k % 7, 8400 + k % 11);
     }
-    line("sample", count!(counter, push, fn(&mut sums => &mut GroupSums, 8603 => u16, 8405 => u16) -> ()));
+    line("sample", count!(counter, GroupSums::push, fn(&mut sums => &mut GroupSums, 8603 => u16, 8405 => u16) -> ()));
 
     let mut axis = AxisCompensation::new(Some(&law), Taps::MIDDLE);
     axis.set_mode(Mode::Hybrid);
@@ -136,12 +116,18 @@ fn main() -> ! {
     let tap = table.intervals()[5].tap;
     line(
         "written",
-        count!(counter, written, fn(&mut hotter => &mut AxisCompensation, &law => &AxisLaw, tap => Taps) -> ()),
+        count!(
+            counter,
+            AxisCompensation::wiper_written,
+            fn(&mut hotter => &mut AxisCompensation, Some(&law) => Option<&AxisLaw>, tap => Taps) -> ()
+        ),
     );
-    line("sample-corrected", count!(counter, sample, fn(&mut axis => &mut AxisCompensation, 8405 => u16) -> i32));
+    line(
+        "sample-corrected",
+        count!(counter, AxisCompensation::sample, fn(&mut axis => &mut AxisCompensation, 8405 => u16) -> Q16),
+    );
 
-    let corrected =
-        |law: &AxisLaw| count!(counter, correction, fn(law => &AxisLaw, code => TemperatureCode, tap => Taps) -> Q16);
+    let corrected = |law: &AxisLaw| count!(counter, AxisLaw::correction, fn(law => &AxisLaw, code => TemperatureCode, tap => Taps) -> Q16);
     line("correction-2", corrected(&law));
     line("correction-5", corrected(&running(5).0));
     line("correction-table", corrected(&running(0).0));
@@ -152,7 +138,7 @@ fn main() -> ! {
 }
 
 fn count_update(counter: &Counter, axis: &mut AxisCompensation, law: &AxisLaw, code: TemperatureCode) -> u32 {
-    count!(counter, update, fn(axis => &mut AxisCompensation, law => &AxisLaw, code => TemperatureCode) -> Option<Taps>)
+    count!(counter, AxisCompensation::update, fn(axis => &mut AxisCompensation, law => &AxisLaw, code => TemperatureCode) -> Option<Taps>)
 }
 
 #[panic_handler]

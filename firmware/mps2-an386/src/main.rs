@@ -10,26 +10,24 @@ use cortex_m_rt as _;
 mod chip;
 mod semihosting;
 
-use core::cell::RefCell;
-
-use critical_section::Mutex;
 use heapless::String;
+use heapless::spsc::{Consumer, Producer};
 use zerorate_device::acquisition::Timing;
-use zerorate_device::console::DeviceIdentity;
+use zerorate_device::application::{Application, Parts, Task};
+use zerorate_device::compensator::Compensator;
 use zerorate_device::port::PortAcquisition;
+use zerorate_device::restart::{Keeping, Kept};
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
-use zerorate_firmware::fault;
-use zerorate_firmware::parts::{self, Queues, Received};
-use zerorate_lockstep::{
-    Board, Bus, BusFailed, Channel, LockstepDelay, LockstepFlash, LockstepSpi, Poll, SharedChannel,
-};
+use zerorate_device::watchdog::NoWatchdog;
+use zerorate_firmware::{Locked, Received};
+use zerorate_lockstep::{Board, Bus, BusFailed, Channel, LockstepFlash, LockstepSpi, Poll};
 
 use crate::chip::{Receiving, Sending};
 use crate::semihosting::Fifos;
 
 type Port = PortAcquisition<LockstepSpi<'static, Fifos>>;
-type Potentiometer = Max5494Trim<LockstepSpi<'static, Fifos>, LockstepDelay<'static, Fifos>>;
+type Potentiometer = Max5494Trim<LockstepSpi<'static, Fifos>, &'static Channel<Fifos>>;
 type Store = FlashStore<LockstepFlash<'static, Fifos, FLASH_BYTES, PAGE_BYTES>>;
 
 /// The flash for records, as the bench has it: a record of the greatest length and its neighbour's page in each half.
@@ -37,7 +35,7 @@ const PAGE_BYTES: usize = 4096;
 const FLASH_BYTES: usize = 4 * PAGE_BYTES;
 
 /// The lock-step channel to the host. Empty until it is open; a panic says its last word through it.
-static CHANNEL: SharedChannel<Fifos> = Mutex::new(RefCell::new(Channel::closed()));
+static CHANNEL: Channel<Fifos> = Channel::closed();
 
 #[rtic::app(device = crate::chip, peripherals = false)]
 mod app {
@@ -45,35 +43,37 @@ mod app {
 
     #[shared]
     struct Shared {
-        interrupt: parts::Interrupt<Port, Potentiometer>,
+        compensator: Compensator<Port, Keeping<Potentiometer, &'static Kept>>,
         /// How far the line to the host has come.
         progress: Poll,
     }
 
     #[local]
     struct Local {
-        task: parts::Task<Store>,
+        task: Task<Store, NoWatchdog>,
         sending: Sending,
         receiving: Receiving,
-        received: Received,
+        received: Producer<'static, u8>,
+        heard: Consumer<'static, u8>,
     }
 
-    #[init(local = [queues: Queues = Queues::new()])]
+    #[init(local = [bytes: Received = Received::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let board = open();
-        let timing = Timing { scan_period_us: board.scan_period_us, set_length: board.set_length };
-        let identity =
-            DeviceIdentity { unit: String::try_from(board.serial()).unwrap_or_default(), firmware: version() };
-        let port = PortAcquisition::new(LockstepSpi::new(&CHANNEL, Bus::Port));
-        let potentiometer =
-            Max5494Trim::new(LockstepSpi::new(&CHANNEL, Bus::Potentiometer), LockstepDelay::new(&CHANNEL));
-        let started = fault::started();
-        let compensator = parts::compensator(port, potentiometer, timing, &started);
-        let flash = LockstepFlash::new(&CHANNEL);
-        let Ok(store) = Store::new(flash, 0..FLASH_BYTES as u32) else { panic!() };
-        let (interrupt, task, received) = parts::start(cx.local.queues, compensator, identity, store, &started);
+        let Ok(store) = Store::new(LockstepFlash::new(&CHANNEL), 0..FLASH_BYTES as u32) else { panic!() };
+        let Application { compensator, task } = Application::start(Parts {
+            acquisition: Port::new(LockstepSpi::new(&CHANNEL, Bus::Port)),
+            trim: Potentiometer::new(LockstepSpi::new(&CHANNEL, Bus::Potentiometer), &CHANNEL),
+            store,
+            watchdog: NoWatchdog,
+            kept: zerorate_firmware::kept(),
+            by_watchdog: false,
+            unit: String::try_from(board.serial()).unwrap_or_default(),
+            timing: Timing { scan_period_us: board.scan_period_us, set_length: board.set_length },
+        });
+        let (received, heard) = cx.local.bytes.split();
         let (receiving, sending) = chip::uart0();
-        (Shared { interrupt, progress: Poll::default() }, Local { task, sending, receiving, received })
+        (Shared { compensator, progress: Poll::default() }, Local { task, sending, receiving, received, heard })
     }
 
     /// Waits in the channel for the next set, and stands for the pin that says so.
@@ -83,7 +83,7 @@ mod app {
             // With interrupts off, so that a byte that comes after the question still wakes from the sleep.
             critical_section::with(|_| {
                 let progress = cx.shared.progress.lock(|progress| *progress);
-                match zerorate_lockstep::poll(&CHANNEL, progress) {
+                match CHANNEL.poll(progress) {
                     Ok(true) => rtic::pend(chip::Interrupt::PORT0),
                     // The host has sent bytes that are still on their way.
                     Ok(false) => cortex_m::asm::wfi(),
@@ -95,9 +95,9 @@ mod app {
     }
 
     /// Data ready.
-    #[task(binds = PORT0, priority = 3, shared = [interrupt])]
+    #[task(binds = PORT0, priority = 3, shared = [compensator])]
     fn data_ready(mut cx: data_ready::Context) {
-        cx.shared.interrupt.lock(|interrupt| interrupt.service());
+        cx.shared.compensator.lock(|compensator| compensator.service());
         rtic::pend(chip::Interrupt::PORT1);
     }
 
@@ -112,14 +112,14 @@ mod app {
     }
 
     /// Console and store.
-    #[task(binds = PORT1, priority = 1, shared = [interrupt, progress], local = [task, sending])]
+    #[task(binds = PORT1, priority = 1, shared = [compensator, progress], local = [task, sending, heard])]
     fn console(mut cx: console::Context) {
-        let (task, sending) = (cx.local.task, cx.local.sending);
+        let (task, sending, heard) = (cx.local.task, cx.local.sending, cx.local.heard);
         let line = &mut |bytes: &[u8]| {
             sending.send(bytes);
             true
         };
-        task.run(&mut cx.shared.interrupt, line, || rtic::pend(chip::Interrupt::PORT0));
+        task.run(&mut Locked(cx.shared.compensator), core::iter::from_fn(|| heard.dequeue()), line);
         let progress = Poll { received: task.taken(), sent: sending.sent() };
         cx.shared.progress.lock(|shared| *shared = progress);
     }
@@ -127,7 +127,7 @@ mod app {
 
 /// Opens the channel and learns what board this is.
 fn open() -> Board {
-    let opened = Fifos::open().map_err(|_| BusFailed).and_then(|line| zerorate_lockstep::open(&CHANNEL, line));
+    let opened = Fifos::open().map_err(|_| BusFailed).and_then(|line| CHANNEL.open(line));
     match opened {
         Ok(board) => board,
         Err(_) => semihosting::give_up(
@@ -136,26 +136,13 @@ fn open() -> Board {
     }
 }
 
-/// This crate's version.
-fn version() -> [u16; 3] {
-    let part = |text: &str| text.parse().unwrap_or(0);
-    [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")].map(part)
-}
-
 /// The wiper is left where it is; the host is told, and the processor starts anew.
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     cortex_m::interrupt::disable();
     if let Some(place) = info.location() {
         // The host may be gone; the fault is counted all the same.
-        let _ = zerorate_lockstep::panicked(&CHANNEL, place.file(), place.line());
+        let _ = CHANNEL.panicked(place.file(), place.line());
     }
-    fault::restart()
-}
-
-#[allow(unsafe_code)]
-// SAFETY: it touches two words of memory that are there in any state, and restarts.
-#[cortex_m_rt::exception]
-unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
-    fault::restart()
+    zerorate_firmware::restart()
 }

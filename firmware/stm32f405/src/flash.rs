@@ -3,42 +3,26 @@
 //! While a sector is erased (up to 2 s, data sheet table 40) the processor stands still, for it runs from the same flash.
 //! A commit is a declared pause: only then is anything erased.
 
-use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
-use stm32f4xx_hal::flash::{self, FlashExt};
+use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use stm32f4xx_hal::flash::{Error, FlashExt};
 use stm32f4xx_hal::pac::FLASH;
 
 /// Sectors 10 and 11, from the flash's beginning.
 pub const RECORDS: core::ops::Range<u32> = 0xC_0000..0x10_0000;
 
-/// The flash did not do it.
-#[derive(Debug, Clone, Copy)]
-pub struct Failed;
-
-impl From<flash::Error> for Failed {
-    fn from(_: flash::Error) -> Self {
-        Self
-    }
-}
-
-impl NorFlashError for Failed {
-    fn kind(&self) -> NorFlashErrorKind {
-        NorFlashErrorKind::Other
-    }
-}
-
 /// The chip's flash.
 pub struct ChipFlash(pub FLASH);
 
 impl ErrorType for ChipFlash {
-    type Error = Failed;
+    type Error = Error;
 }
 
 impl ReadNorFlash for ChipFlash {
     const READ_SIZE: usize = 1;
 
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Failed> {
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Error> {
         let from = offset as usize;
-        let stored = FlashExt::read(&self.0).get(from..from + bytes.len()).ok_or(Failed)?;
+        let stored = FlashExt::read(&self.0).get(from..from + bytes.len()).ok_or(Error::Operation)?;
         bytes.copy_from_slice(stored);
         Ok(())
     }
@@ -52,17 +36,17 @@ impl NorFlash for ChipFlash {
     const WRITE_SIZE: usize = 4;
     const ERASE_SIZE: usize = 128 * 1024;
 
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), Failed> {
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Error> {
         if from < RECORDS.start || to > RECORDS.end {
-            return Err(Failed);
+            return Err(Error::WriteProtection);
         }
-        Ok(NorFlash::erase(&mut self.0.unlocked(), from, to)?)
+        NorFlash::erase(&mut self.0.unlocked(), from, to)
     }
 
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Failed> {
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Error> {
         if offset < RECORDS.start {
-            return Err(Failed);
+            return Err(Error::WriteProtection);
         }
-        Ok(NorFlash::write(&mut self.0.unlocked(), offset, bytes)?)
+        NorFlash::write(&mut self.0.unlocked(), offset, bytes)
     }
 }

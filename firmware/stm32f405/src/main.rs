@@ -9,6 +9,7 @@ mod flash;
 
 use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
 use heapless::String;
+use heapless::spsc::{Consumer, Producer};
 use nb::block;
 use stm32f4xx_hal::gpio::{Edge, Input, Output, PA4, PB0, PB12, Speed};
 use stm32f4xx_hal::pac::{self, SPI1, SPI2, USART2};
@@ -19,12 +20,14 @@ use stm32f4xx_hal::spi::{self, Spi};
 use stm32f4xx_hal::timer::SysDelay;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use zerorate_device::acquisition::Timing;
-use zerorate_device::console::DeviceIdentity;
+use zerorate_device::application::{Application, Parts, Task};
+use zerorate_device::compensator::Compensator;
 use zerorate_device::port::PortAcquisition;
+use zerorate_device::restart::{Keeping, Kept};
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
-use zerorate_firmware::fault;
-use zerorate_firmware::parts::{self, Queues, Received};
+use zerorate_device::watchdog::Watchdog;
+use zerorate_firmware::{Locked, Received};
 
 use crate::flash::{ChipFlash, RECORDS};
 
@@ -45,32 +48,38 @@ type Port = PortAcquisition<ExclusiveDevice<Spi<SPI1>, PA4<Output>, NoDelay>>;
 type Potentiometer = Max5494Trim<ExclusiveDevice<Spi<SPI2>, PB12<Output>, NoDelay>, SysDelay>;
 type Store = FlashStore<ChipFlash>;
 
+/// The chip's own watchdog.
+struct ChipWatchdog(IndependentWatchdog);
+
+impl Watchdog for ChipWatchdog {
+    fn feed(&mut self) {
+        self.0.feed();
+    }
+}
+
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use super::*;
 
     #[shared]
     struct Shared {
-        interrupt: parts::Interrupt<Port, Potentiometer>,
+        compensator: Compensator<Port, Keeping<Potentiometer, &'static Kept>>,
     }
 
     #[local]
     struct Local {
-        task: parts::Task<Store>,
+        task: Task<Store, ChipWatchdog>,
         sending: Tx<USART2>,
         receiving: Rx<USART2>,
-        received: Received,
+        received: Producer<'static, u8>,
+        heard: Consumer<'static, u8>,
         data_ready_pin: PB0<Input>,
-        watchdog: IndependentWatchdog,
     }
 
-    #[init(local = [queues: Queues = Queues::new()])]
+    #[init(local = [bytes: Received = Received::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let device = cx.device;
-        let mut started = fault::started();
-        if device.RCC.csr().read().wdgrstf().bit_is_set() {
-            started.reset = fault::WATCHDOG;
-        }
+        let by_watchdog = device.RCC.csr().read().wdgrstf().bit_is_set();
         device.RCC.csr().modify(|_, w| w.rmvf().set_bit());
         let clocks =
             Config::hse(CRYSTAL_MHZ.MHz()).sysclk(CORE_MHZ.MHz()).pclk1(BUS_1_MHZ.MHz()).pclk2(BUS_2_MHZ.MHz());
@@ -92,19 +101,25 @@ mod app {
         let Ok(port) = ExclusiveDevice::new_no_delay(port_bus, port_select);
         let Ok(potentiometer) = ExclusiveDevice::new_no_delay(potentiometer_bus, potentiometer_select);
 
-        let timing = Timing::PAPER;
-        let acquisition = PortAcquisition::new(port);
-        let part = Max5494Trim::new(potentiometer, delay);
-        let compensator = parts::compensator(acquisition, part, timing, &started);
         let Ok(store) = Store::new(ChipFlash(device.FLASH), RECORDS) else { panic!() };
-        let unit = String::try_from(option_env!("ZERORATE_UNIT").unwrap_or_default()).unwrap_or_default();
-        let identity = DeviceIdentity { unit, firmware: version() };
-        let (interrupt, task, received) = parts::start(cx.local.queues, compensator, identity, store, &started);
+        let mut watchdog = IndependentWatchdog::new(device.IWDG);
+        watchdog.start(WATCHDOG_MS.millis());
+        let Application { compensator, task } = Application::start(Parts {
+            acquisition: Port::new(port),
+            trim: Potentiometer::new(potentiometer, delay),
+            store,
+            watchdog: ChipWatchdog(watchdog),
+            kept: zerorate_firmware::kept(),
+            by_watchdog,
+            unit: String::try_from(option_env!("ZERORATE_UNIT").unwrap_or_default()).unwrap_or_default(),
+            timing: Timing::PAPER,
+        });
 
         let line = serial::Config::default().baudrate(BAUD.bps());
         let Ok(serial) = device.USART2.serial::<u8>((a.pa2, a.pa3), line, &mut rcc) else { panic!() };
         let (sending, mut receiving) = serial.split();
         receiving.listen();
+        let (received, heard) = cx.local.bytes.split();
 
         let mut system = device.SYSCFG.constrain(&mut rcc);
         let mut exti = device.EXTI;
@@ -112,26 +127,14 @@ mod app {
         data_ready_pin.make_interrupt_source(&mut system);
         data_ready_pin.trigger_on_edge(&mut exti, Edge::Rising);
         data_ready_pin.enable_interrupt(&mut exti);
-
-        let mut watchdog = IndependentWatchdog::new(device.IWDG);
-        watchdog.start(WATCHDOG_MS.millis());
-        (Shared { interrupt }, Local { task, sending, receiving, received, data_ready_pin, watchdog })
+        (Shared { compensator }, Local { task, sending, receiving, received, heard, data_ready_pin })
     }
 
-    /// Nothing to do: an interrupt hangs, or a task does, when this is not reached for long.
-    #[idle(local = [watchdog])]
-    fn idle(cx: idle::Context) -> ! {
-        loop {
-            cx.local.watchdog.feed();
-            cortex_m::asm::wfi();
-        }
-    }
-
-    /// The acquisition port's data ready line, or a command for the compensator.
-    #[task(binds = EXTI0, priority = 3, shared = [interrupt], local = [data_ready_pin])]
+    /// The acquisition port's data ready line.
+    #[task(binds = EXTI0, priority = 3, shared = [compensator], local = [data_ready_pin])]
     fn data_ready(mut cx: data_ready::Context) {
         cx.local.data_ready_pin.clear_interrupt_pending_bit();
-        cx.shared.interrupt.lock(|interrupt| interrupt.service());
+        cx.shared.compensator.lock(|compensator| compensator.service());
         rtic::pend(pac::Interrupt::EXTI1);
     }
 
@@ -146,33 +149,20 @@ mod app {
     }
 
     /// Console and store, in an interrupt that no pin raises.
-    #[task(binds = EXTI1, priority = 1, shared = [interrupt], local = [task, sending])]
-    fn console(mut cx: console::Context) {
-        let sending = cx.local.sending;
+    #[task(binds = EXTI1, priority = 1, shared = [compensator], local = [task, sending, heard])]
+    fn console(cx: console::Context) {
+        let (sending, heard) = (cx.local.sending, cx.local.heard);
         let line = &mut |bytes: &[u8]| bytes.iter().all(|&byte| block!(sending.write(byte)).is_ok());
-        cx.local.task.run(&mut cx.shared.interrupt, line, || rtic::pend(pac::Interrupt::EXTI0));
+        cx.local.task.run(&mut Locked(cx.shared.compensator), core::iter::from_fn(|| heard.dequeue()), line);
     }
 }
 
 /// Clock idle low, data taken on the rising edge.
 const MODE_0: spi::Mode = spi::Mode { polarity: spi::Polarity::IdleLow, phase: spi::Phase::CaptureOnFirstTransition };
 
-/// This crate's version.
-fn version() -> [u16; 3] {
-    let part = |text: &str| text.parse().unwrap_or(0);
-    [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")].map(part)
-}
-
 /// The wiper is left where it is, and the processor starts anew.
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     cortex_m::interrupt::disable();
-    fault::restart()
-}
-
-#[allow(unsafe_code)]
-// SAFETY: it touches words of memory that are there in any state, and restarts.
-#[cortex_m_rt::exception]
-unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
-    fault::restart()
+    zerorate_firmware::restart()
 }

@@ -56,7 +56,7 @@ pub(super) struct Conversation {
 
 impl Conversation {
     pub(super) fn new(link: Box<dyn Link>) -> Self {
-        let now = Instant::now();
+        let now = link.now();
         Self {
             link,
             receiver: Receiver::new(),
@@ -84,6 +84,15 @@ impl Conversation {
 
     pub(super) fn in_real_time(&self) -> bool {
         self.link.in_real_time()
+    }
+
+    /// The time on the line's clock.
+    pub(super) fn now(&self) -> Instant {
+        self.link.now()
+    }
+
+    fn since(&self, moment: Instant) -> Duration {
+        self.now().saturating_duration_since(moment)
     }
 
     /// Another line to the same device; what was under way is gone.
@@ -148,7 +157,7 @@ impl Conversation {
 
     /// Waits for the answer to a command, which is sent again with the same number when none comes.
     pub(super) fn answer_to(&mut self, sent: &Sent) -> Result<(GroupNumber, Answer), ClientError> {
-        let began = Instant::now();
+        let began = self.now();
         let mut last_sent = began;
         let mut tries = 1;
         loop {
@@ -161,7 +170,7 @@ impl Conversation {
                 _ => {}
             }
             self.stay_patient(Some(last_sent))?;
-            if last_sent.elapsed() < sent.retry {
+            if self.since(last_sent) < sent.retry {
                 continue;
             }
             if tries == TRIES {
@@ -172,7 +181,7 @@ impl Conversation {
             self.link.send(&sent.frame)?;
             self.counts.sent_again += 1;
             tries += 1;
-            last_sent = Instant::now();
+            last_sent = self.now();
         }
     }
 
@@ -223,7 +232,7 @@ impl Conversation {
     }
 
     fn next_upload(&mut self) -> Result<Option<Upload>, ClientError> {
-        let began = Instant::now();
+        let began = self.now();
         loop {
             let mut taken = 0;
             let mut found = None;
@@ -243,13 +252,13 @@ impl Conversation {
                 }
                 Some(Err(_)) => self.counts.damaged_frames += u32::from(self.open),
                 // Somebody talks all the time and says nothing: the clock must be looked at even so.
-                None if self.in_real_time() && began.elapsed() > LOOK_EVERY => return Ok(None),
+                None if self.in_real_time() && self.since(began) > LOOK_EVERY => return Ok(None),
                 None => {
                     self.link.receive(&mut self.bytes)?;
                     if self.bytes.is_empty() && self.in_real_time() {
                         return Ok(None);
                     }
-                    self.heard = Instant::now();
+                    self.heard = self.now();
                 }
             }
         }
@@ -260,16 +269,16 @@ impl Conversation {
     /// # Errors
     /// [`LinkError::Silent`], when it has not said anything for [`DEAD`].
     fn stay_patient(&mut self, last_sent: Option<Instant>) -> Result<(), ClientError> {
-        if self.listened.elapsed() > AWAY {
-            self.listening_since = Instant::now();
+        if self.since(self.listened) > AWAY {
+            self.listening_since = self.now();
         }
-        self.listened = Instant::now();
-        let quiet = self.heard.max(self.listening_since).elapsed();
+        self.listened = self.now();
+        let quiet = self.since(self.heard.max(self.listening_since));
         if quiet > DEAD {
             return Err(LinkError::Silent.into());
         }
-        if self.open && quiet > QUIET && last_sent.map_or(self.asked, |sent| sent.max(self.asked)).elapsed() > QUIET {
-            self.asked = Instant::now();
+        if self.open && quiet > QUIET && self.since(last_sent.map_or(self.asked, |sent| sent.max(self.asked))) > QUIET {
+            self.asked = self.now();
             self.send(Request::Faults, None)?;
         }
         Ok(())
@@ -285,7 +294,7 @@ impl Conversation {
             self.next_answer()?;
             if self.in_real_time() && self.groups.is_empty() {
                 self.stay_patient(None)?;
-                if Instant::now() >= deadline {
+                if self.now() >= deadline {
                     return Ok(None);
                 }
             }

@@ -24,7 +24,7 @@ const QEMU: &str = "qemu-system-arm";
 /// How often the child and its UART are looked at while it asks nothing.
 const LOOK_MS: u8 = 50;
 /// A child whose line broke has ended, or will within this time.
-const LAST_MOMENTS: Duration = Duration::from_millis(500);
+const LAST_MOMENTS: Duration = Duration::from_secs(5);
 /// An emulator that says nothing for so long has failed. One that was stopped for a while (a debugger, a suspended
 /// machine) goes on where it was.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -296,7 +296,7 @@ impl Emulator {
             return Err(self.gone(error));
         }
         let mut reply = Vec::new();
-        match Request::decode(&bytes).map_err(|_| EmulatorError::OtherVersion)? {
+        match Request::decode(&bytes).ok_or(EmulatorError::OtherVersion)? {
             Request::Poll(poll) => running.idle = Some(poll),
             Request::Panicked { file, line } => return Err(EmulatorError::Panicked { file: file.into(), line }),
             request => buses.serve(&request, &mut reply),

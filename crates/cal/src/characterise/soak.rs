@@ -36,7 +36,7 @@ const SMOOTHED: usize = 21;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseOf {
-    /// The longest stretch of constant temperature, as recorded.
+    /// The longest time at constant temperature, as recorded.
     Soak,
     /// The whole log, less a calibration's bias.
     Residual,

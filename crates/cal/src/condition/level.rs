@@ -22,7 +22,7 @@ const GAP_GROUPS: f64 = 3.0;
 /// What was found.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Levels {
-    /// Stretches left out of all axes, for a unit that is moved is moved as a whole; and gaps.
+    /// Intervals left out of all axes, for a unit that is moved is moved as a whole; and gaps.
     pub excluded: Vec<Excluded>,
     /// Steps taken out.
     pub steps: Vec<Step>,
@@ -30,12 +30,12 @@ pub struct Levels {
 
 /// Leaves out the groups in which the unit was moved, settled after its start, or had no true temperature (their rows
 /// become 0 and are counted) and takes out steps: rates after a step are reduced by its size, so the curve holds for the
-/// level before the first one. `turns` is a rate that only a turning unit shows, infinite where there is none.
-pub fn level(groups: &mut [Group], tallies: &mut [Tally], unit: TemperatureUnit, turns: f64) -> Levels {
+/// level before the first one. `rotation_threshold` is a rate that only a rotating unit shows, infinite where there is none.
+pub fn level(groups: &mut [Group], tallies: &mut [Tally], unit: TemperatureUnit, rotation_threshold: f64) -> Levels {
     let axes = tallies.len();
     let mut marks: Vec<Option<DropReason>> = vec![None; groups.len()];
     for axis in 0..axes {
-        mark_moved(groups, axis, turns, &mut marks);
+        mark_moved(groups, axis, rotation_threshold, &mut marks);
     }
     mark_frozen(groups, &mut marks);
     mark_gaps_within(groups, &mut marks);

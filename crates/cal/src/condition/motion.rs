@@ -15,15 +15,16 @@ const MOVED_SIGMA: f64 = 12.0;
 /// by a half.
 const JUMP_SCATTER: f64 = 0.6;
 
-/// And this many times what the rate typically changes by from group to group around it: where a ramp turns, a drift that
+/// And this many times what the rate typically changes by from group to group around it: where a ramp turns round, a drift that
 /// goes straight up to the turn and straight back is half of [`NEIGHBOURS`] changes from its running median.
 const CORNER: f64 = 8.0;
 
 /// Groups on each side that the running median looks at: a rotation shorter than as many groups cannot move it.
 const NEIGHBOURS: usize = 10;
 
-/// Marks the groups in which an axis shows a movement; `turns` is a distance from the median rate that no drift reaches.
-pub(super) fn mark_moved(groups: &[Group], axis: usize, turns: f64, marks: &mut [Option<DropReason>]) {
+/// Marks the groups in which an axis shows a movement; `rotation_threshold` is a distance from the median rate that no
+/// drift reaches.
+pub(super) fn mark_moved(groups: &[Group], axis: usize, rotation_threshold: f64, marks: &mut [Option<DropReason>]) {
     let typical = typical_scatter(groups, axis);
     let used: Vec<usize> = (0..groups.len()).filter(|&group| groups[group].axes[axis].rows > 0).collect();
     let rate = |group: &usize| groups[*group].axes[axis].rate;
@@ -40,7 +41,7 @@ pub(super) fn mark_moved(groups: &[Group], axis: usize, turns: f64, marks: &mut 
     let (_, sigma) = centre_and_sigma(&deviations);
     let sigma = sigma.max(noise(&used.iter().map(rate).collect::<Vec<_>>()));
     for place in logs.iter().flatten() {
-        let turned = (rate(&place.group) - middle).abs() > turns;
+        let turned = (rate(&place.group) - middle).abs() > rotation_threshold;
         let limit = (MOVED_SIGMA * sigma).max(CORNER * place.slope);
         let scatter = groups[place.group].axes[axis].scatter;
         if place.deviation.abs() > limit || turned {

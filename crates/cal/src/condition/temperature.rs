@@ -44,17 +44,17 @@ fn same(a: f64, b: f64) -> bool {
     a.total_cmp(&b).is_eq()
 }
 
-/// Draws the stairs of a coarse temperature to a slope: each group takes the mean of those around it over about the time
-/// of one stair. `step` is the height of a stair.
-pub fn smooth_stairs(groups: &mut [Group], step: f64) {
+/// Dequantises a coarse temperature: each group takes the mean of those around it, over about the time that the
+/// temperature takes from one step to the next. `step` is the size of a step.
+pub fn dequantise(groups: &mut [Group], step: f64) {
     let temperatures: Vec<f64> = groups.iter().map(|group| group.temperature).collect();
     let rise: f64 = temperatures.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|rise| rise.is_finite()).sum();
     if rise <= 0.0 {
         return;
     }
-    // Groups that a stair takes, on average.
-    let stair = step * temperatures.len() as f64 / rise;
-    let reach = (0..=MOST_REACH).take_while(|reach| 2.0 * (*reach as f64) < stair).last().unwrap_or(0);
+    // Groups from one step to the next, on average.
+    let spacing = step * temperatures.len() as f64 / rise;
+    let reach = (0..=MOST_REACH).take_while(|reach| 2.0 * (*reach as f64) < spacing).last().unwrap_or(0);
     for (place, group) in groups.iter_mut().enumerate() {
         // Symmetric, so that a slope stays one at the ends.
         let reach = reach.min(place).min(temperatures.len() - 1 - place);
@@ -66,5 +66,5 @@ pub fn smooth_stairs(groups: &mut [Group], step: f64) {
     }
 }
 
-/// Groups on each side over which stairs are smoothed, at most: ten minutes of 10 s each.
+/// Groups on each side over which steps are averaged, at most: ten minutes of 10 s each.
 const MOST_REACH: usize = 30;

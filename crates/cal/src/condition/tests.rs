@@ -118,7 +118,7 @@ fn a_step_is_found_sized_and_taken_out() {
 }
 
 #[test]
-fn a_rotation_that_lasts_is_one_stretch_and_no_steps() {
+fn a_rotation_that_lasts_is_one_interval_and_no_steps() {
     let (temperatures, clean) = cycle();
     let mut rates = clean.clone();
     // 400 s at a rate below what only turning shows: two steps of one size.
@@ -196,16 +196,16 @@ fn each_degree_counts_alike_however_long_the_log_dwelt_on_it() {
 }
 
 #[test]
-fn stairs_become_a_slope() {
+fn a_coarse_temperature_is_dequantised() {
     let (temperatures, rates) = cycle();
-    let stairs: Vec<f64> = temperatures.iter().map(|t| 10.0 * (t / 10.0).round()).collect();
-    let (mut groups, ..) = condition(&stairs, &rates);
-    smooth_stairs(&mut groups, 10.0);
+    let steps: Vec<f64> = temperatures.iter().map(|t| 10.0 * (t / 10.0).round()).collect();
+    let (mut groups, ..) = condition(&steps, &rates);
+    dequantise(&mut groups, 10.0);
     let (truth, ..) = condition(&temperatures, &rates);
     let rms = |groups: &[Group]| {
         let squares = groups.iter().zip(&truth).map(|(group, truth)| (group.temperature - truth.temperature).powi(2));
         (squares.sum::<f64>() / truth.len() as f64).sqrt()
     };
-    let (raw, ..) = condition(&stairs, &rates);
+    let (raw, ..) = condition(&steps, &rates);
     assert!(rms(&groups) < 0.8 * rms(&raw), "{} {}", rms(&groups), rms(&raw));
 }

@@ -8,7 +8,7 @@ use zerorate_fit::series::Series;
 use super::gather::{Gathered, gather, is_accelerometer};
 use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, words};
 use crate::calibration::AxisCalibration;
-use crate::condition::{DropReason, Excluded, Group, Levels, leave_out_times, level, smooth_stairs, weigh};
+use crate::condition::{DropReason, Excluded, Group, Levels, dequantise, leave_out_times, level, weigh};
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::source::Source;
 use crate::trace::{Trace, TracePoint};
@@ -19,7 +19,7 @@ const REFERENCE_ORDER: usize = 3;
 
 /// A rate further than this from the log's median is a rotation: 17 degrees a second, thirty times the drift of the worst
 /// of the shared field-fitted units.
-const TURNS_RAD_PER_S: f64 = 0.3;
+const ROTATION_THRESHOLD_RAD_PER_S: f64 = 0.3;
 
 /// Fits every axis of every sensor: one pass for the groups, the rest on them.
 pub(super) fn fit(sources: &[Source], options: &FitOptions, fit: &mut LogFit) -> Result<(), LogFitError> {
@@ -57,15 +57,15 @@ pub(super) fn fit(sources: &[Source], options: &FitOptions, fit: &mut LogFit) ->
 /// Finds what is no drift in a sensor's groups.
 fn condition(sensor: &mut Gathered) -> Levels {
     if words::is_coarse(sensor) {
-        smooth_stairs(&mut sensor.groups, sensor.temperature_step);
+        dequantise(&mut sensor.groups, sensor.temperature_step);
     }
-    let turns = TURNS_RAD_PER_S
+    let rotation_threshold = ROTATION_THRESHOLD_RAD_PER_S
         * match sensor.stream.unit {
             RateUnit::RadPerS => 1.0,
             RateUnit::Dps => 1.0_f64.to_degrees(),
             RateUnit::Counts | RateUnit::MetresPerS2 => f64::INFINITY,
         };
-    level(&mut sensor.groups, &mut sensor.tallies, sensor.stream.temperature_unit, turns)
+    level(&mut sensor.groups, &mut sensor.tallies, sensor.stream.temperature_unit, rotation_threshold)
 }
 
 /// A unit is moved as a whole: what one sensor saw of it, the others leave out too.

@@ -4,7 +4,7 @@ use super::gather::Gathered;
 use crate::condition::{DropReason, Excluded, Levels, Step};
 use crate::quality::{Judgement, Reason, ReasonKind};
 
-/// A step of the temperature of this share of the least span is coarse.
+/// A step of the temperature of this fraction of the least span is coarse.
 const COARSE: f64 = 0.02;
 
 /// Puts what conditioning found of an axis into its judgement.
@@ -19,7 +19,7 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
     judgement.dropped(ReasonKind::Spikes, name, what, spikes, sensor.rows);
     if is_coarse(sensor) {
         let text = format!(
-            "the temperature comes in steps of {:.2} {unit}: they were drawn to a slope, and the curve is blurred by them",
+            "the temperature comes in steps of {:.2} {unit}: it was interpolated, and its resolution is reduced",
             sensor.temperature_step
         );
         judgement.add(Reason::new(ReasonKind::CoarseTemperature, text));

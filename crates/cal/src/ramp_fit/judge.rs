@@ -1,5 +1,6 @@
 //! What speaks against a unit.
 
+use zerorate_fit::folds::FOLDS;
 use zerorate_fit::residual::Residuals;
 
 use super::{AxisSurvey, FoldSurvey};
@@ -7,7 +8,7 @@ use crate::log_fit::FitOptions;
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::units::TemperatureUnit;
 
-/// An eighth of a ramp with fewer groups is not searched for stuck values: chance could make them equal.
+/// A fold with fewer groups is not searched for stuck values: chance could make them equal.
 const SEARCHED: u64 = 8;
 
 /// Of a span of groups at least one in so many must be there.
@@ -45,14 +46,15 @@ pub fn judge_survey(
     let named = judgement.reasons.iter().any(|reason| reason.kind == ReasonKind::StuckTemperature);
     if still > 0 && !named {
         let text = format!(
-            "{axis}: the temperature stands at {at:.2} counts for {still} eighths of the ramp: its sensor is stuck"
+            "{axis}: the temperature stands at {at:.2} counts for {still} of the ramp's {FOLDS} folds: its sensor is stuck"
         );
         judgement.add(Reason::new(ReasonKind::StuckTemperature, text));
     }
     let (still, at) = stands(|fold| fold.reading);
     if still > 0 {
-        let text =
-            format!("{axis}: the reading stands at {at:.2} counts for {still} eighths of the ramp: its line is stuck");
+        let text = format!(
+            "{axis}: the reading stands at {at:.2} counts for {still} of the ramp's {FOLDS} folds: its line is stuck"
+        );
         judgement.add(Reason::new(ReasonKind::StuckReading, text));
     }
     if survey.saturated > 0 {

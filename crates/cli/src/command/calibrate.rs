@@ -13,7 +13,7 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use zerorate_bench::board::emulated_bench;
-use zerorate_bench::calibrate::calibrate_keeping;
+use zerorate_bench::calibrate::calibrate;
 use zerorate_bench::calibrated::Unit;
 use zerorate_bench::checkpoint::Keep;
 use zerorate_bench::choice::DeviceChoice;
@@ -151,7 +151,7 @@ impl Calibrate {
     }
 
     fn carry_out(&self, bench: &mut Bench, setup: &SetUp, unit: Unit, mut bar: Bar, keep: Keep) -> Result<Outcome> {
-        let result = calibrate_keeping(bench, setup, unit, &self.out, &mut bar, keep);
+        let result = calibrate(bench, setup, unit, &self.out, &mut bar, keep);
         bar.finish();
         let (run, summary) = result.with_context(|| self.what_is_left())?;
         if self.json {

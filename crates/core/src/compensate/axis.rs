@@ -1,11 +1,11 @@
 //! One axis at work: the state that its law moves.
 
-use super::Mode;
 use super::axis_law::AxisLaw;
-use super::dynamic::{FixedHistory, FixedHistoryState};
-use super::edges::Interval;
-use super::fixed::Q16;
+use super::dynamic::FixedHistoryState;
+use super::interval::Interval;
+use super::mode::Mode;
 use super::numbers::LowPassNumbers;
+use super::q16::Q16;
 use super::settling::Settling;
 use crate::drift::{Coverage, Knowledge};
 use crate::group::GroupSums;
@@ -25,44 +25,52 @@ pub struct GroupOutcome {
     pub move_to: Option<Taps>,
 }
 
-/// No interval of any table.
-const NO_INTERVAL: usize = usize::MAX;
-
 /// A run of temperature codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Hold {
+struct Codes {
     from: u32,
-    codes: u32,
+    number: u32,
 }
 
-impl Hold {
-    /// No code: the law is asked.
-    const NONE: Self = Self { from: 0, codes: 0 };
-    /// Every code: the wiper is not moved.
-    const ALL: Self = Self { from: 0, codes: 1 << 16 };
+impl Codes {
+    const NONE: Self = Self { from: 0, number: 0 };
+    const ALL: Self = Self { from: 0, number: 1 << 16 };
 
     /// As far as a dead band holds an interval.
-    fn of(interval: &Interval) -> Self {
+    fn held_by(interval: &Interval) -> Self {
         let from = u32::from(interval.hold_down_to);
-        Self { from, codes: (u32::from(interval.hold_up_to) + 1).wrapping_sub(from) }
+        Self { from, number: (u32::from(interval.hold_up_to) + 1).wrapping_sub(from) }
     }
 
-    /// Whether a code lies in it: below its beginning the difference wraps to more than any run.
+    /// Whether a code is one of them: below the first the difference wraps to more than any run.
     #[inline]
-    fn has(self, code: TemperatureCode) -> bool {
-        u32::from(code.0).wrapping_sub(self.from) < self.codes
+    fn contains(self, code: TemperatureCode) -> bool {
+        u32::from(code.0).wrapping_sub(self.from) < self.number
     }
+}
+
+/// How the wiper stands to the table of edges, whose intervals go by their index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stand {
+    /// The tap of this interval is wanted, and was not written yet.
+    Wanted(usize),
+    /// The wiper is at the tap of this interval.
+    At(usize),
+    /// The table was not asked since the mode was set.
+    Unasked,
+    /// There is none to ask, or the mode leaves the wiper where it is.
+    Free,
 }
 
 /// The state of one axis: mode, interval of the table, the last commanded tap, and the correction in force.
 #[derive(Debug, Clone)]
 pub struct AxisCompensation {
-    /// The codes at which the wiper is where the law wants it: all that an update looks at until an edge is crossed.
-    hold: Hold,
+    /// The codes at which the wiper is where the law wants it, by `stand`: all that an update looks at until an edge is
+    /// crossed.
+    quiet: Codes,
+    stand: Stand,
     mode: Mode,
     tap: Taps,
-    /// The interval of the table, [`NO_INTERVAL`] before one is known.
-    interval: usize,
     /// `V(T) - V0` of the last closed group, Q16; `None` until there was one.
     drift_from_centre: Option<i32>,
     settling: Settling,
@@ -78,10 +86,10 @@ impl AxisCompensation {
         let low_pass = law.map_or(LowPassNumbers::NONE, |law| law.low_pass);
         let effect = law.map_or(Q16::default(), |law| law.effects.get(tap));
         Self {
-            hold: Hold::NONE,
+            quiet: Codes::NONE,
+            stand: Stand::Unasked,
             mode: Mode::Off,
             tap,
-            interval: NO_INTERVAL,
             drift_from_centre: None,
             settling: Settling::new(low_pass, effect),
             effect_sum: 0,
@@ -104,17 +112,18 @@ impl AxisCompensation {
     /// Changes the mode; the wiper stays until the next group.
     pub fn set_mode(&mut self, mode: Mode) {
         self.mode = mode;
-        self.interval = NO_INTERVAL;
-        self.hold = Hold::NONE;
+        (self.stand, self.quiet) = (Stand::Unasked, Codes::NONE);
     }
 
     /// The wiper was written. Its effect reaches the samples through the low-pass.
     pub fn wiper_written(&mut self, law: Option<&AxisLaw>, tap: Taps) {
         self.tap = tap;
-        self.hold = Hold::NONE;
-        if let Some(law) = law {
-            self.settling.wiper_written(law.effects.get(tap));
-            self.hold_present_interval(law);
+        let Some(law) = law else { return };
+        self.settling.wiper_written(law.effects.get(tap));
+        if let Stand::Wanted(index) | Stand::At(index) = self.stand
+            && let Some(interval) = law.edges.as_ref().and_then(|edges| edges.intervals().get(index))
+        {
+            let _ = self.follow(index, interval);
         }
     }
 
@@ -144,7 +153,7 @@ impl AxisCompensation {
 
     /// Groups were lost before the one that is being filled: the history goes on without their temperatures.
     pub fn lose_groups(&mut self, groups: u32) {
-        FixedHistory::lose(&mut self.history, groups);
+        self.history.lose(groups);
     }
 
     /// Closes a group: the correction for its mean, and the tap for its temperature.
@@ -194,7 +203,7 @@ impl AxisCompensation {
     #[inline]
     #[must_use]
     pub fn update(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
-        if self.hold.has(code) {
+        if self.quiet.contains(code) {
             return None;
         }
         self.cross(law, code)
@@ -203,46 +212,40 @@ impl AxisCompensation {
     /// An edge was crossed, most often to a neighbour; or it is not known yet where the edges are.
     #[inline(never)]
     fn cross(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
-        match &law.edges {
-            // Only an interval that holds says on which side the code has left it. The wiper was at its tap, and a
-            // neighbour's is another.
-            Some(edges) if self.hold.codes != 0 => match edges.neighbour(self.interval, code) {
-                Some((index, interval)) => {
-                    self.interval = index;
-                    self.hold = Hold::NONE;
-                    Some(interval.tap)
-                }
-                None => self.search(law, code),
-            },
-            _ => self.search(law, code),
+        // Only an interval that holds says on which side the code has left it. The wiper was at its tap, and a neighbour's
+        // is another.
+        if let Stand::At(index) = self.stand
+            && let Some(edges) = &law.edges
+            && let Some((index, interval)) = edges.neighbour(index, code)
+        {
+            (self.stand, self.quiet) = (Stand::Wanted(index), Codes::NONE);
+            return Some(interval.tap);
         }
+        self.search(law, code)
     }
 
     /// The interval is looked up.
     #[inline(never)]
     fn search(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
         let Some(edges) = law.edges.as_ref().filter(|_| self.mode.moves_wiper()) else {
-            self.hold = Hold::ALL;
+            (self.stand, self.quiet) = (Stand::Free, Codes::ALL);
             return None;
         };
-        let index = edges.next(self.interval, code);
-        let interval = edges.intervals().get(index)?;
-        self.interval = index;
-        if interval.tap == self.tap {
-            self.hold = Hold::of(interval);
-            return None;
-        }
-        self.hold = Hold::NONE;
-        Some(interval.tap)
+        let index = match self.stand {
+            Stand::Wanted(index) | Stand::At(index) => edges.next(index, code),
+            Stand::Unasked | Stand::Free => edges.find(code),
+        };
+        self.follow(index, edges.intervals().get(index)?)
     }
 
-    /// The wiper is where the present interval wants it: so it stays as far as the dead band holds it.
-    fn hold_present_interval(&mut self, law: &AxisLaw) {
-        let edges = law.edges.as_ref().filter(|_| self.mode.moves_wiper());
-        let interval = edges.and_then(|edges| edges.intervals().get(self.interval));
-        if let Some(interval) = interval.filter(|interval| interval.tap == self.tap) {
-            self.hold = Hold::of(interval);
+    /// The temperature is in an interval: its tap is asked for, unless the wiper is there.
+    fn follow(&mut self, index: usize, interval: &Interval) -> Option<Taps> {
+        if interval.tap == self.tap {
+            (self.stand, self.quiet) = (Stand::At(index), Codes::held_by(interval));
+            return None;
         }
+        (self.stand, self.quiet) = (Stand::Wanted(index), Codes::NONE);
+        Some(interval.tap)
     }
 }
 

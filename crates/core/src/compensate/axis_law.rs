@@ -1,14 +1,13 @@
 //! One axis's law as a device runs it: its numbers, checked.
 
 use super::dynamic::FixedHistory;
-use super::edges::{EdgeError, EdgeTable};
+use super::edges::EdgeTable;
 use super::effects::{FixedEffects, Side};
-use super::fixed::{FixedDrift, Q16};
-use super::law::StaticLaw;
+use super::fixed::FixedDrift;
 use super::numbers::{HistoryNumbers, LawNumbers, LowPassNumbers};
-use super::rounding::Unrepresentable;
-use super::settling::LowPass;
-use crate::drift::{Coverage, History};
+use super::q16::Q16;
+use super::refused::{LawRefused, Part};
+use crate::drift::Coverage;
 use crate::units::{Taps, TemperatureCode};
 
 /// An axis's law in the form that the device runs: integers and a table. It does not change while it is in use.
@@ -24,86 +23,12 @@ pub struct AxisLaw {
     pub(super) history: Option<FixedHistory>,
 }
 
-/// Why a law cannot be run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LawRefused {
-    /// Its numbers do not fit the fixed-point form.
-    Unrepresentable(Unrepresentable),
-    /// Its table of edges is not to be believed.
-    Edges(EdgeError),
-    /// Its stored numbers make no law.
-    Senseless(Part),
-}
-
-/// A part of a law's numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
-    /// The drift: no range, no curve, or sums that do not fit.
-    Drift,
-    /// The trim: effects that do not rise, or taps that the part does not have.
-    Trim,
-    /// The dead band: below zero, or more than a tap.
-    DeadBand,
-    /// The history: its curve, or a term that remembers nothing.
-    History,
-}
-
-impl core::fmt::Display for LawRefused {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Unrepresentable(reason) => reason.fmt(f),
-            Self::Edges(reason) => reason.fmt(f),
-            Self::Senseless(part) => write!(f, "the stored numbers of the {part} make no law: compose it again"),
-        }
-    }
-}
-
-impl core::fmt::Display for Part {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Drift => "drift",
-            Self::Trim => "trim",
-            Self::DeadBand => "dead band",
-            Self::History => "history",
-        })
-    }
-}
-
-impl core::error::Error for LawRefused {}
-
-impl From<Unrepresentable> for LawRefused {
-    fn from(reason: Unrepresentable) -> Self {
-        Self::Unrepresentable(reason)
-    }
-}
-
 /// How far the drift may be past the middle between two taps where a table changes from one to the other, in halves of a
-/// Q16 count: half a count, as far as the integers may be off the drift that the table was solved for
-/// ([`ACCURACY_COUNTS`](super::rounding::ACCURACY_COUNTS)). A tap that is believed leaves the reading at most a count
+/// Q16 count: half a count, as far as the integers may be off the drift that the table was solved for. A tap that is believed leaves the reading at most a count
 /// further from the centre than its neighbour would.
 const EDGE_TOLERANCE: i64 = 1 << 16;
 
 impl AxisLaw {
-    /// The device's form of a law, from the model. `edges` is the table that belongs to it, `None` where the law has none
-    /// and the wiper is to stay (mode digital); it is checked against the law, in f64 and in integers.
-    ///
-    /// # Errors
-    /// [`LawRefused`], when the numbers do not fit or the table is wrong.
-    pub fn new(law: &StaticLaw, edges: Option<&EdgeTable>, low_pass: LowPass) -> Result<Self, LawRefused> {
-        Self::from_numbers(&LawNumbers::new(law, edges, low_pass)?)
-    }
-
-    /// The same law with a history ([`crate::drift::History`]), which modes digital and hybrid follow; mode trim stays
-    /// with the static drift. `group_period_s` is the time from group to group, seconds.
-    ///
-    /// # Errors
-    /// [`LawRefused`], when the history's numbers do not fit.
-    pub fn with_history(mut self, history: &History, law: &StaticLaw, group_period_s: f64) -> Result<Self, LawRefused> {
-        let numbers = HistoryNumbers::new(history, &law.drift, law.temperature_scale, group_period_s)?;
-        self.history = Some(self.checked_history(&numbers)?);
-        Ok(self)
-    }
-
     /// The law by its stored numbers, none of which is believed. A CRC tells a record that was damaged on its way; this is
     /// for one that was composed wrongly, of another version's parts, or by chance has the right CRC. The drift must fit at
     /// every code, the effects must rise within the part, and the table of edges must be in order and agree with drift,
@@ -128,8 +53,8 @@ impl AxisLaw {
             history: None,
         };
         if let Some(edges) = &law.edges {
-            let checked =
-                edges.check_by(|tap, code| law.strays(tap, code, 0), |tap, code| law.strays(tap, code, law.dead_band));
+            let band = |is_held| if is_held { law.dead_band } else { 0 };
+            let checked = edges.check_by(|tap, code, is_held| law.strays(tap, code, band(is_held)));
             checked.map_err(LawRefused::Edges)?;
         }
         if let Some(history) = &numbers.history {
@@ -151,22 +76,10 @@ impl AxisLaw {
         Side::BOTH.into_iter().any(|side| self.effects.past_middle(tap, side, drift, band) > EDGE_TOLERANCE)
     }
 
-    /// Whether the drift has a history.
-    #[must_use]
-    pub const fn is_dynamic(&self) -> bool {
-        self.history.is_some()
-    }
-
     /// Whether the law can move the wiper.
     #[must_use]
     pub const fn moves_wiper(&self) -> bool {
         self.edges.is_some()
-    }
-
-    /// The static drift.
-    #[must_use]
-    pub const fn drift(&self) -> &FixedDrift {
-        &self.drift
     }
 
     /// What is to be subtracted from a settled reading: `V(T) + effect(N) - V0`, in integers.

@@ -7,9 +7,9 @@
 use heapless::Vec;
 
 use super::effects::{FixedEffects, Side};
-use super::fixed::{FixedDrift, Q16};
-use super::numbers::{HistoryNumbers, MemoryNumbers, TermNumbers};
-use super::rounding::{CODE_BITS, WEIGHT_BITS};
+use super::fixed::FixedDrift;
+use super::numbers::{CODE_BITS, HistoryNumbers, MemoryNumbers, TermNumbers, WEIGHT_BITS};
+use super::q16::Q16;
 use crate::drift::{KNOWN_FROM, Knowledge, MAX_HISTORY_TERMS};
 use crate::units::{Taps, TemperatureCode};
 
@@ -25,7 +25,7 @@ const KNOWN_FROM_Q16: u32 = (KNOWN_FROM * 65_536.0 + 0.5) as u32;
 
 /// The part of a drift that remembers, in the form that the device runs, checked.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FixedHistory {
+pub(super) struct FixedHistory {
     curve: FixedDrift,
     terms: Vec<TermNumbers, MAX_HISTORY_TERMS>,
     /// How far past the middle between two taps the drift must be before the wiper moves, as a share of their distance,
@@ -35,7 +35,7 @@ pub struct FixedHistory {
 
 /// What the history of one axis has seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct FixedHistoryState {
+pub(super) struct FixedHistoryState {
     seen: Option<Seen>,
     lost: u32,
 }
@@ -56,11 +56,17 @@ struct TermState {
     forgotten: u32,
 }
 
+impl FixedHistoryState {
+    /// Counts groups that were lost: time passed, and no temperature is known of it.
+    pub(super) fn lose(&mut self, groups: u32) {
+        self.lost = self.lost.saturating_add(groups);
+    }
+}
+
 impl FixedHistory {
     /// A history by its numbers, over the codes of its static drift. `dead_band` is in taps, Q16. `None` where the numbers
     /// make no curve, a term remembers nothing, or the shares are not those of one whole.
-    #[must_use]
-    pub fn from_numbers(numbers: &HistoryNumbers, first: u16, last: u16, dead_band: i32) -> Option<Self> {
+    pub(super) fn from_numbers(numbers: &HistoryNumbers, first: u16, last: u16, dead_band: i32) -> Option<Self> {
         let is_sound = |term: &TermNumbers| match term.memory {
             MemoryNumbers::Play { half_width } => half_width > 0,
             MemoryNumbers::Lag { kept, part } => kept <= ONE_Q32 && part > 0,
@@ -75,13 +81,8 @@ impl FixedHistory {
         Some(Self { curve, terms: numbers.terms.clone(), dead_band })
     }
 
-    /// Counts groups that were lost: time passed, and no temperature is known of it.
-    pub fn lose(state: &mut FixedHistoryState, groups: u32) {
-        state.lost = state.lost.saturating_add(groups);
-    }
-
     /// Takes in the temperature of the group that has closed. The first starts the history.
-    pub fn advance(&self, state: &mut FixedHistoryState, code: TemperatureCode) {
+    pub(super) fn advance(&self, state: &mut FixedHistoryState, code: TemperatureCode) {
         let (first, last) = self.curve.range();
         let now = code.0.clamp(first.0, last.0);
         let groups = core::mem::take(&mut state.lost).saturating_add(1);
@@ -110,8 +111,7 @@ impl FixedHistory {
 
     /// The drift by what was taken in last, from the static drift there, and how far it is known. The static drift
     /// itself before the first temperature.
-    #[must_use]
-    pub fn drift(&self, state: &FixedHistoryState, fixed: Q16) -> (Q16, Knowledge) {
+    pub(super) fn drift(&self, state: &FixedHistoryState, fixed: Q16) -> (Q16, Knowledge) {
         let Some(seen) = &state.seen else {
             return (fixed, Knowledge::Uncertain);
         };
@@ -148,7 +148,6 @@ impl FixedHistory {
 
     /// The tap for a drift: `now` while the drift lies within half the way to its neighbours and the dead band; else the
     /// tap whose effect brings the reading nearest the centre, the end tap where none does.
-    #[must_use]
     pub(super) fn tap(&self, effects: &FixedEffects, now: Taps, drift_from_centre: i32) -> Taps {
         for side in Side::BOTH {
             if side.of(now).is_some() && effects.past_middle(now, side, drift_from_centre, self.dead_band) > 0 {
@@ -216,14 +215,14 @@ fn q32_signed(part: u64) -> i64 {
     i64::try_from(part.min(ONE_Q32)).unwrap_or(0)
 }
 
-/// [`crate::drift::belief`] in Q16.
+/// How far a term is believed, as in the f64 form, in Q16.
 fn belief_q16(known: u64) -> u64 {
     let unknown = u64::from(ONE_Q16) - known;
     let signal = known * known;
     (signal << 16) / (signal + unknown * unknown)
 }
 
-/// [`crate::drift::lean`] in Q16.
+/// How far the history has its say, as in the f64 form, in Q16.
 fn lean_q16(known: u32) -> u32 {
     let known = u64::from(known);
     narrow((((known * known) >> 16) * known) >> 16)

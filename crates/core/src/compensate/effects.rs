@@ -2,8 +2,8 @@
 
 use heapless::Vec;
 
-use super::fixed::Q16;
 use super::numbers::TrimNumbers;
+use super::q16::Q16;
 use crate::trim::MAX_TAP_OFFSETS;
 use crate::units::Taps;
 

@@ -4,26 +4,9 @@
 //! `|u| <= 1/2` and `u` in Q32 is a subtraction and a shift. Horner's step is then one high-word multiply and one add.
 
 use super::numbers::{CurveNumbers, DriftNumbers, PolynomialNumbers, TableNumbers};
+use super::q16::Q16;
 use crate::drift::{MAX_KNOTS, MAX_ORDER};
 use crate::units::TemperatureCode;
-
-/// A number of counts in steps of 1/65536.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub struct Q16(pub i32);
-
-impl Q16 {
-    /// The nearest step to a number of counts; `None` at or beyond +-32768 counts, and for NaN.
-    #[must_use]
-    pub fn from_counts(counts: f64) -> Option<Self> {
-        super::rounding::to_fixed(counts, 16).map(Self)
-    }
-
-    /// As counts.
-    #[must_use]
-    pub fn to_counts(self) -> f64 {
-        f64::from(self.0) / 65_536.0
-    }
-}
 
 /// Zero-rate output over temperature code in integers, checked: no step of it can wrap.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -11,6 +11,11 @@ use crate::drift::{MAX_HISTORY_TERMS, MAX_KNOTS, MAX_ORDER};
 use crate::trim::MAX_TAP_OFFSETS;
 use crate::units::Taps;
 
+/// Fractional bits of a memory in codes.
+pub(super) const CODE_BITS: u32 = 14;
+/// Fractional bits of a weight in counts per code: up to 127 counts a code, in steps that make 0.004 count over all codes.
+pub(super) const WEIGHT_BITS: u32 = 24;
+
 /// The law of one axis.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LawNumbers {

@@ -10,23 +10,23 @@
 //! went through before, nobody told it. Until the temperature has travelled 2r the state of a play can be anything
 //! between two bounds, and the middle of them is taken; a lag forgets its start as `exp(-t / tau)`. [`known_share`] says
 //! how much of the history's weight rests on what was seen, and the less it is, the more the answer leans on the static
-//! curve ([`lean`]), which is the best one without a history.
+//! curve, which is the best one without a history.
 //!
-//! [`known_share`]: HistoryState::known_share
+//! [`known_share`]: History::known_share
 
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
 
-use super::{Coverage, Drift, Shape};
+use super::curve::{Drift, Shape};
+use super::range::Coverage;
 
 /// The most terms of a history: three plays and three lags, or six plays.
 pub const MAX_HISTORY_TERMS: usize = 6;
 
 /// From this known share on the history counts as known: [`lean`] then leaves out less than 15 % of its effect.
-pub const KNOWN_FROM: f64 = 0.95;
+pub(crate) const KNOWN_FROM: f64 = 0.95;
 
 /// What a term remembers.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Memory {
     /// A play of this half-width, in the temperature's unit.
     Play {
@@ -41,7 +41,7 @@ pub enum Memory {
 }
 
 /// One term: `weight (m - T)`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
     /// What m is.
     pub memory: Memory,
@@ -52,32 +52,16 @@ pub struct Term {
 }
 
 /// The part of a drift that remembers: the curve once the history is known, and what is added to it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Raw")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct History {
     curve: Shape,
     terms: Vec<Term, MAX_HISTORY_TERMS>,
 }
 
-/// A history as stored, before it is checked.
-#[derive(Deserialize)]
-struct Raw {
-    curve: Shape,
-    terms: Vec<Term, MAX_HISTORY_TERMS>,
-}
-
-impl TryFrom<Raw> for History {
-    type Error = &'static str;
-    fn try_from(raw: Raw) -> Result<Self, Self::Error> {
-        Self::new(raw.curve, &raw.terms)
-            .ok_or("a history needs 1 to 6 terms, sizes above zero, finite weights, and shares that add up to 1")
-    }
-}
-
 /// Whether the history that a correction rests on was seen. Degraded is data, as with [`Coverage`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Knowledge {
-    /// There is no history in the model, or it was seen ([`KNOWN_FROM`]).
+    /// There is no history in the model, or it was seen.
     #[default]
     Known,
     /// Too little of it was seen since start-up: the correction leans on the static curve and is uncertain by up to the
@@ -87,8 +71,7 @@ pub enum Knowledge {
 
 /// How far a term is believed at a known share k of it, 0 to 1: `k^2 / (k^2 + (1-k)^2)`, the weight of least mean square
 /// error (Wiener's) for a signal that grows with k against an error that grows with 1 - k.
-#[must_use]
-pub fn belief(known_share: f64) -> f64 {
+fn belief(known_share: f64) -> f64 {
     let (known, unknown) = (known_share * known_share, (1.0 - known_share) * (1.0 - known_share));
     known / (known + unknown)
 }
@@ -99,8 +82,7 @@ pub fn belief(known_share: f64) -> f64 {
 /// the reading away from that zero, so the history has to earn its say. The exponent is the smallest whole one at which
 /// held-out cold starts are nowhere more than a tenth worse than the static cubic; the README of zerorate-cal has the
 /// figures of 1 to 4.
-#[must_use]
-pub fn lean(known_share: f64) -> f64 {
+fn lean(known_share: f64) -> f64 {
     known_share * known_share * known_share
 }
 
@@ -185,7 +167,7 @@ impl History {
         (fixed + lean(known) * (self.by_history(seen) - fixed), knowledge)
     }
 
-    /// How much of the history's weight rests on what was seen, 0 to 1: the [`belief`] in each term by its own known share,
+    /// How much of the history's weight rests on what was seen, 0 to 1: the belief in each term by its own known share,
     /// together by the terms' shares. A play's known share is the range of temperature seen over 2r, a lag's is
     /// `1 - exp(-t / tau)`.
     #[must_use]

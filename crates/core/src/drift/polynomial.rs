@@ -1,33 +1,17 @@
 //! Polynomials of order 1 to 5 in the centred, scaled variable.
 
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
 
-use super::Scale;
+use super::scale::Scale;
 
 /// The highest order. ArduPilot's users ask for 5; beyond it a curve follows noise at its ends.
 pub const MAX_ORDER: usize = 5;
 
 /// `zro = c0 + c1 x + ... + ck x^k` with `x = (T - centre) / half_span`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Raw")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Polynomial {
     scale: Scale,
     coefficients: Vec<f64, { MAX_ORDER + 1 }>,
-}
-
-/// A polynomial as stored, before it is checked.
-#[derive(Deserialize)]
-struct Raw {
-    scale: Scale,
-    coefficients: Vec<f64, { MAX_ORDER + 1 }>,
-}
-
-impl TryFrom<Raw> for Polynomial {
-    type Error = &'static str;
-    fn try_from(raw: Raw) -> Result<Self, Self::Error> {
-        Self::new(raw.scale, &raw.coefficients).ok_or("a polynomial needs 2 to 6 finite coefficients")
-    }
 }
 
 impl Polynomial {

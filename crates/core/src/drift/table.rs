@@ -1,33 +1,19 @@
 //! A piecewise-linear table over evenly spaced temperatures.
 
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
 
-use super::{MAX_TURNING_POINTS, Scale};
+use super::scale::Scale;
 
 /// The most knots a table holds: 32 pieces.
 pub const MAX_KNOTS: usize = 33;
+/// The most temperatures at which a drift model can turn round: one for each inner knot of the longest table.
+pub const MAX_TURNING_POINTS: usize = MAX_KNOTS - 2;
 
 /// Readings at evenly spaced temperatures from `x = -1` to `x = 1`, straight lines between them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Raw")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     scale: Scale,
     knots: Vec<f64, MAX_KNOTS>,
-}
-
-/// A table as stored, before it is checked.
-#[derive(Deserialize)]
-struct Raw {
-    scale: Scale,
-    knots: Vec<f64, MAX_KNOTS>,
-}
-
-impl TryFrom<Raw> for Table {
-    type Error = &'static str;
-    fn try_from(raw: Raw) -> Result<Self, Self::Error> {
-        Self::new(raw.scale, &raw.knots).ok_or("a table needs 2 to 33 finite knots")
-    }
 }
 
 impl Table {

@@ -71,15 +71,12 @@ fn a_table_goes_through_its_knots_and_straight_between() {
 }
 
 #[test]
-fn what_is_illegal_cannot_be_built_or_read() {
+fn what_is_illegal_cannot_be_built() {
     let scale = Scale::spanning(-40.0, 60.0).unwrap();
     assert!(Scale::spanning(1.0, 1.0).is_none() && Scale::spanning(f64::NAN, 1.0).is_none());
     assert!(Polynomial::new(scale, &[1.0]).is_none() && Polynomial::new(scale, &[1.0; 7]).is_none());
     assert!(Polynomial::new(scale, &[1.0, f64::INFINITY]).is_none());
     assert!(Table::new(scale, &[1.0]).is_none() && Table::new(scale, &[1.0; 34]).is_none());
-    let mut stored = [0_u8; 128];
-    let bytes = postcard::to_slice(&(scale, [1.0_f64, f64::NAN].as_slice()), &mut stored).unwrap();
-    assert!(postcard::from_bytes::<Polynomial>(bytes).is_err());
 }
 
 proptest! {

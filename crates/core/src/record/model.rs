@@ -1,10 +1,25 @@
 //! One axis as the host composes it, in f64: what its part of a record is rounded from.
 
-use super::AxisRecord;
+use super::{AxisRecord, DeviceRecord, UnitSerial};
 use crate::compensate::{AxisLaw, EdgeTable, HistoryNumbers, LawNumbers, LawRefused, LowPass, Mode, StaticLaw};
 use crate::drift::{Drift, History};
 use crate::trim::Trim;
-use crate::units::TemperatureScale;
+use crate::units::{Axis, TemperatureScale};
+
+impl DeviceRecord {
+    /// The record of a unit, from the models of its axes, X then Y.
+    ///
+    /// # Errors
+    /// [`LawRefused`] and the axis, when its law is none that a device would run.
+    pub fn new(
+        unit: UnitSerial,
+        temperature_scale: TemperatureScale,
+        axes: &[AxisModel; 2],
+    ) -> Result<Self, (Axis, LawRefused)> {
+        let record = |axis: Axis| axes[axis.index()].record(temperature_scale).map_err(|refused| (axis, refused));
+        Ok(Self { unit, temperature_scale, axes: [record(Axis::X)?, record(Axis::Y)?] })
+    }
+}
 
 /// The models of one axis.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use crate::checksum::CRC_32;
 
 /// More bytes than any frame takes on the wire, its zero included.
-pub const MAX_FRAME: usize = 512;
+const MAX_FRAME: usize = 512;
 
 /// What fits before COBS adds its byte in 254 and the zero ends the frame.
 const MAX_PAYLOAD: usize = MAX_FRAME - MAX_FRAME / 254 - 2;
@@ -18,31 +18,13 @@ const MAX_PAYLOAD: usize = MAX_FRAME - MAX_FRAME / 254 - 2;
 /// Why a frame was not made, or not read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameError {
-    /// Longer than [`MAX_FRAME`].
+    /// Longer than any message.
     TooLong,
-    /// Not COBS.
-    Stuffing,
-    /// Shorter than its CRC.
-    TooShort,
-    /// The CRC-32 does not match.
-    Crc,
+    /// Not COBS, shorter than its CRC, or the CRC-32 does not match.
+    Damaged,
     /// The CRC-32 matches and the content is no message of this version.
     Content,
 }
-
-impl core::fmt::Display for FrameError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::TooLong => "a frame is longer than any message",
-            Self::Stuffing => "a frame is not COBS",
-            Self::TooShort => "a frame is shorter than its CRC",
-            Self::Crc => "a frame's CRC-32 does not match",
-            Self::Content => "a frame holds no message of this version",
-        })
-    }
-}
-
-impl core::error::Error for FrameError {}
 
 /// A message as the bytes of a frame, its zero included.
 ///
@@ -61,20 +43,13 @@ pub fn encode(message: &impl Serialize) -> Result<Vec<u8, MAX_FRAME>, FrameError
     Ok(frame)
 }
 
-/// Reads the content of a frame, its zero left off.
-///
-/// # Errors
-/// [`FrameError`], by what is wrong first.
-pub fn decode<T: DeserializeOwned>(stuffed: &mut [u8]) -> Result<T, FrameError> {
-    decode_with_crc(stuffed).map(|(message, _)| message)
-}
-
-fn decode_with_crc<T: DeserializeOwned>(stuffed: &mut [u8]) -> Result<(T, u32), FrameError> {
-    let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Stuffing)?;
-    let payload = stuffed.get(..length).ok_or(FrameError::Stuffing)?;
-    let (content, crc) = payload.split_last_chunk::<4>().ok_or(FrameError::TooShort)?;
+/// Reads the content of a frame, its zero left off, and its CRC; or what is wrong first.
+fn decode<T: DeserializeOwned>(stuffed: &mut [u8]) -> Result<(T, u32), FrameError> {
+    let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Damaged)?;
+    let payload = stuffed.get(..length).ok_or(FrameError::Damaged)?;
+    let (content, crc) = payload.split_last_chunk::<4>().ok_or(FrameError::Damaged)?;
     if CRC_32.checksum(content).to_le_bytes() != *crc {
-        return Err(FrameError::Crc);
+        return Err(FrameError::Damaged);
     }
     let (message, rest) = postcard::take_from_bytes(content).map_err(|_| FrameError::Content)?;
     if rest.is_empty() { Ok((message, u32::from_le_bytes(*crc))) } else { Err(FrameError::Content) }
@@ -114,7 +89,7 @@ impl Receiver {
         } else if self.bytes.is_empty() {
             None
         } else {
-            Some(decode_with_crc(&mut self.bytes).map(|(message, crc)| {
+            Some(decode(&mut self.bytes).map(|(message, crc)| {
                 self.crc = crc;
                 message
             }))
@@ -209,10 +184,10 @@ mod tests {
             let mut stuffed = [0; MAX_FRAME];
             let length = cobs::encode(&payload, &mut stuffed);
             let mut again = stuffed;
-            if let Ok(command) = decode::<Command>(&mut stuffed[..length]) {
+            if let Ok((command, _)) = decode::<Command>(&mut stuffed[..length]) {
                 prop_assert!(encode(&command).is_ok());
             }
-            if let Ok(upload) = decode::<Upload>(&mut again[..length]) {
+            if let Ok((upload, _)) = decode::<Upload>(&mut again[..length]) {
                 prop_assert!(encode(&upload).is_ok());
             }
         }

@@ -1,13 +1,12 @@
 //! The samples of a closed group on their way out, a block at a time.
 
+use core::ops::Range;
+
 use zerorate_core::compensate::AxisCompensation;
 use zerorate_core::units::Axis;
 use zerorate_core::wire::{GroupReport, SAMPLES_PER_BLOCK, Sample, SampleBlock, SampleWindow};
 
 use crate::acquisition::{Scan, axis_samples};
-
-/// Places in the queue of reports that samples leave free.
-pub(super) const KEPT_FREE: usize = 4;
 
 #[allow(clippy::cast_possible_truncation)] // 25
 const BLOCK: u16 = SAMPLES_PER_BLOCK as u16;
@@ -15,62 +14,39 @@ const BLOCK: u16 = SAMPLES_PER_BLOCK as u16;
 /// A closed group whose samples are being reported. Its own report follows the last of them.
 pub(super) struct Stream {
     pub(super) report: GroupReport,
-    /// The axes as they were before the group's first sample.
-    axes: [AxisCompensation; 2],
-    axis: Axis,
-    /// The next sample of that axis.
-    index: u16,
+    /// The axes as they were before the next of their samples, and how many have passed.
+    axes: [(AxisCompensation, u16); 2],
+    /// The samples that are still to come.
+    runs: [(Axis, Range<u16>); 4],
 }
 
 impl Stream {
-    pub(super) const fn new(axes: [AxisCompensation; 2], report: GroupReport) -> Self {
-        Self { report, axes, axis: Axis::X, index: 0 }
+    /// The samples that are asked for of a group of so many scans. `axes` are as they were before the first of them.
+    pub(super) fn new(report: GroupReport, axes: [AxisCompensation; 2], window: &SampleWindow, scans: usize) -> Self {
+        let n = u16::try_from(scans).unwrap_or(u16::MAX);
+        let [(x, x_last), (y, y_last)] = Axis::BOTH.map(|axis| window.of(axis, n));
+        let runs = [(Axis::X, 0..x), (Axis::X, x_last..n), (Axis::Y, 0..y), (Axis::Y, y_last..n)];
+        Self { report, axes: axes.map(|axis| (axis, 0)), runs }
     }
 
-    /// The next samples that are asked for, each corrected by what was known when it was taken; `None` when there are no
-    /// more.
-    pub(super) fn next_block(&mut self, window: &SampleWindow, scans: &[Scan]) -> Option<SampleBlock> {
-        loop {
-            let (index, end) = self.next_run(window, scans.len())?;
-            let state = &mut self.axes[self.axis.index()];
-            state.skip_samples(u32::from(index - self.index));
-            self.index = index;
-            let end = end.min(index.saturating_add(BLOCK));
-            let Some(run) = scans.get(usize::from(index)..usize::from(end)).filter(|run| !run.is_empty()) else {
-                if self.axis == Axis::Y {
-                    return None;
-                }
-                (self.axis, self.index) = (Axis::Y, 0);
-                continue;
-            };
-            let samples = run.iter().map(|scan| {
-                let (temperature, zro) = axis_samples(scan, self.axis);
-                Sample { temperature, zro, corrected_q16: state.sample(zro).0 }
-            });
-            let samples = samples.collect();
-            self.index = end;
-            return Some(SampleBlock { group: self.report.group, axis: self.axis, index, samples });
-        }
+    /// The next samples, each corrected by what was known when it was taken; `None` when there are no more.
+    pub(super) fn next_block(&mut self, scans: &[Scan]) -> Option<SampleBlock> {
+        let (axis, run) = self.runs.iter_mut().find(|(_, run)| !run.is_empty())?;
+        let index = run.start;
+        run.start = run.end.min(index.saturating_add(BLOCK));
+        let (state, passed) = &mut self.axes[axis.index()];
+        state.skip_samples(u32::from(index - *passed));
+        *passed = run.start;
+        let scans = scans.get(usize::from(index)..usize::from(run.start))?;
+        let samples = scans.iter().map(|scan| {
+            let (temperature, zro) = axis_samples(scan, *axis);
+            Sample { temperature, zro, corrected_q16: state.sample(zro).0 }
+        });
+        Some(SampleBlock { group: self.report.group, axis: *axis, index, samples: samples.collect() })
     }
 
-    /// The next samples of the present axis that are asked for: from one number to before another.
-    fn next_run(&self, window: &SampleWindow, scans: usize) -> Option<(u16, u16)> {
-        let n = u16::try_from(scans).ok()?;
-        let (first, last_from) = window.of(self.axis, n);
-        Some(if self.index < first { (self.index, first) } else { (self.index.max(last_from), n) })
-    }
-
-    /// Blocks that are still to come of a whole group.
-    pub(super) fn left(&self, window: &SampleWindow) -> u32 {
-        let blocks = |samples: u16| u32::from(samples.div_ceil(BLOCK));
-        let of = |axis: Axis, from: u16| {
-            let n = u16::try_from(self.report.axes[axis.index()].sums.n).unwrap_or(u16::MAX);
-            let (first, last_from) = window.of(axis, n);
-            blocks(first.saturating_sub(from)) + blocks(n.saturating_sub(last_from.max(from)))
-        };
-        match self.axis {
-            Axis::X => of(Axis::X, self.index) + of(Axis::Y, 0),
-            Axis::Y => of(Axis::Y, self.index),
-        }
+    /// Blocks that are still to come.
+    pub(super) fn left(&self) -> u32 {
+        self.runs.iter().map(|(_, run)| u32::from((run.end - run.start).div_ceil(BLOCK))).sum()
     }
 }

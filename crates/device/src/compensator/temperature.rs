@@ -7,8 +7,7 @@ use zerorate_core::group::GroupSums;
 use zerorate_core::units::TemperatureCode;
 use zerorate_core::wire::{FaultCounts, TemperatureCheck};
 
-use super::FULL_SCALE;
-use crate::acquisition::Timing;
+use crate::acquisition::{FULL_SCALE, Timing};
 
 /// The fastest that a temperature moves, counts a second: 2 K/s at the board's 34 counts a kelvin. The quickest real
 /// thing is the package behind air that jumps by 100 K, 0.7 K/s by its time constant of 150 s; a chamber ramps at 2.5 K a

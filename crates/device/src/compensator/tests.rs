@@ -1,15 +1,13 @@
 use std::vec::Vec;
 
-use heapless::spsc::Queue;
+use zerorate_core::wire::SampleWindow;
 
 use super::*;
 use crate::tests::{Part, Sets, record};
 
-/// A compensator with its queues.
+/// A compensator with its parts.
 struct Rig {
     compensator: Compensator<Sets, Part>,
-    commands: Queue<Scheduled, 8>,
-    reports: Queue<Report, 12>,
     sets: Sets,
     part: Part,
 }
@@ -26,31 +24,22 @@ impl Rig {
         let (sets, part) = (Sets::default(), Part::default());
         let compensator = Compensator::new(sets.clone(), part.clone(), Timing::PAPER);
         part.writes.borrow_mut().clear();
-        Self { compensator, commands: Queue::new(), reports: Queue::new(), sets, part }
+        Self { compensator, sets, part }
     }
 
     fn order(&mut self, at: Option<u32>, action: Action) -> Vec<Report> {
-        let command = Scheduled { sequence: 1, at: at.map(GroupNumber), action };
-        self.commands.enqueue(command).unwrap();
-        self.service()
+        self.compensator.order(Scheduled { sequence: 1, at: at.map(GroupNumber), action });
+        self.reports()
     }
 
     fn set(&mut self, number: u32, temperature: u16, zro: u16) -> Vec<Report> {
         self.sets.push(number, temperature, zro);
-        self.service()
+        self.compensator.service();
+        self.reports()
     }
 
-    fn service(&mut self) -> Vec<Report> {
-        let (mut reports, _) = self.reports.split();
-        self.compensator.service(&mut self.commands.split().1, &mut reports);
-        let mut all = Vec::new();
-        loop {
-            let more = self.compensator.stream(&mut self.reports.split().0);
-            all.extend(core::iter::from_fn(|| self.reports.dequeue()));
-            if !more {
-                return all;
-            }
-        }
+    fn reports(&mut self) -> Vec<Report> {
+        core::iter::from_fn(|| self.compensator.next_report()).collect()
     }
 
     fn writes(&self) -> Vec<(Axis, u16)> {
@@ -59,11 +48,11 @@ impl Rig {
 }
 
 fn done(group: u32) -> Report {
-    Report::Done { sequence: 1, group: GroupNumber(group), result: Ok(()) }
+    Report::Done(1, (GroupNumber(group), Ok(())))
 }
 
 fn refused(group: u32, refusal: Refusal) -> Report {
-    Report::Done { sequence: 1, group: GroupNumber(group), result: Err(refusal) }
+    Report::Done(1, (GroupNumber(group), Err(refusal)))
 }
 
 #[test]
@@ -211,50 +200,36 @@ fn samples_that_a_new_set_overtakes_are_counted_and_their_group_is_reported() {
     rig.order(None, Action::SetSamples(SampleWindow::ALL));
     rig.order(None, Action::SetAcquisition(true));
     rig.sets.push(0, 9000, 8400);
-    rig.compensator.service(&mut rig.commands.split().1, &mut rig.reports.split().0);
-    // Nobody goes on with the stream.
-    let sent = core::iter::from_fn(|| rig.reports.dequeue()).count();
+    rig.compensator.service();
+    // Three are fetched, and nobody goes on.
+    let fetched: Vec<Report> = (0..3).filter_map(|_| rig.compensator.next_report()).collect();
+    assert_eq!(blocks(&fetched).len(), 3);
     let reports = rig.set(1, 9000, 8400);
     assert!(matches!(&reports[0], Report::Group(group) if group.group == GroupNumber(0)));
-    assert_eq!(rig.compensator.status().faults.dropped_uploads as usize, 40 - sent);
+    assert_eq!(rig.compensator.status().faults.dropped_uploads, 37);
     assert_eq!(blocks(&reports).len(), 40);
 }
 
 #[test]
-fn a_full_report_queue_is_counted_not_waited_for() {
-    let mut rig = Rig::calibrated();
-    rig.order(None, Action::SetAcquisition(true));
-    while rig.reports.enqueue(done(0)).is_ok() {}
-    rig.sets.push(0, 9000, 8400);
-    let (mut reports, _) = rig.reports.split();
-    rig.compensator.service(&mut rig.commands.split().1, &mut reports);
-    assert_eq!(rig.compensator.status().faults.dropped_uploads, 1);
-}
-
-#[test]
-fn an_answer_that_finds_no_room_waits_and_is_never_dropped() {
+fn groups_that_nobody_fetches_are_counted_not_waited_for_and_leave_room_for_every_answer() {
     let mut rig = Rig::calibrated();
     rig.order(None, Action::SetAcquisition(true));
     for sequence in 0..7 {
         let tap = Action::SetTap(Axis::Y, Taps::new(500 + sequence).unwrap());
-        rig.commands.enqueue(Scheduled { sequence, at: None, action: tap }).unwrap();
+        rig.compensator.order(Scheduled { sequence, at: Some(GroupNumber(20)), action: tap });
     }
-    while rig.reports.enqueue(done(0)).is_ok() {}
-    rig.sets.push(0, 9000, 8400);
-    let (mut reports, _) = rig.reports.split();
-    rig.compensator.service(&mut rig.commands.split().1, &mut reports);
-    rig.sets.push(1, 9000, 8400);
-    rig.compensator.service(&mut rig.commands.split().1, &mut rig.reports.split().0);
-    while rig.reports.dequeue().is_some() {}
-    let answered: Vec<u16> = rig
-        .service()
-        .iter()
-        .filter_map(|report| match report {
-            Report::Done { sequence, .. } => Some(*sequence),
-            _ => None,
-        })
-        .collect();
-    assert_eq!(answered, [0, 1, 2, 3, 4, 5, 6]);
+    for number in 0..30 {
+        rig.sets.push(number, 9000, 8400);
+        rig.compensator.service();
+    }
+    assert_eq!(rig.compensator.status().faults.dropped_uploads, 30 - 11);
+    let reports = rig.reports();
+    let answered = reports.iter().filter_map(|report| match report {
+        Report::Done(sequence, outcome) => Some((*sequence, *outcome)),
+        _ => None,
+    });
+    assert!(answered.eq((0..7).map(|sequence| (sequence, (GroupNumber(20), Ok(()))))));
+    assert_eq!(reports.len(), 11 + 7);
 }
 
 #[test]

@@ -1,14 +1,12 @@
 //! What became of the last commands, so that one which is sent again is answered and not done again.
 
 use heapless::Vec;
-use zerorate_core::units::GroupNumber;
 use zerorate_core::wire::Refusal;
+
+use crate::compensator::Outcome;
 
 /// Commands that are remembered: twice what a host may send before it waits for an answer.
 const REMEMBERED: usize = 16;
-
-/// What came of a command, and the first group for which it holds.
-pub(super) type Outcome = (GroupNumber, Result<(), Refusal>);
 
 /// A command that was accepted.
 #[derive(Debug, Clone, Copy)]
@@ -76,6 +74,7 @@ impl Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zerorate_core::units::GroupNumber;
 
     const DONE: Outcome = (GroupNumber(4), Ok(()));
 

@@ -1,11 +1,13 @@
 use std::vec::Vec;
 
-use heapless::spsc::Queue;
-use zerorate_core::wire::frame;
+use zerorate_core::compensate::Mode;
+use zerorate_core::record::MAX_RECORD_BYTES;
+use zerorate_core::units::{Axis, Taps};
+use zerorate_core::wire::{CHUNK, CalibrationState, ResetCause, frame};
 
 use super::*;
-use crate::store::{MemoryStore, StoreFailed, Stored};
-use crate::tests::record;
+use crate::store::{StoreFailed, Stored};
+use crate::tests::{MemoryStore, idle, record};
 
 /// A store that has worn out.
 struct WornOut;
@@ -25,22 +27,32 @@ impl RecordStore for WornOut {
 }
 
 fn console<S: RecordStore>(store: S) -> Console<S> {
-    let identity = DeviceIdentity { unit: UnitSerial::try_from("ZR-7").unwrap(), firmware: [1, 2, 3] };
-    Console::new(identity, Timing::PAPER, store)
+    console_of("ZR-7", store)
+}
+
+fn console_of<S: RecordStore>(unit: &str, store: S) -> Console<S> {
+    let started = Started { reset: ResetCause::Power, restarts: 0, taps: [Taps::MIDDLE; 2] };
+    Console::new(UnitSerial::try_from(unit).unwrap(), Timing::PAPER, store, started)
 }
 
 /// Sends one request, each with a number of its own, and returns the answer.
 fn ask<S: RecordStore>(console: &mut Console<S>, request: Request) -> Option<Answer> {
     let sequence = u16::try_from(console.uploads).unwrap();
-    let mut commands: Queue<Scheduled, 8> = Queue::new();
+    let mut commands = Vec::new();
     say(console, &Command { sequence, at: None, request }, &mut commands).map(|(_, _, answer)| answer)
+}
+
+/// Takes a byte in and obeys the command that it may end.
+fn hear<S: RecordStore>(console: &mut Console<S>, byte: u8, line: &mut impl Transmit) -> Option<Scheduled> {
+    let command = console.hear(byte)?;
+    console.obey(command, &idle(), line)
 }
 
 /// Sends a command and returns the answer: to which number, from which group on, what.
 fn say<S: RecordStore>(
     console: &mut Console<S>,
     command: &Command,
-    commands: &mut Queue<Scheduled, 8>,
+    commands: &mut Vec<Scheduled>,
 ) -> Option<(u16, GroupNumber, Answer)> {
     let mut sent: Vec<u8> = Vec::new();
     let mut line = |bytes: &[u8]| {
@@ -49,7 +61,7 @@ fn say<S: RecordStore>(
     };
     let frame = frame::encode(command).unwrap();
     for &byte in &frame {
-        console.receive(byte, &Status::default(), &mut commands.split().0, &mut line);
+        commands.extend(hear(console, byte, &mut line));
     }
     let mut receiver = Receiver::new();
     let upload: Upload = sent.iter().find_map(|&byte| receiver.push(byte))?.unwrap();
@@ -61,9 +73,7 @@ fn say<S: RecordStore>(
 
 /// Reports that the compensator has done a command.
 fn report_done<S: RecordStore>(console: &mut Console<S>, sequence: u16, group: u32, result: Result<(), Refusal>) {
-    let mut reports: Queue<Report, 4> = Queue::new();
-    reports.enqueue(Report::Done { sequence, group: GroupNumber(group), result }).unwrap();
-    console.upload(&mut reports.split().1, &mut |_: &[u8]| true);
+    console.report(Report::Done(sequence, (GroupNumber(group), result)), &mut |_: &[u8]| true);
 }
 
 fn write<S: RecordStore>(console: &mut Console<S>, bytes: &[u8]) -> Option<Answer> {
@@ -77,7 +87,7 @@ fn write<S: RecordStore>(console: &mut Console<S>, bytes: &[u8]) -> Option<Answe
 
 fn stored<S: RecordStore>(console: &mut Console<S>) -> Vec<u8> {
     let mut bytes = [0; MAX_RECORD_BYTES];
-    let n = console.store.read(0, &mut bytes).unwrap();
+    let n = console.calibration.store.read(0, &mut bytes).unwrap();
     bytes[..n].to_vec()
 }
 
@@ -151,7 +161,7 @@ fn a_record_whose_table_of_edges_is_not_its_laws_is_neither_stored_nor_run() {
     let wrong = wrong.encode(&mut buffer).unwrap();
     let mut store = MemoryStore::default();
     store.commit(wrong).unwrap();
-    assert_eq!(console(store).calibration(), CalibrationState::LawRefused);
+    assert_eq!(console(store).calibration.state(), CalibrationState::LawRefused);
     let mut console = console(MemoryStore::default());
     let good = encoded("ZR-7");
     write(&mut console, &good);
@@ -170,12 +180,9 @@ fn a_store_that_fails_is_said_and_nothing_is_taken_into_use() {
 #[test]
 fn damaged_frames_are_counted_and_not_acted_on() {
     let mut console = console(MemoryStore::default());
-    let mut commands: Queue<Scheduled, 8> = Queue::new();
     for byte in [7, 3, 200, 0] {
-        let acted = console.receive(byte, &Status::default(), &mut commands.split().0, &mut |_: &[u8]| true);
-        assert!(!acted);
+        assert!(console.hear(byte).is_none());
     }
-    assert!(commands.is_empty());
     let Some(Answer::Faults(faults)) = ask(&mut console, Request::Faults) else { panic!("the faults") };
     assert_eq!(faults.damaged_frames, 1);
 }
@@ -184,7 +191,11 @@ fn damaged_frames_are_counted_and_not_acted_on() {
 fn the_device_says_who_it_is() {
     let mut console = console(MemoryStore::default());
     let Some(Answer::Identity(identity)) = ask(&mut console, Request::Identity) else { panic!("an identity") };
-    assert_eq!((identity.unit.as_str(), identity.firmware), ("ZR-7", [1, 2, 3]));
+    assert_eq!(identity.unit.as_str(), "ZR-7");
+    assert_eq!(
+        std::format!("{:?}", identity.firmware),
+        std::format!("[{}]", env!("CARGO_PKG_VERSION").replace('.', ", "))
+    );
     assert_eq!((identity.samples_per_group, identity.sample_period_us), (500, 3000));
 }
 
@@ -196,7 +207,7 @@ fn set_tap(sequence: u16, tap: u16) -> Command {
 #[test]
 fn a_command_that_comes_again_is_answered_again_and_not_done_again() {
     let mut console = console(MemoryStore::default());
-    let mut commands: Queue<Scheduled, 8> = Queue::new();
+    let mut commands = Vec::new();
     assert_eq!(say(&mut console, &set_tap(70, 600), &mut commands), None);
     assert_eq!(say(&mut console, &set_tap(70, 600), &mut commands), None, "it still waits");
     assert_eq!(commands.len(), 1, "once");
@@ -214,27 +225,26 @@ fn a_command_that_comes_again_is_answered_again_and_not_done_again() {
 #[test]
 fn a_refusal_is_remembered_too_but_not_that_there_was_no_room() {
     let mut console = console(MemoryStore::default());
-    let mut commands: Queue<Scheduled, 8> = Queue::new();
+    let mut commands = Vec::new();
     say(&mut console, &set_tap(1, 600), &mut commands);
     report_done(&mut console, 1, 3, Err(Refusal::TrimPartFailed));
     let again = say(&mut console, &set_tap(1, 600), &mut commands);
     assert_eq!(again, Some((1, GroupNumber(3), Answer::Refused(Refusal::TrimPartFailed))));
     say(&mut console, &set_tap(2, 600), &mut commands);
     report_done(&mut console, 2, 3, Err(Refusal::Busy));
-    commands.dequeue();
-    commands.dequeue();
+    commands.clear();
     assert_eq!(say(&mut console, &set_tap(2, 600), &mut commands), None);
     assert_eq!(commands.len(), 1, "tried again");
-    // The queue holds seven.
-    let answers: Vec<_> = (10..20).map(|k| say(&mut console, &set_tap(k, 600), &mut commands)).collect();
-    assert!(answers[..6].iter().all(Option::is_none));
-    assert!(answers[6..].iter().all(|answer| matches!(answer, Some((_, _, Answer::Refused(Refusal::Busy))))));
+    // No more are remembered than sixteen.
+    let answers: Vec<_> = (10..30).map(|k| say(&mut console, &set_tap(k, 600), &mut commands)).collect();
+    assert!(answers[..15].iter().all(Option::is_none));
+    assert!(answers[15..].iter().all(|answer| matches!(answer, Some((_, _, Answer::Refused(Refusal::Busy))))));
 }
 
 #[test]
 fn an_identity_opens_a_conversation_and_forgets_the_one_before() {
     let mut console = console(MemoryStore::default());
-    let mut commands: Queue<Scheduled, 8> = Queue::new();
+    let mut commands = Vec::new();
     say(&mut console, &set_tap(5, 600), &mut commands);
     report_done(&mut console, 5, 1, Ok(()));
     let hello = Command { sequence: 4, at: None, request: Request::Identity };
@@ -247,7 +257,7 @@ fn an_identity_opens_a_conversation_and_forgets_the_one_before() {
 #[test]
 fn a_commit_that_comes_again_stores_once() {
     let mut console = console(MemoryStore::default());
-    let mut commands: Queue<Scheduled, 8> = Queue::new();
+    let mut commands = Vec::new();
     let bytes = encoded("ZR-7");
     for (part, chunk) in bytes.chunks(CHUNK).enumerate() {
         let request = Request::WriteCalibration {
@@ -273,8 +283,7 @@ fn what_is_stored_is_named_when_it_cannot_be_used() {
     let with = |bytes: &[u8], unit: &str| {
         let mut store = MemoryStore::default();
         store.commit(bytes).unwrap();
-        let identity = DeviceIdentity { unit: UnitSerial::try_from(unit).unwrap(), firmware: [1, 0, 0] };
-        let mut console = Console::new(identity, Timing::PAPER, store);
+        let mut console = console_of(unit, store);
         let Some(Answer::Identity(identity)) = ask(&mut console, Request::Identity) else { panic!("it keeps talking") };
         assert_eq!(console.take_laws().is_some(), identity.calibration.is_in_use());
         identity.calibration
@@ -294,11 +303,10 @@ fn what_is_stored_is_named_when_it_cannot_be_used() {
 #[test]
 fn a_frame_that_is_whole_and_says_nothing_we_know_is_counted_apart() {
     let mut console = console(MemoryStore::default());
-    let mut commands: Queue<Scheduled, 8> = Queue::new();
     // A request of a later version: a number that stands for none of ours.
     let frame = frame::encode(&(3_u16, None::<u32>, 200_u8)).unwrap();
     for &byte in &frame {
-        assert!(!console.receive(byte, &Status::default(), &mut commands.split().0, &mut |_: &[u8]| true));
+        assert!(console.hear(byte).is_none());
     }
     let Some(Answer::Faults(faults)) = ask(&mut console, Request::Faults) else { panic!("the faults") };
     assert_eq!((faults.unknown_frames, faults.damaged_frames), (1, 0));

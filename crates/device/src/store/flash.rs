@@ -105,12 +105,25 @@ impl Content {
     }
 }
 
-/// A store in a range of NOR flash.
-pub struct FlashStore<F: NorFlash> {
+/// The banks in a range of NOR flash.
+struct Banks<F> {
     flash: Blocking<F>,
     /// The range's first address and the length of one half of it, bytes.
     start: u32,
-    bank_bytes: u32,
+    bytes: u32,
+}
+
+impl<F: NorFlash> Banks<F> {
+    fn open(&mut self, bank: u8) -> Result<Bank<'_, F>, StoreFailed> {
+        let start = self.start + u32::from(bank) * self.bytes;
+        let config = QueueConfig::try_new(start..start + self.bytes).map_err(|_| StoreFailed)?;
+        Ok(QueueStorage::new(&mut self.flash, config, Cache::new_uncached()))
+    }
+}
+
+/// A store in a range of NOR flash.
+pub struct FlashStore<F: NorFlash> {
+    banks: Banks<F>,
     /// The item last read or written, its length, and which piece of the record in use it is.
     buffer: Buffer,
     length: usize,
@@ -140,9 +153,7 @@ impl<F: NorFlash> FlashStore<F> {
             return Err(Unusable::TooSmall { items, needed: ITEMS });
         }
         let mut store = Self {
-            flash: Blocking(flash),
-            start: range.start,
-            bank_bytes: bytes / 2,
+            banks: Banks { flash: Blocking(flash), start: range.start, bytes: bytes / 2 },
             buffer: Buffer([0; ITEM]),
             length: 0,
             piece: None,
@@ -150,23 +161,11 @@ impl<F: NorFlash> FlashStore<F> {
             contents: [Content::Nothing; 2],
             stored: Stored::Blank,
         };
-        if store.queue(0).is_none() {
+        if store.banks.open(0).is_err() {
             return Err(Unusable::Geometry);
         }
         store.stored = store.look().unwrap_or(Stored::Unreachable);
         Ok(store)
-    }
-
-    /// Gives the flash back.
-    pub fn release(self) -> F {
-        self.flash.0
-    }
-
-    /// A bank's queue; `None` where the geometry does not do.
-    fn queue(&mut self, bank: u8) -> Option<Bank<'_, F>> {
-        let start = self.start + u32::from(bank) * self.bank_bytes;
-        let config = QueueConfig::try_new(start..start + self.bank_bytes).ok()?;
-        Some(QueueStorage::new(&mut self.flash, config, Cache::new_uncached()))
     }
 
     /// Looks what the banks hold, and which of them is to be believed.
@@ -212,9 +211,7 @@ impl<F: NorFlash> FlashStore<F> {
     /// Shows a bank's items in order, until one of them is what was looked for; it is then in the buffer.
     fn each<T>(&mut self, bank: u8, mut show: impl FnMut(&[u8]) -> Option<T>) -> Result<Option<T>, StoreFailed> {
         self.piece = None;
-        let start = self.start + u32::from(bank) * self.bank_bytes;
-        let config = QueueConfig::try_new(start..start + self.bank_bytes).map_err(|_| StoreFailed)?;
-        let mut queue: Bank<'_, F> = QueueStorage::new(&mut self.flash, config, Cache::new_uncached());
+        let mut queue = self.banks.open(bank)?;
         let mut items = match now(queue.iter()).ok_or(StoreFailed)? {
             Ok(items) => items,
             // What cannot be made sense of holds nothing.
@@ -256,10 +253,7 @@ impl<F: NorFlash> FlashStore<F> {
 
     fn write(&mut self, bank: u8, head: Head, record: &[u8]) -> Result<(), StoreFailed> {
         self.piece = None;
-        {
-            let mut queue = self.queue(bank).ok_or(StoreFailed)?;
-            now(queue.erase_all()).and_then(Result::ok).ok_or(StoreFailed)?;
-        }
+        now(self.banks.open(bank)?.erase_all()).and_then(Result::ok).ok_or(StoreFailed)?;
         for piece in record.chunks(PIECE) {
             self.push(bank, KIND_PIECE, piece)?;
         }
@@ -272,8 +266,7 @@ impl<F: NorFlash> FlashStore<F> {
         let (first, rest) = bytes.split_first_mut().ok_or(StoreFailed)?;
         *first = kind;
         rest.copy_from_slice(content);
-        let mut queue = self.queue(bank).ok_or(StoreFailed)?;
-        now(queue.push(bytes, false)).and_then(Result::ok).ok_or(StoreFailed)
+        now(self.banks.open(bank)?.push(bytes, false)).and_then(Result::ok).ok_or(StoreFailed)
     }
 }
 
@@ -320,3 +313,6 @@ impl<F: NorFlash> RecordStore for FlashStore<F> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

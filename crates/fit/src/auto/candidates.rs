@@ -8,14 +8,14 @@ use super::features::Features;
 use super::gram::Penalised;
 use crate::model::Model;
 
-/// Strengths of the ridge, shares of the data's own weight, a factor of ten apart: at the lowest it does nothing on 400
+/// Strengths of the shrinkage, shares of the data's own weight, a factor of ten apart: at the lowest it does nothing on 400
 /// groups but settle what they leave open; at the highest a term needs ten times its own weight of evidence.
-const RIDGES: [f64; 6] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
+const SHRINKAGES: [f64; 6] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
 /// Strengths of a table's smoothing; its knots are drawn to a straight line, not to zero.
 const SMOOTHINGS: [f64; 3] = [1e-4, 1e-2, 1.0];
 
-/// The ridge on what is not shrunk: rounding's size.
+/// The shrinkage on what is not shrunk: rounding's size.
 const NONE: f64 = 1e-12;
 
 /// What a model has beside its curve.
@@ -37,17 +37,17 @@ pub(super) struct Terms {
 pub(super) struct Spec {
     pub model: Model,
     pub terms: Terms,
-    pub ridge: f64,
+    pub shrinkage: f64,
     /// The columns of [`Features`]: the curve's, the memories', time.
     pub columns: Vec<usize>,
-    pub ridges: Vec<f64>,
+    pub shrinkages: Vec<f64>,
     /// Which memories, by their places.
     pub memories: Vec<usize>,
     pub smooth: f64,
 }
 
 impl Spec {
-    pub(super) fn new(features: &Features, model: Model, memories: &[usize], time: bool, ridge: f64) -> Self {
+    pub(super) fn new(features: &Features, model: Model, memories: &[usize], time: bool, shrinkage: f64) -> Self {
         let curve: Vec<usize> = match model {
             Model::Table(intervals) => (0..=intervals).map(Features::knot).collect(),
             Model::Poly(order) => (0..=order).map(Features::power).collect(),
@@ -59,10 +59,10 @@ impl Spec {
             time,
         };
         let shrunk = memories.len() + usize::from(time);
-        let ridges = std::iter::repeat_n(NONE, curve.len()).chain(std::iter::repeat_n(ridge, shrunk)).collect();
+        let shrinkages = std::iter::repeat_n(NONE, curve.len()).chain(std::iter::repeat_n(shrinkage, shrunk)).collect();
         let columns = curve.into_iter().chain(memories.iter().map(|&place| features.memory(place)));
         let columns = columns.chain(time.then(|| features.time_column())).collect();
-        Self { model, terms, ridge, columns, ridges, memories: memories.to_vec(), smooth: 0.0 }
+        Self { model, terms, shrinkage, columns, shrinkages, memories: memories.to_vec(), smooth: 0.0 }
     }
 
     /// The number of coefficients that a polynomial of the curve's freedom has, and of the terms: what "simpler" means.
@@ -77,7 +77,7 @@ impl Spec {
 
     pub(super) fn penalised(&self) -> Penalised<'_> {
         let knots = if matches!(self.model, Model::Table(_)) { self.curve() } else { 0 };
-        Penalised { columns: &self.columns, ridge: &self.ridges, knots, smooth: self.smooth }
+        Penalised { columns: &self.columns, shrinkage: &self.shrinkages, knots, smooth: self.smooth }
     }
 
     /// Whether it is the static curve of an order and nothing else.
@@ -124,24 +124,27 @@ pub(super) fn candidates(features: &Features, asked: Model) -> Vec<Spec> {
     let mut specs = Vec::new();
     for set in &sets {
         for &time in times {
-            let ridges: &[f64] = if set.is_empty() && !time { &[0.0] } else { &RIDGES };
-            for &ridge in ridges {
-                specs.extend((1..=MAX_ORDER).map(|order| Spec::new(features, Model::Poly(order), set, time, ridge)));
+            let shrinkages: &[f64] = if set.is_empty() && !time { &[0.0] } else { &SHRINKAGES };
+            for &shrinkage in shrinkages {
+                specs
+                    .extend((1..=MAX_ORDER).map(|order| Spec::new(features, Model::Poly(order), set, time, shrinkage)));
             }
             for smooth in SMOOTHINGS {
-                let ridge = if set.is_empty() && !time { 0.0 } else { TABLE_RIDGE };
-                let table = Spec::new(features, Model::Table(features.intervals), set, time, ridge);
+                let shrinkage = if set.is_empty() && !time { 0.0 } else { TABLE_SHRINKAGE };
+                let table = Spec::new(features, Model::Table(features.intervals), set, time, shrinkage);
                 specs.push(Spec { smooth, ..table });
             }
         }
     }
-    // The larger ridge is the simpler of two of one size.
-    specs.sort_by(|a, b| a.size().cmp(&b.size()).then(b.ridge.total_cmp(&a.ridge)).then(b.smooth.total_cmp(&a.smooth)));
+    // The larger shrinkage is the simpler of two of one size.
+    specs.sort_by(|a, b| {
+        a.size().cmp(&b.size()).then(b.shrinkage.total_cmp(&a.shrinkage)).then(b.smooth.total_cmp(&a.smooth))
+    });
     specs
 }
 
-/// The ridge of the terms beside a table, whose smoothing is what is chosen: the middle one.
-const TABLE_RIDGE: f64 = 1e-3;
+/// The shrinkage of the terms beside a table, whose smoothing is what is chosen: the middle one.
+const TABLE_SHRINKAGE: f64 = 1e-3;
 
 fn places(features: &Features, wanted: impl Fn(Memory) -> bool) -> Vec<usize> {
     (0..features.memories.len()).filter(|&place| wanted(features.memories[place])).collect()

@@ -2,7 +2,7 @@
 //!
 //! Candidates are many and share their columns, so the products are summed once a fold; a candidate is a choice of
 //! rows and columns of the sums, and a fit without a fold is a subtraction. The columns are of the order of one and the
-//! rates are taken from their mean, so that squaring the condition number costs nothing that the ridge has not settled.
+//! rates are taken from their mean, so that squaring the condition number costs nothing that the shrinkage has not settled.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -82,8 +82,8 @@ impl Gram {
     pub(super) fn factorise(&self, fit: &Penalised<'_>) -> Option<Factor> {
         let n = fit.columns.len();
         let mut matrix = DMatrix::from_fn(n, n, |i, j| self.at(fit.columns[i], fit.columns[j]));
-        for (i, ridge) in fit.ridge.iter().enumerate() {
-            matrix[(i, i)] += self.weight * ridge;
+        for (i, shrinkage) in fit.shrinkage.iter().enumerate() {
+            matrix[(i, i)] += self.weight * shrinkage;
         }
         for middle in 1..fit.knots.saturating_sub(1) {
             let differences = [(middle - 1, 1.0), (middle, -2.0), (middle + 1, 1.0)];
@@ -117,8 +117,8 @@ impl Factor {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Penalised<'a> {
     pub columns: &'a [usize],
-    /// The penalty is `ridge[k] beta_k^2` a column.
-    pub ridge: &'a [f64],
+    /// The penalty is `shrinkage[k] beta_k^2` a column.
+    pub shrinkage: &'a [f64],
     /// The first so many columns are the knots of a table; 0 for a polynomial.
     pub knots: usize,
     /// And so much times the squared second differences of the knots.

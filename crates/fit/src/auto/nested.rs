@@ -38,7 +38,7 @@ impl Outer {
             Some(ResidualStatistics::of(values.iter().copied()).rms).filter(|rms| rms.is_finite() && self.complete())
         };
         HeldOut {
-            stretches: FOLDS as u64,
+            folds: FOLDS as u64,
             in_recording: rms(&self.residuals),
             deployed_warm: rms(&self.warm),
             deployed_cold: rms(&self.cold),

@@ -7,7 +7,7 @@ use super::sample::Sample;
 use crate::choose::standard_error;
 use crate::folds::{FOLDS, rows_of_fold};
 
-/// The ends of temperature that are held out: an eighth of the groups each, as much as a fold.
+/// The ends of temperature that are held out: as many groups each as a fold.
 const ENDS: usize = 2;
 
 /// The time over which a zero is taken at start-up, seconds: what autopilots do at boot takes a few; half a minute is
@@ -60,9 +60,9 @@ impl FoldSums {
         let mut parts: Vec<&[usize]> = (0..FOLDS).map(|fold| &used[rows_of_fold(fold, used.len())]).collect();
         let mut by_temperature = used.clone();
         by_temperature.sort_by(|&a, &b| sample.temperature(a).total_cmp(&sample.temperature(b)));
-        let eighth = used.len() / FOLDS;
-        let (cold, hot) = by_temperature.split_at(used.len() - eighth);
-        let mut ends = [cold[..eighth].to_vec(), hot.to_vec()];
+        let end = used.len() / FOLDS;
+        let (cold, hot) = by_temperature.split_at(used.len() - end);
+        let mut ends = [cold[..end].to_vec(), hot.to_vec()];
         ends.iter_mut().for_each(|end| end.sort_unstable());
         parts.extend(ends.iter().map(Vec::as_slice));
         let folds: Vec<Fold> = parts.into_iter().map(|part| Fold::new(features, sample, part)).collect();
@@ -177,8 +177,8 @@ pub(super) fn booted(sample: &Sample<'_>, part: &[usize]) -> usize {
 /// fold by fold (after Breiman et al., *Classification and Regression Trees*, 1984, 3.4.3, with the error of the
 /// difference in place of the error of the best), and the standard error of each.
 ///
-/// Only candidates that are no worse at either end than the better of a straight line and a cubic, and no worse in
-/// either direction of the ramp than the cubic, are looked at; where there is none, the one that fails by least.
+/// Only candidates that are no worse at either end than a straight line or a cubic, whichever is more accurate there, and
+/// no worse in either direction of the ramp than the cubic, are looked at; where there is none, the one that fails by least.
 pub(super) fn choose(specs: &[Spec], scored: &[Option<Scored>]) -> Option<(usize, Vec<f64>)> {
     let of =
         |order: usize| specs.iter().position(|spec| spec.is_static(order)).and_then(|place| scored[place].as_ref());

@@ -3,7 +3,7 @@
 use crate::series::Series;
 
 /// Groups that candidates are compared on, at most: neighbours of a longer record are averaged for the comparison, so
-/// that it takes as long whatever the record. Eight stretches of fifty groups still hold turns of temperature apart.
+/// that it takes as long whatever the record. Eight folds of fifty groups still keep heating and cooling apart.
 const CHOICE_GROUPS: usize = 400;
 
 /// A series of fewer, longer groups.

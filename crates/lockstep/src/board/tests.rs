@@ -30,10 +30,10 @@ impl Line for Host {
     }
 }
 
-fn board(answers: &[u8]) -> (Host, SharedChannel<Host>) {
+fn board(answers: &[u8]) -> (Host, Channel<Host>) {
     let host = Host::default();
     host.answers.borrow_mut().extend(answers);
-    (host.clone(), Mutex::new(RefCell::new(Channel::new(host))))
+    (host.clone(), Channel::new(host))
 }
 
 impl Host {
@@ -81,7 +81,7 @@ fn a_bus_that_fails_and_a_host_that_is_gone_are_errors() {
     let (_, channel) = board(&[0, 1]);
     assert_eq!(LockstepSpi::new(&channel, Bus::Port).read(&mut [0; 4]), Err(BusFailed));
     let (_, channel) = board(&[99]);
-    assert_eq!(poll(&channel, Poll::default()), Err(BusFailed));
+    assert_eq!(channel.poll(Poll::default()), Err(BusFailed));
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn a_host_of_another_version_is_not_taken_for_ours() {
         answer.extend(board.to_bytes());
         let host = Host::default();
         host.answers.borrow_mut().extend(answer);
-        Channel::new(host).hello()
+        Channel::closed().open(host)
     };
     let got = hello(&says).unwrap();
     assert_eq!((got, got.serial()), (says, "ZR-7"));
@@ -124,7 +124,7 @@ fn flash_is_read_and_written_in_pieces_that_fit_a_request() {
 fn a_set_is_ready_or_not() {
     let (host, channel) = board(&[Answer::SetReady as u8, Answer::Done as u8]);
     let say = Poll { received: u32::MAX, sent: u32::MAX };
-    assert_eq!(poll(&channel, say), Ok(true));
-    assert_eq!(poll(&channel, say), Ok(false));
+    assert_eq!(channel.poll(say), Ok(true));
+    assert_eq!(channel.poll(say), Ok(false));
     assert_eq!(host.asked.borrow().len(), 2 * 13);
 }

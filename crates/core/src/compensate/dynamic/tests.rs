@@ -6,7 +6,9 @@ use std::vec::Vec;
 
 use proptest::prelude::*;
 
-use super::super::{AxisCompensation, AxisLaw, DriftNumbers, EdgeTable, LowPass, Mode, StaticLaw, TrimNumbers};
+use super::super::{
+    AxisCompensation, AxisLaw, DriftNumbers, EdgeTable, LawNumbers, LowPass, Mode, StaticLaw, TrimNumbers,
+};
 use super::*;
 use crate::drift::{Drift, History, HistoryState, Memory, Polynomial, Scale, Shape, Term, ValidRange};
 use crate::group::GroupSums;
@@ -68,7 +70,7 @@ fn largest_difference(walk: impl Iterator<Item = Option<u16>>) -> f64 {
         let temperature = code.map_or(f64::NAN, |code| SCALE.temperature(TemperatureCode(code)));
         history.advance(&law.drift, &mut state, temperature, PERIOD_S);
         let Some(code) = code.map(TemperatureCode) else {
-            FixedHistory::lose(&mut fixed_state, 1);
+            fixed_state.lose(1);
             continue;
         };
         fixed.advance(&mut fixed_state, code);
@@ -139,7 +141,9 @@ fn group(code: u16) -> GroupSums {
 fn dynamic_law() -> AxisLaw {
     let law = law();
     let edges = EdgeTable::solve(&law).unwrap();
-    AxisLaw::new(&law, Some(&edges), LowPass::NONE).unwrap().with_history(&history(), &law, PERIOD_S).unwrap()
+    let mut numbers = LawNumbers::new(&law, Some(&edges), LowPass::NONE).unwrap();
+    numbers.history = Some(HistoryNumbers::new(&history(), &law.drift, SCALE, PERIOD_S).unwrap());
+    AxisLaw::from_numbers(&numbers).unwrap()
 }
 
 #[test]
@@ -227,7 +231,7 @@ fn a_history_whose_numbers_do_not_fit_is_refused() {
     let law = law();
     let with = |memory, weight, period| {
         let history = History::new(paper(0.0), &[Term { memory, weight, share: 1.0 }]).unwrap();
-        AxisLaw::new(&law, None, LowPass::NONE).unwrap().with_history(&history, &law, period)
+        HistoryNumbers::new(&history, &law.drift, SCALE, period)
     };
     assert!(with(Memory::Play { half_width: 100.0 }, 0.1, 0.5).is_ok());
     assert!(with(Memory::Play { half_width: 100.0 }, 1e6, 0.5).is_err(), "weight");

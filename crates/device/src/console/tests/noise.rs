@@ -100,24 +100,16 @@ fn damaged(dice: &mut Dice, whole: &[Vec<u8>]) -> Vec<u8> {
 fn of_a_million_damaged_frames_none_is_obeyed() {
     let mut dice = Dice(20_251_121);
     let whole = harmful(&encoded("ZR-7"));
-    let identity = DeviceIdentity { unit: UnitSerial::try_from("ZR-7").unwrap(), firmware: [1, 2, 3] };
-    let mut console = Console::new(identity, Timing::PAPER, Sealed);
-    let mut commands: Queue<Scheduled, 8> = Queue::new();
-    let mut said = 0_u32;
+    let mut console = console(Sealed);
     let mut frames = 0_u32;
     while frames < 1_000_000 {
         let frame = damaged(&mut dice, &whole);
         frames += u32::from(!frame.is_empty());
         for &byte in frame.iter().chain(&[0]) {
-            let acted = console.receive(byte, &Status::default(), &mut commands.split().0, &mut |_: &[u8]| {
-                said += 1;
-                true
-            });
-            assert!(!acted, "frame {frames}: {frame:?}");
+            assert!(console.hear(byte).is_none(), "frame {frames}: {frame:?}");
         }
     }
-    assert!(commands.is_empty() && console.buffer.is_empty());
-    assert_eq!(said, 0, "no answer either: nobody asked");
+    assert_eq!(console.uploads, 0, "no answer either: nobody asked");
     let Some(Answer::Faults(faults)) = ask(&mut console, Request::Faults) else { panic!("it still listens") };
     assert!(faults.damaged_frames >= 990_000, "{faults:?}");
     assert_eq!(faults.unknown_frames, 0, "no CRC-32 matched by chance");
@@ -148,17 +140,15 @@ impl Line {
             let mut bytes = Vec::from([0]);
             bytes.extend_from_slice(&frame);
             self.damage(&mut bytes);
-            let mut commands: Queue<Scheduled, 8> = Queue::new();
             let mut sent: Vec<u8> = Vec::new();
             for byte in bytes {
                 let mut line = |bytes: &[u8]| {
                     sent.extend_from_slice(bytes);
                     true
                 };
-                self.console.receive(byte, &Status::default(), &mut commands.split().0, &mut line);
+                assert!(hear(&mut self.console, byte, &mut line).is_none(), "nobody sent any");
                 let _ = self.console.take_laws();
             }
-            assert!(commands.is_empty(), "nobody sent any");
             self.damage(&mut sent);
             for byte in sent {
                 if let Some(Ok(Upload { message: Message::Answer { to, answer, .. }, .. })) = self.receiver.push(byte)

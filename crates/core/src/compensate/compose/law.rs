@@ -60,10 +60,4 @@ impl StaticLaw {
     pub fn next(&self, tap: Taps, code: TemperatureCode) -> Taps {
         if self.leaves(tap, code) { self.tap(code).unwrap_or(tap) } else { tap }
     }
-
-    /// What is to be subtracted from a reading taken at a temperature code and a tap: `V(T) + effect(N) - V0`.
-    #[must_use]
-    pub fn correction(&self, code: TemperatureCode, tap: Taps) -> Counts {
-        self.drift(code).0 + self.trim.effect(tap) - self.trim.line.centre()
-    }
 }

@@ -5,57 +5,37 @@
 
 use heapless::Vec;
 
-use super::axis_law::LawRefused;
-use super::edges::EdgeTable;
-use super::fixed::{FixedDrift, Q16};
 use super::law::StaticLaw;
-use super::numbers::{
-    CurveNumbers, DriftNumbers, HistoryNumbers, LawNumbers, LowPassNumbers, MemoryNumbers, PolynomialNumbers,
-    TableNumbers, TermNumbers, TrimNumbers,
+use super::low_pass::LowPass;
+use crate::compensate::axis_law::AxisLaw;
+use crate::compensate::edges::EdgeTable;
+use crate::compensate::fixed::FixedDrift;
+use crate::compensate::numbers::{
+    CODE_BITS, CurveNumbers, DriftNumbers, HistoryNumbers, LawNumbers, LowPassNumbers, MemoryNumbers,
+    PolynomialNumbers, TableNumbers, TermNumbers, TrimNumbers, WEIGHT_BITS,
 };
-use super::settling::LowPass;
+use crate::compensate::q16::{Q16, to_fixed};
+use crate::compensate::refused::{LawRefused, Unrepresentable};
 use crate::drift::{Drift, History, Memory, Polynomial, Shape, Table, Term, ValidRange, substitute};
 use crate::trim::Trim;
 use crate::units::{Taps, TemperatureCode, TemperatureScale};
 
-/// Fractional bits of a memory in codes.
-pub(super) const CODE_BITS: u32 = 14;
-/// Fractional bits of a weight in counts per code: up to 127 counts a code, in steps that make 0.004 count over all codes.
-pub(super) const WEIGHT_BITS: u32 = 24;
 /// One in Q32.
 const Q32: f64 = 4_294_967_296.0;
 
 /// The integers give the drift to within so many counts.
-pub const ACCURACY_COUNTS: f64 = 0.5;
+const ACCURACY_COUNTS: f64 = 0.5;
 
-/// A drift whose numbers do not fit the fixed-point form.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unrepresentable {
-    /// The readings, or the coefficients between them, are beyond the fixed-point range.
-    TooLarge,
-    /// The calibrated range is narrower than the table's pieces can be told apart in.
-    TooNarrow,
-    /// The integers would be off by more than [`ACCURACY_COUNTS`] somewhere in the calibrated range.
-    TooCoarse,
-}
-
-impl core::fmt::Display for Unrepresentable {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::TooLarge => {
-                "the drift model's numbers are beyond the device's fixed-point range: refit with a lower order"
-            }
-            Self::TooNarrow => {
-                "the calibrated range is too narrow for the table: refit over a wider span or with fewer pieces"
-            }
-            Self::TooCoarse => {
-                "the device's integers are off the drift model by more than half a count: refit with a lower order"
-            }
-        })
+impl AxisLaw {
+    /// The device's form of a law, from the model. `edges` is the table that belongs to it, `None` where the law has none
+    /// and the wiper is to stay (mode digital); it is checked against the law, in f64 and in integers.
+    ///
+    /// # Errors
+    /// [`LawRefused`], when the numbers do not fit or the table is wrong.
+    pub fn new(law: &StaticLaw, edges: Option<&EdgeTable>, low_pass: LowPass) -> Result<Self, LawRefused> {
+        Self::from_numbers(&LawNumbers::new(law, edges, low_pass)?)
     }
 }
-
-impl core::error::Error for Unrepresentable {}
 
 impl LawNumbers {
     /// A law as a record stores it. `edges` is its table, checked against the law; `None` where the law has none and the
@@ -87,7 +67,7 @@ impl DriftNumbers {
     /// A drift as a record stores it.
     ///
     /// # Errors
-    /// [`Unrepresentable`], when its numbers do not fit, or are off by more than [`ACCURACY_COUNTS`].
+    /// [`Unrepresentable`], when its numbers do not fit, or are off by more than half a count.
     pub fn new(drift: &Drift, scale: TemperatureScale) -> Result<Self, Unrepresentable> {
         let (first, last) = calibrated_codes(drift.valid, scale).ok_or(Unrepresentable::TooNarrow)?;
         let curve = match &drift.shape {
@@ -161,7 +141,7 @@ fn rounded_table(table: &Table, scale: TemperatureScale, first: u16) -> Result<T
 
 impl TrimNumbers {
     /// A trim model as a record stores it; `None` when an effect does not fit.
-    pub(super) fn new(trim: &Trim) -> Option<Self> {
+    pub(in crate::compensate) fn new(trim: &Trim) -> Option<Self> {
         for end in [Taps::FIRST, Taps::LAST] {
             Q16::from_counts(trim.effect(end).0)?;
         }
@@ -212,8 +192,7 @@ fn rounded_term(term: &Term, scale: TemperatureScale, group_period_s: f64) -> Op
 
 impl LowPass {
     /// As a record stores it.
-    #[must_use]
-    pub fn numbers(self) -> LowPassNumbers {
+    pub(super) fn numbers(self) -> LowPassNumbers {
         LowPassNumbers {
             missing_at_first: part_q32(self.missing_at_first),
             missing_per_sample: part_q32(self.missing_per_sample),
@@ -232,14 +211,4 @@ fn q32(value: f64) -> Option<u64> {
     let scaled = libm::round(value * Q32);
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // within range, and whole
     (0.0..4.6e18).contains(&scaled).then_some(scaled as u64)
-}
-
-/// The nearest fixed-point number with so many fractional bits; `None` when it does not fit.
-pub(super) fn to_fixed(value: f64, fraction_bits: u32) -> Option<i32> {
-    let scaled = libm::round(value * f64::from(1_u32 << fraction_bits));
-    if !(f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&scaled) {
-        return None;
-    }
-    #[allow(clippy::cast_possible_truncation)]
-    Some(scaled as i32)
 }

@@ -40,7 +40,7 @@ fn a_blank_flash_says_so_and_a_record_survives_the_power() {
     for (number, length) in [(1, 3000), (2, 1), (3, MAX_RECORD_BYTES), (4, 255), (5, 256)] {
         store.commit(&record(number, length)).unwrap();
         assert_eq!(read(&mut store), record(number, length));
-        store = open(store.release());
+        store = open(store.banks.flash.0);
         assert_eq!(store.stored(), Stored::Whole(u16::try_from(length).unwrap()));
         assert_eq!(read(&mut store), record(number, length));
     }
@@ -79,7 +79,7 @@ fn cut_everywhere<const PAGE: usize, const WORD: usize>(pages: usize, lengths: &
                 flash.cut_power_after(after, half);
                 let mut store = open(flash);
                 let committed = store.commit(&new);
-                let mut cut = store.release();
+                let mut cut = store.banks.flash.0;
                 if cut.is_powered() {
                     assert_eq!(committed, Ok(()));
                     cut.restore_power();
@@ -94,17 +94,21 @@ fn cut_everywhere<const PAGE: usize, const WORD: usize>(pages: usize, lengths: &
                 lost += u32::from(found != old && found != new);
                 // What was begun does not stand in the way of the next attempt, nor does a cut in that one.
                 if after % 7 < 2 {
-                    let mut flash = store.release();
+                    let mut flash = store.banks.flash.0;
                     flash.cut_power_after(after / 2, half);
                     let mut again = open(flash);
                     let _ = again.commit(&new);
-                    let mut flash = again.release();
+                    let mut flash = again.banks.flash.0;
                     flash.restore_power();
                     let mut again = open(flash);
                     let found = read(&mut again);
                     lost += u32::from(found != old && found != new);
                     again.commit(&new).unwrap();
-                    assert_eq!(read(&mut open(again.release())), new, "commit {number}, cut {after}, {half:?}, again");
+                    assert_eq!(
+                        read(&mut open(again.banks.flash.0)),
+                        new,
+                        "commit {number}, cut {after}, {half:?}, again"
+                    );
                 }
             }
             match finished {
@@ -151,20 +155,20 @@ fn a_damaged_record_gives_way_to_the_one_before_it_and_two_damaged_ones_to_none(
     let (first, second) = (record(1, 900), record(2, 900));
     store.commit(&first).unwrap();
     store.commit(&second).unwrap();
-    let mut flash = store.release();
+    let mut flash = store.banks.flash.0;
     let place = |flash: &External, what: &[u8]| {
         flash.bytes().windows(64).position(|window| window == &what[100..164]).expect("the record is in the flash")
     };
     flash.wear(place(&flash, &second), 0xFF);
     let mut store = open(flash);
     assert_eq!((store.stored(), read(&mut store)), (Stored::Older(900), first.clone()));
-    let mut flash = store.release();
+    let mut flash = store.banks.flash.0;
     flash.wear(place(&flash, &first), 0xFF);
     let mut store = open(flash);
     assert_eq!((store.stored(), read(&mut store)), (Stored::Damaged, vec![]));
     let third = record(3, 900);
     store.commit(&third).unwrap();
-    let mut store = open(store.release());
+    let mut store = open(store.banks.flash.0);
     assert_eq!((store.stored(), read(&mut store)), (Stored::Whole(900), third));
 }
 
@@ -178,7 +182,7 @@ fn a_flash_full_of_something_else_is_no_record_and_is_taken_over() {
         let mut store = open(flash);
         assert_eq!(store.stored().length(), 0, "{fill:#x}");
         store.commit(&record(1, 2000)).unwrap();
-        assert_eq!(read(&mut open(store.release())), record(1, 2000), "{fill:#x}");
+        assert_eq!(read(&mut open(store.banks.flash.0)), record(1, 2000), "{fill:#x}");
     }
 }
 

@@ -1,0 +1,101 @@
+//! One axis at work: its law, and what is known of its temperature and its wiper.
+
+use zerorate_core::compensate::{AxisCompensation, AxisLaw, Mode};
+use zerorate_core::drift::Coverage;
+use zerorate_core::group::GroupSums;
+use zerorate_core::units::{Axis, Taps};
+use zerorate_core::wire::{AxisReport, FaultCounts, Refusal};
+
+use super::temperature::{self, TemperatureWatch};
+use crate::acquisition::{FULL_SCALE, Timing};
+use crate::trim_part::TrimPart;
+
+/// An axis, with a law or without.
+pub(super) struct AxisAtWork {
+    axis: Axis,
+    law: Option<AxisLaw>,
+    pub(super) state: AxisCompensation,
+    pub(super) temperature: TemperatureWatch,
+    /// The wiper may stand elsewhere than commanded, because a write failed.
+    unsure: bool,
+}
+
+impl AxisAtWork {
+    /// An axis without a law, its wiper left where it stands.
+    pub(super) fn new(axis: Axis, tap: Taps) -> Self {
+        let state = AxisCompensation::new(None, tap);
+        Self { axis, law: None, state, temperature: TemperatureWatch::default(), unsure: true }
+    }
+
+    /// Takes a law into use, keeping mode and tap.
+    pub(super) fn install(&mut self, law: AxisLaw) {
+        let mode = self.state.mode();
+        self.state = AxisCompensation::new(Some(&law), self.state.tap());
+        self.state.set_mode(mode);
+        self.law = Some(law);
+    }
+
+    pub(super) fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
+        match &self.law {
+            None if mode != Mode::Off => return Err(Refusal::NoCalibration),
+            Some(law) if mode.moves_wiper() && !law.moves_wiper() => return Err(Refusal::NoEdges),
+            _ => self.state.set_mode(mode),
+        }
+        Ok(())
+    }
+
+    pub(super) fn write(
+        &mut self,
+        part: &mut impl TrimPart,
+        tap: Taps,
+        faults: &mut FaultCounts,
+    ) -> Result<(), Refusal> {
+        self.unsure = part.write(self.axis, tap).is_err();
+        if self.unsure {
+            faults.trim_errors += 1;
+            return Err(Refusal::TrimPartFailed);
+        }
+        self.state.wiper_written(self.law.as_ref(), tap);
+        Ok(())
+    }
+
+    /// Groups of so many samples were lost: their time passes all the same.
+    pub(super) fn lose(&mut self, groups: u32, n: u32) {
+        self.state.skip_lost(groups.saturating_mul(n));
+        self.state.lose_groups(groups);
+    }
+
+    /// Closes a group that comes after so many missed ones: law, then wiper.
+    pub(super) fn close(
+        &mut self,
+        sums: GroupSums,
+        missed: u32,
+        timing: Timing,
+        part: &mut impl TrimPart,
+        faults: &mut FaultCounts,
+    ) -> AxisReport {
+        self.state.skip_samples(sums.n);
+        let (tap, mode) = (self.state.tap(), self.state.mode());
+        let (temperature, code) = self.temperature.check(&sums, missed, timing);
+        let outcome = self.state.close_group_at(self.law.as_ref(), &sums, code);
+        // A write that fails leaves the shadow as it was; the law asks again with the next group. Where the wiper stands
+        // then nobody knows, so the tap it should have is written again, too.
+        let rewrite = Some(tap).filter(|_| self.unsure);
+        let written = outcome.move_to.or(rewrite).map(|wanted| self.write(part, wanted, faults).is_ok());
+        let saturated = sums.is_saturated(FULL_SCALE);
+        temperature::count(temperature, faults);
+        faults.saturated += u32::from(saturated);
+        faults.out_of_range += u32::from(matches!(outcome.coverage, Coverage::Below | Coverage::Above));
+        AxisReport {
+            sums,
+            tap,
+            mode,
+            corrected_q16: outcome.corrected.0,
+            coverage: outcome.coverage,
+            saturated,
+            moved_to: outcome.move_to.filter(|_| written == Some(true)),
+            temperature,
+            trim_failed: written == Some(false),
+        }
+    }
+}

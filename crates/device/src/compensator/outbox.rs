@@ -1,0 +1,89 @@
+//! What the compensator has to say, in the order in which it came to be, until the task below fetches it.
+
+use heapless::Deque;
+use zerorate_core::compensate::AxisCompensation;
+use zerorate_core::wire::{GroupReport, SampleWindow};
+
+use super::report::{Outcome, Report};
+use super::samples::Stream;
+use crate::acquisition::Scan;
+
+/// Groups that wait to be fetched; further ones are dropped, and counted.
+const GROUPS: usize = 11;
+/// Room that is left for answers: more than commands can wait for a group. None is ever dropped, or the host would ask in
+/// vain.
+const ANSWERS: usize = 9;
+
+/// What waits. Samples are made when they are fetched: those of one group would not find room.
+#[allow(clippy::large_enum_variant)] // no heap here
+enum Waiting {
+    Done(u16, Outcome),
+    Group(GroupReport),
+}
+
+/// Answers, groups and samples on their way out.
+pub(super) struct Outbox {
+    waiting: Deque<Waiting, { GROUPS + ANSWERS }>,
+    window: SampleWindow,
+    /// The last group, while its samples are on their way out.
+    stream: Option<Stream>,
+    /// Uploads that found no room.
+    pub(super) dropped: u32,
+}
+
+impl Outbox {
+    pub(super) const fn new() -> Self {
+        Self { waiting: Deque::new(), window: SampleWindow::NONE, stream: None, dropped: 0 }
+    }
+
+    /// Whether any samples are asked for.
+    pub(super) const fn wants_samples(&self) -> bool {
+        self.window.is_open()
+    }
+
+    /// Other samples are asked for from now on.
+    pub(super) fn set_window(&mut self, window: SampleWindow) {
+        self.window = window;
+        self.stream = None;
+    }
+
+    /// The acquisition was stopped or began anew.
+    pub(super) fn forget_samples(&mut self) {
+        self.stream = None;
+    }
+
+    pub(super) fn answer(&mut self, sequence: u16, outcome: Outcome) {
+        self.dropped += u32::from(self.waiting.push_back(Waiting::Done(sequence, outcome)).is_err());
+    }
+
+    pub(super) fn group(&mut self, report: GroupReport) {
+        let has_room = self.waiting.len() < GROUPS;
+        self.dropped += u32::from(!has_room || self.waiting.push_back(Waiting::Group(report)).is_err());
+    }
+
+    /// A group of so many scans whose samples go out before it. `before` it the axes were such.
+    pub(super) fn group_and_samples(&mut self, report: GroupReport, before: [AxisCompensation; 2], scans: usize) {
+        self.stream = Some(Stream::new(report, before, &self.window, scans));
+    }
+
+    /// The samples of the group before are gone with its set; the group itself is not.
+    pub(super) fn set_goes(&mut self) {
+        if let Some(stream) = self.stream.take() {
+            self.dropped += stream.left();
+            self.group(stream.report);
+        }
+    }
+
+    /// The next of them. What was answered meanwhile comes before further samples.
+    pub(super) fn next(&mut self, scans: &[Scan]) -> Option<Report> {
+        match self.waiting.pop_front() {
+            Some(Waiting::Done(sequence, outcome)) => return Some(Report::Done(sequence, outcome)),
+            Some(Waiting::Group(report)) => return Some(Report::Group(report)),
+            None => {}
+        }
+        match self.stream.as_mut()?.next_block(scans) {
+            Some(block) => Some(Report::Samples(block)),
+            None => self.stream.take().map(|stream| Report::Group(stream.report)),
+        }
+    }
+}

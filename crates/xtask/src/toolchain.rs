@@ -1,0 +1,78 @@
+//! A Rust that builds for another target than this machine: the board's, or a browser's.
+
+use std::env;
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::Result;
+
+use crate::cargo;
+use crate::provide;
+
+/// A target and what builds for it.
+pub struct Toolchain {
+    target: &'static str,
+    /// Which of its libraries are built: by the names that cargo has for them.
+    libraries: &'static str,
+    /// Debian's Rust, which has its own std's source and builds from it; else the one that runs us, whose rustup has the
+    /// target.
+    from_source: bool,
+}
+
+impl Toolchain {
+    /// For the boards: without an operating system, and so without std.
+    pub fn of_board() -> Result<Self> {
+        Self::find("thumbv7em-none-eabihf", "core")
+    }
+
+    /// For a browser.
+    pub fn of_browser() -> Result<Self> {
+        Self::find("wasm32-unknown-unknown", "std,panic_abort")
+    }
+
+    /// The ordinary one where the target is installed, else Debian's, which is installed if it may be.
+    fn find(target: &'static str, libraries: &'static str) -> Result<Self> {
+        const PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "binutils-arm-none-eabi"];
+        const FILES: [&str; 4] = [
+            "/usr/bin/rustc",
+            "/usr/bin/cargo",
+            "/usr/bin/arm-none-eabi-ld",
+            "/usr/lib/rustlib/src/rust/library/core/Cargo.toml",
+        ];
+        let installed = Command::new("rustup").args(["target", "list", "--installed"]).output();
+        if installed.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).lines().any(|line| line == target)) {
+            return Ok(Self { target, libraries, from_source: false });
+        }
+        if !FILES.iter().all(|path| Path::new(path).is_file()) {
+            println!("    `rustup target add {target}` would do; without it {libraries} is built from Debian's source");
+            provide::install("a Rust with its own source, to build it for other targets", &PACKAGES)?;
+        }
+        Ok(Self { target, libraries, from_source: true })
+    }
+
+    /// Runs a cargo command in a folder, for the target; what is built goes to a folder of its own, for another compiler
+    /// may have built what is in the ordinary one.
+    pub fn run(&self, folder: &Path, built: &Path, arguments: &[&str]) -> Result<()> {
+        println!("    cargo {} --target {}", arguments.join(" "), self.target);
+        let mut command = if self.from_source { self.from_source() } else { cargo::program() };
+        command.current_dir(folder).env("CARGO_TARGET_DIR", built).args(arguments).args(["--target", self.target]);
+        provide::succeed(&mut command)
+    }
+
+    /// Debian's cargo with its rustc, as `rustc-web` and `rust-web-src` install them.
+    fn from_source(&self) -> Command {
+        let mut command = Command::new("/usr/bin/cargo");
+        let mut path = OsString::from("/usr/bin:");
+        path.push(env::var_os("PATH").unwrap_or_default());
+        command
+            .env("PATH", path)
+            .env("RUSTC_BOOTSTRAP", "1")
+            .env("CARGO_UNSTABLE_BUILD_STD", self.libraries)
+            .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", "arm-none-eabi-ld");
+        for variable in ["CARGO", "RUSTC", "RUSTUP_TOOLCHAIN", "RUSTFLAGS"] {
+            command.env_remove(variable);
+        }
+        command
+    }
+}
