@@ -190,7 +190,7 @@ fn row(axis: Axis, curve: &Curve, extent: &Extent, left: &Left, order: usize) ->
         deployed_rms: None,
         ends_rms: None,
         by_direction_rms: None,
-        ridge: None,
+        shrinkage_weight: None,
         chosen: true,
     };
     let statistics = FitStatistics {
@@ -199,7 +199,7 @@ fn row(axis: Axis, curve: &Curve, extent: &Extent, left: &Left, order: usize) ->
         samples_used: extent.samples,
         in_sample,
         held_out,
-        held_out_stretches: FOLDS as u64,
+        held_out_folds: FOLDS as u64,
         covariance,
         candidates: vec![candidate],
         nested: None,
