@@ -18,7 +18,7 @@ use zerorate_core::units::Axis;
 use zerorate_fit::residual::ResidualStatistics;
 
 use crate::dataset::Found;
-use crate::fitted::Fitted;
+use crate::fit::Fitted;
 
 /// The version of the columns.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -138,8 +138,8 @@ impl ModelRow {
                     limit_mean_offset: limit(|limits| limits.mean_offset_counts),
                     ..Self::unfitted()
                 };
-                if let Some(own) = fitted.axes.iter().find(|own| own.axis == row.axis) {
-                    row.take(&own.calibration);
+                if let Some(own) = fitted.axes.get(axis.name()) {
+                    row.take(own);
                 }
                 row
             })
