@@ -6,7 +6,6 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::fit::fit;
@@ -26,17 +25,6 @@ use zerorate_lot::{raw, report};
 
 fn simulate(folder: &Path, units: u32, seed: u64, bad: f64) -> Truth {
     Simulation { units, seed, out: folder.to_owned(), bad, cooling: false }.run(&|| ()).unwrap()
-}
-
-/// A lot of a thousand units, some of them bad, made once and shared; it stays in the target folder.
-fn thousand() -> &'static (PathBuf, Truth) {
-    static LOT: OnceLock<(PathBuf, Truth)> = OnceLock::new();
-    LOT.get_or_init(|| {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("lot-of-a-thousand");
-        _ = fs::remove_dir_all(&folder);
-        let truth = simulate(&folder, 1000, 11, 0.03);
-        (folder, truth)
-    })
 }
 
 fn job(dataset: &Path, out: &Path, model: &str) -> FitRun {
@@ -108,7 +96,8 @@ fn polynomials_agree_with_the_plain_fit_of_the_group_means() {
 #[test]
 fn every_planted_bad_unit_is_rejected_with_its_reason_and_no_good_one_is() {
     let folder = tempfile::tempdir().unwrap();
-    let (lot, truth) = thousand();
+    let lot = folder.path().join("lot");
+    let truth = simulate(&lot, 400, 11, 0.05);
     let expected = |defect| match defect {
         Defect::StuckTemperature => ReasonKind::StuckTemperature,
         Defect::StuckReading => ReasonKind::StuckReading,
@@ -117,7 +106,7 @@ fn every_planted_bad_unit_is_rejected_with_its_reason_and_no_good_one_is() {
         Defect::Outliers => ReasonKind::Outliers,
     };
     for model in ["poly:2", "auto"] {
-        let (summary, _) = run(&job(lot, &folder.path().join(format!("{model}.parquet")), model)).unwrap();
+        let (summary, _) = run(&job(&lot, &folder.path().join(format!("{model}.parquet")), model)).unwrap();
         let rejected: BTreeMap<&str, Vec<ReasonKind>> = summary
             .rejected
             .iter()
@@ -137,14 +126,11 @@ fn every_planted_bad_unit_is_rejected_with_its_reason_and_no_good_one_is() {
 }
 
 #[test]
-fn files_among_a_thousand_that_are_damaged_empty_or_foreign_are_named_and_the_rest_is_fitted() {
+fn files_that_are_damaged_empty_or_foreign_are_named_and_the_rest_is_fitted() {
     let folder = tempfile::tempdir().unwrap();
     let lot = folder.path().join("lot");
-    let (shared, truth) = thousand();
-    fs::create_dir(&lot).unwrap();
-    for unit in &truth.units {
-        fs::copy(shared.join(&unit.file), lot.join(&unit.file)).unwrap();
-    }
+    // More than a batch.
+    let truth = simulate(&lot, 150, 11, 0.05);
     let planted = truth.units.iter().filter(|unit| unit.defect.is_some()).count();
     let spoilt = ["ZR-000003.parquet", "ZR-000007.parquet", "ZR-000009.parquet"];
     assert!(truth.units.iter().all(|unit| unit.defect.is_none() || !spoilt.contains(&unit.file.as_str())));
@@ -164,7 +150,7 @@ fn files_among_a_thousand_that_are_damaged_empty_or_foreign_are_named_and_the_re
         let expected = ["ZR-000003.parquet", "ZR-000007.parquet", "empty.parquet", "foreign.parquet", "notes.txt"];
         assert_eq!(skipped, expected, "{:?}", summary.skipped);
         assert!(summary.skipped[2].reason.contains("no bytes") && summary.skipped[4].reason.contains("not a Parquet"));
-        assert_eq!((summary.units, rows.len(), summary.rejected.len()), (999, 1998, planted + 2));
+        assert_eq!((summary.units, rows.len(), summary.rejected.len()), (149, 298, planted + 2));
         // Both are named after the serial, and which is the unit's cannot be told.
         let twice = summary.rejected.iter().filter(|unit| unit.file.contains("ZR-000009"));
         assert!(twice.clone().all(|unit| unit.reasons[0].kind == ReasonKind::DuplicateSerial));

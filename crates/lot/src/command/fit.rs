@@ -30,7 +30,7 @@ pub struct Fit {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 
-    /// The drift model: poly:1 to poly:5 as sums on the engine; auto, or table:1 to table:32, by solvers here
+    /// The drift model: auto, poly:1 to poly:5, or table:1 to table:32
     #[arg(long, value_name = "MODEL", default_value = "auto")]
     model: Model,
 
