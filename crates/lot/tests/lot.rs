@@ -243,7 +243,10 @@ fn auto_tells_hysteresis_where_both_directions_were_recorded_and_export_puts_it_
     let calibration = Calibration::read(&(&exported.calibration).into()).unwrap();
     for axis in Axis::BOTH {
         let terms = record.axis(axis).law.history.as_ref().map(|history| history.terms.len());
-        assert_eq!(terms, calibration.axes[axis.name()].fit.model.history.as_ref().map(|history| history.terms().len()));
+        assert_eq!(
+            terms,
+            calibration.axes[axis.name()].fit.model.history.as_ref().map(|history| history.terms().len())
+        );
     }
 }
 
@@ -267,7 +270,10 @@ fn an_exported_unit_is_what_fit_makes_of_its_recording_alone() {
         let alone = zerorate_bench::recorded::calibration(&(&recording).into(), &fit).unwrap();
         assert_eq!(read(exported.calibration.clone()), alone.to_json().unwrap().into_bytes());
         assert_eq!(read(exported.record), zerorate_bench::recorded::device_record(&alone).unwrap());
-        assert_eq!(Calibration::read(&(&exported.calibration).into()).unwrap().unit_serial.as_deref(), Some("ZR-000004"));
+        assert_eq!(
+            Calibration::read(&(&exported.calibration).into()).unwrap().unit_serial.as_deref(),
+            Some("ZR-000004")
+        );
     }
     let out = folder.path().join("poly:3.parquet");
     assert!(matches!(wait(export(&out, None, "ZR-9", folder.path())), Err(ExportError::NoSuchUnit { .. })));

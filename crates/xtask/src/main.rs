@@ -20,9 +20,9 @@ mod python;
 mod report;
 mod steps;
 mod syntax;
-mod unused;
 mod targets;
 mod toolchain;
+mod unused;
 mod workspace;
 
 use std::path::PathBuf;
