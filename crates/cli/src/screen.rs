@@ -9,6 +9,7 @@ use std::io::{self, Write};
 use anyhow::Result;
 use console::{Style, StyledObject, Term};
 use serde::Serialize;
+use zerorate_words::{as_options, sentence};
 
 pub use grid::Grid;
 pub use rate::RateScale;
@@ -89,7 +90,7 @@ pub fn note(text: &str) {
 /// Tells an error on standard error, in one sentence.
 pub fn error(error: &anyhow::Error) {
     let label = Style::new().for_stderr().red().bold().apply_to("error:");
-    tell(&format!("{label} "), &sentence(error));
+    tell(&format!("{label} "), &sentence(error.as_ref()));
 }
 
 fn tell(label: &str, text: &str) {
@@ -97,27 +98,6 @@ fn tell(label: &str, text: &str) {
         // Whoever does not listen is not told.
         let _ = writeln!(io::stderr(), "{}", line.trim_end());
     }
-}
-
-/// An error and its causes. Many of them have told their cause already.
-pub fn sentence(error: &anyhow::Error) -> String {
-    let told = error.chain().map(ToString::to_string).fold(String::new(), |told, cause| match () {
-        () if told.is_empty() => cause,
-        () if told.contains(&cause) => told,
-        () => format!("{told}: {cause}"),
-    });
-    without_numbers(&told)
-}
-
-/// The system's numbers for its errors say nothing to people who read the words before them.
-fn without_numbers(text: &str) -> String {
-    let mut words = String::new();
-    let mut rest = text;
-    while let Some((before, after)) = rest.split_once(" (os error ") {
-        words.push_str(before);
-        rest = after.split_once(')').map_or("", |(_, after)| after);
-    }
-    words + rest
 }
 
 /// A text in a style, where standard output shows styles.
@@ -142,29 +122,6 @@ fn broken(indent: &str, sentence: &str, width: usize) -> Vec<String> {
     textwrap::wrap(&as_options(sentence), spaced).into_iter().map(Cow::into_owned).collect()
 }
 
-/// A text in which parameters are named as the libraries name them, with this command's options in their place:
-/// `` `rate_unit` `` is `--rate-unit`.
-fn as_options(text: &str) -> String {
-    let is_name = |part: &str| !part.is_empty() && part.chars().all(|c| c.is_ascii_lowercase() || c == '_');
-    let parts: Vec<&str> = text.split('`').collect();
-    let mut told = String::new();
-    let mut place = 0;
-    while place < parts.len() {
-        // A name has a mark on both sides.
-        if place > 0 && place + 1 < parts.len() && is_name(parts[place]) {
-            told.push_str("--");
-            told.push_str(&parts[place].replace('_', "-"));
-            told.push_str(parts[place + 1]);
-            place += 2;
-        } else {
-            told.push_str(if place > 0 { "`" } else { "" });
-            told.push_str(parts[place]);
-            place += 1;
-        }
-    }
-    told
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -177,27 +134,5 @@ mod tests {
             ["  - one two", "    three", "    four"]
         );
         assert_eq!(broken("", "unbreakablylong word", 5)[0].trim_end(), "unbreakablylong");
-    }
-
-    #[test]
-    fn parameters_are_told_as_options() {
-        let text = "it is none (`rate_unit` says which, `time` when): `listener sensor_gyro` shows it, `--out` too";
-        let told = "it is none (--rate-unit says which, --time when): `listener sensor_gyro` shows it, `--out` too";
-        assert_eq!(as_options(text), told);
-        assert_eq!(as_options("a lone ` and `"), "a lone ` and `");
-    }
-
-    #[test]
-    fn a_cause_that_was_told_is_not_told_again() {
-        let cause = io::Error::other("the disk is full");
-        let told = anyhow::Error::new(cause).context("a.csv: the disk is full: make room").context("apply");
-        assert_eq!(sentence(&told), "apply: a.csv: the disk is full: make room");
-    }
-
-    #[test]
-    fn the_systems_error_numbers_are_left_out() {
-        let text = "log.csv: cannot be read: No such file or directory (os error 2): give another";
-        assert_eq!(without_numbers(text), "log.csv: cannot be read: No such file or directory: give another");
-        assert_eq!(without_numbers("full (os error 28)"), "full");
     }
 }

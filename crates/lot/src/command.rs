@@ -1,10 +1,10 @@
 //! The subcommands, one file each, and how they end.
 
-/// Prints a line. Who closes the pipe, as `head` does, has read enough.
+/// Prints a line in which parameters are options. Who closes the pipe, as `head` does, has read enough.
 macro_rules! say {
     ($($text:tt)*) => {{
         use std::io::Write as _;
-        _ = writeln!(std::io::stdout(), $($text)*);
+        _ = writeln!(std::io::stdout(), "{}", zerorate_words::as_options(&format!($($text)*)));
     }};
 }
 
@@ -19,6 +19,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
+use zerorate_words::{as_options, sentence};
 
 /// Whole lots: one fit a unit for thousands of units, on one machine or on a cluster
 #[derive(Debug, Parser)]
@@ -70,20 +71,16 @@ impl Cli {
             Ok(Outcome::Done) => ExitCode::SUCCESS,
             Ok(Outcome::Rejected) => ExitCode::from(1),
             Err(error) => {
-                eprintln!("error: {}", told(&error));
+                tell(&format!("error: {}", sentence(error.as_ref())));
                 ExitCode::from(2)
             }
         }
     }
 }
 
-/// An error with its causes, each of them once: many say their cause themselves.
-fn told(error: &anyhow::Error) -> String {
-    error
-        .chain()
-        .skip(1)
-        .map(ToString::to_string)
-        .fold(error.to_string(), |told, cause| if told.contains(&cause) { told } else { format!("{told}: {cause}") })
+/// Tells something on standard error, where it does not mix with results.
+fn tell(text: &str) {
+    eprintln!("{}", as_options(text));
 }
 
 /// A bar on a terminal, nothing elsewhere.

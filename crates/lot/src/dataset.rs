@@ -157,9 +157,7 @@ async fn look(store: &dyn ObjectStore, file: String, meta: ObjectMeta) -> Result
         ));
     }
     let footer = footer::read(store, &meta).await.map_err(Unfit::Bad)?;
-    let shown = std::path::Path::new(&file);
-    let info = RecordingInfo::of_schema(shown, &footer.schema)
-        .map_err(|error| Unfit::Bad(without_path(&error.to_string(), &file)))?;
+    let info = RecordingInfo::of_schema(&footer.schema).map_err(|fault| Unfit::Bad(fault.to_string()))?;
     footer::check_columns(&footer.schema).map_err(Unfit::Bad)?;
     if info.procedure != PROCEDURE {
         return Err(Unfit::OtherProcedure(info.procedure));
@@ -169,11 +167,6 @@ async fn look(store: &dyn ObjectStore, file: String, meta: ObjectMeta) -> Result
     }
     let limits = SetUp::parse(&info.set_up, &file).ok().map(|setup| setup.limits);
     Ok(Found { file, meta, info, rows: footer.rows, limits, serial_reason: None })
-}
-
-/// An error's words without the file's name, which stands before them.
-fn without_path(text: &str, file: &str) -> String {
-    text.strip_prefix(file).and_then(|rest| rest.strip_prefix(": ")).unwrap_or(text).to_owned()
 }
 
 /// The bytes of a file of the dataset.

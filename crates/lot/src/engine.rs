@@ -1,6 +1,7 @@
 //! What runs the queries: DataFusion inside this process, or a stock Ballista cluster. The plans are the same.
 
 mod cluster;
+mod result;
 
 use std::sync::Arc;
 
@@ -14,6 +15,7 @@ use datafusion::prelude::{SessionConfig, SessionContext};
 use futures::TryStreamExt;
 
 pub use cluster::{Address, AddressError, Cluster, ClusterError};
+pub(crate) use result::{column, count};
 
 use crate::dataset::Place;
 use crate::table::Files;

@@ -9,10 +9,12 @@ use std::path::{Path, PathBuf};
 use object_store::ObjectStoreExt;
 use zerorate_bench::error::BenchError;
 use zerorate_bench::recorded;
-use zerorate_cal::calibration::{Calibration, CalibrationError};
-use zerorate_cal::choose::Model;
-use zerorate_cal::log_fit::{FitOptions, LogFit, LogFitError, fit_log};
+use zerorate_cal::calibration::{Calibration, CalibrationFault};
+use zerorate_cal::fit::fit;
+use zerorate_cal::log_fit::{FitOptions, LogFit, LogFitError};
+use zerorate_cal::source::Source;
 use zerorate_cal::whole_file::write_whole;
+use zerorate_fit::model::Model;
 
 use crate::dataset::{Place, PlaceError, bytes};
 use crate::models::{self, ModelRow, ModelsError};
@@ -58,7 +60,7 @@ pub enum ExportError {
     Place(#[from] PlaceError),
     /// The recording is not where it was.
     #[error(
-        "{file}: the recording cannot be read: {reason}: bring it back, or say where the dataset is now (--dataset)"
+        "{file}: the recording cannot be read: {reason}: bring it back, or say where the dataset is now (`dataset`)"
     )]
     Recording {
         /// The recording.
@@ -84,7 +86,7 @@ pub enum ExportError {
     Bench(#[from] BenchError),
     /// The calibration cannot be written.
     #[error(transparent)]
-    Calibration(#[from] CalibrationError),
+    Calibration(#[from] CalibrationFault),
     /// A file cannot be written.
     #[error("{path}: cannot be written: {source}")]
     Write {
@@ -111,35 +113,31 @@ pub async fn export(models: &Path, dataset: Option<&str>, unit: &str, out: &Path
         let reasons: Vec<String> = row.reason_list().into_iter().map(|reason| reason.text).collect();
         return Err(ExportError::Rejected { unit: unit.to_owned(), reasons: reasons.join("; ") });
     };
-    let folder = tempfile::tempdir().map_err(cannot(out))?;
-    let (path, fit) = refit(first, dataset, folder.path()).await?;
+    let (recording, fit) = refit(first, dataset).await?;
     let disagreement = sound.iter().map(|row| distance(row, &fit)).fold(0.0, f64::max);
     if disagreement.is_nan() || disagreement > AGREES {
         return Err(ExportError::Disagrees { file: first.file.clone(), off: disagreement });
     }
-    let calibration = recorded::calibration(&path, &fit)?;
+    let calibration = recorded::calibration(&recording, &fit)?;
     write(&calibration, out).map(|(calibration, record)| Exported { calibration, record, disagreement })
 }
 
-/// The recording of a row, read into `folder`, and its fit by the row's model.
+/// The recording of a row and its fit by the row's model.
 ///
 /// # Errors
 /// [`ExportError`].
-pub async fn refit(row: &ModelRow, dataset: Option<&str>, folder: &Path) -> Result<(PathBuf, LogFit), ExportError> {
+pub async fn refit(row: &ModelRow, dataset: Option<&str>) -> Result<(Source, LogFit), ExportError> {
     let place = Place::of(dataset.unwrap_or(&row.dataset))?;
     let gone =
         |error: object_store::Error| ExportError::Recording { file: row.file.clone(), reason: error.to_string() };
     let meta = place.store.head(&place.key_of(&row.file)).await.map_err(gone)?;
-    let content = bytes(&place, &meta).await.map_err(gone)?;
-    // Under its own name: the calibration names its source.
-    let path = folder.join(Path::new(&row.file).file_name().unwrap_or_default());
-    fs::write(&path, content).map_err(cannot(&path))?;
+    let recording = Source::bytes(row.file.clone(), bytes(&place, &meta).await.map_err(gone)?);
     let (model, narrow) =
         row.model_asked.split_once(' ').map_or((row.model_asked.as_str(), false), |(model, _)| (model, true));
     let model: Model = model.parse().unwrap_or_default();
     let options = FitOptions { model, allow_narrow: narrow, ..FitOptions::default() };
-    let fit = fit_log(&path, &options)?;
-    Ok((path, fit))
+    let fit = fit(std::slice::from_ref(&recording), &options)?;
+    Ok((recording, fit))
 }
 
 /// The greatest distance of a row's curve from the fit's, in parts of its range.
@@ -147,6 +145,7 @@ fn distance(row: &ModelRow, fit: &LogFit) -> f64 {
     let (Some(own), Some(again)) = (row.axis_calibration(), fit.axes.iter().find(|axis| axis.name == row.axis)) else {
         return f64::NAN;
     };
+    let (own, again) = (own.fit.model, &again.calibration.fit.model);
     let (min, max) = (own.drift.valid.min(), own.drift.valid.max());
     let at = |step: i32| min + (max - min) * f64::from(step) / 100.0;
     let off = |step| (own.drift.evaluate(at(step)).0 - again.drift.evaluate(at(step)).0).abs();
@@ -160,7 +159,7 @@ fn write(calibration: &Calibration, out: &Path) -> Result<(PathBuf, PathBuf), Ex
     let (path, record) = (out.join("calibration.json"), out.join("device-record.bin"));
     let bytes = recorded::device_record(calibration)?;
     write_whole(&record, &bytes).map_err(cannot(&record))?;
-    calibration.write(&path)?;
+    write_whole(&path, calibration.to_json()?.as_bytes()).map_err(cannot(&path))?;
     Ok((path, record))
 }
 

@@ -15,9 +15,10 @@ use zerorate_cal::calibration::AxisCalibration;
 use zerorate_cal::quality::{Reason, Verdict};
 use zerorate_core::drift::{Scale, Shape, ValidRange};
 use zerorate_core::units::Axis;
+use zerorate_fit::residual::ResidualStatistics;
 
 use crate::dataset::Found;
-use crate::fitted::Fitted;
+use crate::fit::Fitted;
 
 /// The version of the columns.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -137,8 +138,8 @@ impl ModelRow {
                     limit_mean_offset: limit(|limits| limits.mean_offset_counts),
                     ..Self::unfitted()
                 };
-                if let Some(own) = fitted.axes.iter().find(|own| own.axis == row.axis) {
-                    row.take(&own.calibration);
+                if let Some(own) = fitted.axes.get(axis.name()) {
+                    row.take(own);
                 }
                 row
             })
@@ -153,27 +154,27 @@ impl ModelRow {
     }
 
     fn take(&mut self, axis: &AxisCalibration) {
-        let valid: ValidRange = axis.drift.valid;
-        let (scale, coefficients) = match &axis.drift.shape {
+        let drift = axis.drift();
+        let valid: ValidRange = drift.valid;
+        let (scale, coefficients) = match &drift.shape {
             Shape::Polynomial(polynomial) => (Some(polynomial.scale()), polynomial.coefficients().to_vec()),
             Shape::Table(table) => (Scale::spanning(valid.min(), valid.max()), table.knots().to_vec()),
         };
         self.calibration = serde_json::to_string(axis).unwrap_or_default();
-        self.model = axis.chosen_model();
+        self.model = axis.fit.chosen_model();
         (self.temperature_min, self.temperature_max) = (valid.min(), valid.max());
         if let Some(scale) = scale {
             (self.temperature_centre, self.temperature_half_span) = (scale.centre(), scale.half_span());
         }
         self.coefficients = coefficients;
-        self.drift_pp = axis.drift.peak_to_peak();
-        self.reading_mid = axis.drift.evaluate(f64::midpoint(valid.min(), valid.max())).0;
-        if let Some(fit) = &axis.fit {
-            self.groups = fit.residuals as f64;
-            self.samples = fit.samples_used as f64;
-            (self.in_sample_rms, self.in_sample_pp) = (fit.in_sample.rms, fit.in_sample.pp);
-            (self.held_out_rms, self.held_out_pp) =
-                fit.held_out.map_or((f64::NAN, f64::NAN), |spread| (spread.rms, spread.pp));
-        }
+        self.drift_pp = drift.peak_to_peak();
+        self.reading_mid = drift.evaluate(f64::midpoint(valid.min(), valid.max())).0;
+        let statistics = &axis.fit.statistics;
+        self.groups = statistics.residuals as f64;
+        self.samples = statistics.samples_used as f64;
+        let held_out = statistics.held_out.unwrap_or(ResidualStatistics::NONE);
+        (self.in_sample_rms, self.in_sample_pp) = (statistics.in_sample.rms, statistics.in_sample.pp);
+        (self.held_out_rms, self.held_out_pp) = (held_out.rms, held_out.pp);
     }
 
     /// The axis of the calibration, where there is a fit.

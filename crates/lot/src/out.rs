@@ -6,19 +6,19 @@ use std::path::Path;
 #[derive(Debug, thiserror::Error)]
 pub enum OutError {
     /// It is a folder or a device.
-    #[error("{path}: this is no file: give --out the name of a file")]
+    #[error("{path}: this is no file: give `out` the name of a file")]
     NoFile {
         /// The place.
         path: String,
     },
     /// It is what the results come from.
-    #[error("{path}: this is one of the files that are read, and would be lost: give --out another name")]
+    #[error("{path}: this is one of the files that are read, and would be lost: give `out` another name")]
     Input {
         /// The place.
         path: String,
     },
     /// It holds something else.
-    #[error("{path}: there is a file already that holds no models, and would be lost: give --out another name")]
+    #[error("{path}: there is a file already that holds no models, and would be lost: give `out` another name")]
     NoModels {
         /// The place.
         path: String,

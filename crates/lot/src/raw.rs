@@ -11,9 +11,8 @@ use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 
 use crate::dataset::{Place, PlaceError, footer};
-use crate::engine::{Engine, EngineError};
+use crate::engine::{Engine, EngineError, column, count};
 use crate::out::{self, OutError};
-use crate::poly::{column, count};
 use crate::table::Files;
 use footer::Footer;
 
@@ -106,7 +105,7 @@ pub async fn group(engine: &Engine, dataset: &str, out: &Path) -> Result<Grouped
     let sql = sql(files.len());
     let began = Instant::now();
     let names: Vec<String> = files.iter().map(|meta| place.name_of(&meta.location)).collect();
-    let table = Files::new(place.root.clone(), columns(), files.into_iter().map(|meta| (meta, Vec::new())).collect());
+    let table = Files::new(place.root.clone(), columns(), files);
     let batches = engine.collect(&place, table.split(), &sql).await?;
     let seconds = began.elapsed().as_secs_f64();
     if batches.iter().filter_map(|batch| batch.column_by_name("axis")).any(|axis| axis.null_count() > 0) {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
-use zerorate_cal::report::{LogReport, LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
+use zerorate_report::{LogReport, LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
 
 use crate::export::{ExportError, refit};
 use crate::models::{self, ModelRow, ModelsError};
@@ -160,8 +160,7 @@ async fn worst(rows: &[ModelRow], dataset: Option<&str>) -> (Vec<WorstUnit>, Vec
 }
 
 async fn fit(row: &ModelRow, dataset: Option<&str>) -> Result<LogReport, ExportError> {
-    let folder = tempfile::tempdir().map_err(|source| ExportError::Write { path: std::env::temp_dir(), source })?;
-    let (_, fit) = refit(row, dataset, folder.path()).await?;
+    let (_, fit) = refit(row, dataset).await?;
     Ok(LogReport::from(&fit))
 }
 

@@ -6,16 +6,15 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde::Serialize;
-use zerorate_cal::choose::Model;
+use zerorate_cal::log_fit::FitOptions;
 use zerorate_cal::quality::Reason;
+use zerorate_fit::model::Model;
 
-use crate::auto;
 use crate::dataset::{Dataset, Found, Place, PlaceError, Skipped};
 use crate::engine::{Engine, EngineError};
-use crate::fitted::Fitted;
+use crate::fit::{self, Fitted};
 use crate::models::{self, ModelRow, ModelsError};
 use crate::out::{self, OutError};
-use crate::poly;
 use earlier::Earlier;
 
 /// Recordings in a batch: what is lost when a run is ended, and what is in memory at a time.
@@ -108,7 +107,7 @@ pub enum RunError {
     #[error(transparent)]
     Out(#[from] OutError),
     /// Another run writes there.
-    #[error("{path}: another run is writing there: wait for it, or give --out another name")]
+    #[error("{path}: another run is writing there: wait for it, or give `out` another name")]
     Busy {
         /// Where the rows go.
         path: String,
@@ -124,7 +123,7 @@ pub enum RunError {
         first: String,
     },
     /// The folder for the rows cannot be made.
-    #[error("{path}: cannot be made: {source}: give --out another place")]
+    #[error("{path}: cannot be made: {source}: give `out` another place")]
     Parts {
         /// The folder.
         path: String,
@@ -192,8 +191,9 @@ impl FitRun {
         files: &[&'f Found],
         skipped: &mut Vec<Skipped>,
     ) -> Result<Vec<(&'f Found, Fitted)>, RunError> {
+        let options = FitOptions { model: self.model, allow_narrow: self.allow_narrow, ..FitOptions::default() };
         let mut files: Vec<&Found> = files.to_vec();
-        let fitted = match self.fit(place, &files).await {
+        let fitted = match fit::fit(&self.engine, place, &files, &options).await {
             Ok(fitted) => fitted,
             Err(error) if error.is_of_the_files() => {
                 let unreadable = unreadable(place, &files).await;
@@ -202,7 +202,7 @@ impl FitRun {
                 }
                 files.retain(|own| unreadable.iter().all(|skipped| skipped.file != own.file));
                 skipped.extend(unreadable);
-                if files.is_empty() { Vec::new() } else { self.fit(place, &files).await? }
+                if files.is_empty() { Vec::new() } else { fit::fit(&self.engine, place, &files, &options).await? }
             }
             Err(error) => return Err(error.into()),
         };
@@ -220,13 +220,6 @@ impl FitRun {
             kept.push((found, fitted));
         }
         Ok(kept)
-    }
-
-    async fn fit(&self, place: &Place, files: &[&Found]) -> Result<Vec<Fitted>, EngineError> {
-        match self.model {
-            Model::Poly(order) => poly::fit(&self.engine, place, files, order, self.allow_narrow).await,
-            model => auto::fit(&self.engine, place, files, model, self.allow_narrow).await,
-        }
     }
 
     fn summary(&self, rows: &[ModelRow], skipped: Vec<Skipped>, reused: usize, others: u64, seconds: f64) -> Summary {
@@ -265,7 +258,7 @@ async fn unreadable(place: &Place, files: &[&Found]) -> Vec<Skipped> {
     let engine = Engine::Embedded { threads: 1 };
     let mut found = Vec::new();
     for file in files {
-        if let Err(error) = poly::look(&engine, place, file).await {
+        if let Err(error) = fit::look(&engine, place, file).await {
             let reason = format!("damaged: {error}: take another copy or record again");
             found.push(Skipped { file: file.file.clone(), reason });
         }

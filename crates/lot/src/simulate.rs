@@ -20,7 +20,7 @@ use zerorate_bench::procedure::full_temperature;
 use zerorate_bench::run::{Phase, Recorder, Session, Silent, Taken, row};
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
-use zerorate_cal::recording::{GroupRow, RecordingError, RecordingInfo, RecordingWriter};
+use zerorate_cal::recording::{GroupRow, RecordingInfo, RecordingWriter, WriteError};
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::{Axis, Celsius};
 
@@ -89,7 +89,7 @@ pub enum SimulateError {
     },
     /// A recording cannot be written.
     #[error(transparent)]
-    Recording(#[from] RecordingError),
+    Recording(#[from] WriteError),
     /// A unit's run failed.
     #[error("unit {serial}: {source}")]
     Bench {

@@ -1,7 +1,6 @@
-//! The recordings of a lot as one table of the engine.
+//! Some files of a lot as one table of the engine.
 //!
-//! A unit's serial, scale and coefficients are the same in all rows of its file, so they travel as the file's partition
-//! values: the query needs no join, and an executor no code of ours.
+//! Which file a row is of travels as the file's partition value: an executor needs no code of ours.
 
 use std::sync::Arc;
 
@@ -19,57 +18,30 @@ use datafusion::logical_expr::Expr;
 use datafusion::physical_plan::ExecutionPlan;
 use object_store::ObjectMeta;
 
-/// A number that is the same in all rows of a file, by name.
-pub type FileValues = Vec<(String, FileValue)>;
-
-/// Such a number.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum FileValue {
-    /// A whole number.
-    Whole(i64),
-    /// A real one.
-    Real(f64),
-}
-
-/// Some Parquet files of one schema as a table: their columns, then `file`, the place of the file, then its values.
+/// Some Parquet files of one schema as a table: their columns, then `file`, the place of the file.
 #[derive(Debug)]
 pub struct Files {
     root: ObjectStoreUrl,
     columns: SchemaRef,
-    partition_columns: Vec<FieldRef>,
+    place: FieldRef,
     all: SchemaRef,
     files: Vec<PartitionedFile>,
     split: bool,
 }
 
 impl Files {
-    /// A table of files, each with its values; all must have values of the same names and kinds.
+    /// A table of files that all have these columns.
     #[must_use]
-    pub fn new(root: ObjectStoreUrl, columns: Vec<(&str, DataType)>, files: Vec<(ObjectMeta, FileValues)>) -> Self {
-        let fields: Vec<FieldRef> =
-            columns.into_iter().map(|(name, kind)| Arc::new(Field::new(name, kind, true))).collect();
-        let kind = |value: &FileValue| match value {
-            FileValue::Whole(_) => DataType::Int64,
-            FileValue::Real(_) => DataType::Float64,
+    pub fn new(root: ObjectStoreUrl, columns: Vec<(&str, DataType)>, files: Vec<ObjectMeta>) -> Self {
+        let columns: Vec<Field> = columns.into_iter().map(|(name, kind)| Field::new(name, kind, true)).collect();
+        let columns = Arc::new(Schema::new(columns));
+        let place = Arc::new(Field::new("file", DataType::Int64, false));
+        let all: Vec<FieldRef> = columns.fields().iter().chain([&place]).cloned().collect();
+        let placed = |(place, meta)| {
+            PartitionedFile::new_from_meta(meta).with_partition_values(vec![ScalarValue::Int64(Some(place))])
         };
-        let mut partition_columns: Vec<FieldRef> = vec![Arc::new(Field::new("file", DataType::Int64, false))];
-        for (name, value) in files.first().map(|(_, values)| values.as_slice()).unwrap_or_default() {
-            partition_columns.push(Arc::new(Field::new(name, kind(value), false)));
-        }
-        let files = (0_i64..)
-            .zip(files)
-            .map(|(place, (meta, values))| {
-                let mut scalars = vec![ScalarValue::Int64(Some(place))];
-                scalars.extend(values.into_iter().map(|(_, value)| match value {
-                    FileValue::Whole(value) => ScalarValue::Int64(Some(value)),
-                    FileValue::Real(value) => ScalarValue::Float64(Some(value)),
-                }));
-                PartitionedFile::new_from_meta(meta).with_partition_values(scalars)
-            })
-            .collect();
-        let columns = Arc::new(Schema::new(fields));
-        let all: Vec<FieldRef> = columns.fields().iter().chain(&partition_columns).cloned().collect();
-        Self { root, columns, partition_columns, all: Arc::new(Schema::new(all)), files, split: false }
+        let files = (0..).zip(files).map(placed).collect();
+        Self { root, columns, place, all: Arc::new(Schema::new(all)), files, split: false }
     }
 
     /// The same, each file cut into a piece for each partition: for few large ones whose rows' order does not matter.
@@ -119,7 +91,7 @@ impl TableProvider for Files {
         _limit: Option<usize>,
     ) -> Result<Arc<dyn ExecutionPlan>> {
         let schema = TableSchema::builder(Arc::clone(&self.columns))
-            .with_table_partition_cols(self.partition_columns.clone())
+            .with_table_partition_cols(vec![Arc::clone(&self.place)])
             .build();
         let source = Arc::new(ParquetSource::new(schema));
         let partitions = state.config().target_partitions();

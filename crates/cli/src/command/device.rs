@@ -15,6 +15,7 @@ use serde::Serialize;
 use zerorate_bench::board::{Axis, Board};
 use zerorate_bench::choice::DeviceChoice;
 use zerorate_bench::client::ClientError;
+use zerorate_words::sentence;
 
 use super::Outcome;
 use crate::screen;
@@ -105,7 +106,7 @@ impl Device {
             verdict: &'static str,
             reason: String,
         }
-        let reason = screen::sentence(why);
+        let reason = sentence(why.as_ref());
         if self.json {
             screen::print_json(&Refused { verdict: "refused", reason })?;
         } else {

@@ -14,6 +14,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use zerorate_cal::recording::{Recording, RecordingFault};
+use zerorate_words::sentence;
 
 use super::Outcome;
 use crate::progress::Busy;
@@ -89,7 +90,7 @@ impl Info {
                 // The other files are looked at all the same.
                 screen::error(&error);
                 outcome = Outcome::Failed;
-                Content::Unreadable { error: screen::sentence(&error) }
+                Content::Unreadable { error: sentence(error.as_ref()) }
             });
             if self.json {
                 found.push(Found { file, content });

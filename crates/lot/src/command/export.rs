@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use zerorate_lot::export::{ExportError, export};
 
-use super::{Outcome, wait};
+use super::{Outcome, tell, wait};
 
 /// Write one unit's calibration and device record: the same files as `zerorate fit` makes of its recording alone
 #[derive(Debug, Args)]
@@ -38,7 +38,7 @@ impl Export {
                 Ok(Outcome::Done)
             }
             Err(error @ ExportError::Rejected { .. }) => {
-                eprintln!("{error}");
+                tell(&error.to_string());
                 Ok(Outcome::Rejected)
             }
             Err(error) => Err(error.into()),

@@ -1,11 +1,12 @@
 //! `zerorate lot fit`.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Result;
 use clap::Args;
-use zerorate_cal::choose::Model;
+use zerorate_fit::model::Model;
 use zerorate_lot::engine::{Address, Cluster, Engine};
 use zerorate_lot::run::{FitRun, Summary};
 
@@ -29,7 +30,7 @@ pub struct Fit {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 
-    /// The drift model: poly:1 to poly:5 as sums on the engine; auto, or table:1 to table:32, by solvers here
+    /// The drift model: auto, poly:1 to poly:5, or table:1 to table:32
     #[arg(long, value_name = "MODEL", default_value = "auto")]
     model: Model,
 
@@ -83,7 +84,8 @@ impl Fit {
         }))??;
         bar.finish_and_clear();
         if self.json {
-            say!("{}", serde_json::to_string_pretty(&summary)?);
+            // Programs read parameters' own names.
+            _ = writeln!(io::stdout(), "{}", serde_json::to_string_pretty(&summary)?);
         } else {
             print(&summary);
         }

@@ -7,7 +7,7 @@ use clap::Args;
 use zerorate_cal::whole_file::write_whole;
 use zerorate_lot::{out, report};
 
-use super::{Outcome, wait};
+use super::{Outcome, tell, wait};
 
 /// Write a lot's report as one HTML page: distribution, worst units, yield, the process over time
 ///
@@ -39,7 +39,7 @@ impl Report {
         let report = wait(report::report(&self.models, self.dataset.as_deref(), limits))??;
         write_whole(&self.out, report.to_html().as_bytes())
             .with_context(|| format!("{}: cannot be written", self.out.display()))?;
-        report.undrawn_notes().iter().for_each(|sentence| eprintln!("note: {sentence}"));
+        report.undrawn_notes().iter().for_each(|sentence| tell(&format!("note: {sentence}")));
         let units = report.units.len();
         let noun = if units == 1 { "unit" } else { "units" };
         say!("{units} {noun}, {} pass, {} rejected", report.passed(), report.rejected());

@@ -72,7 +72,7 @@ impl fmt::Display for Address {
 pub enum ClusterError {
     /// Nothing listens there.
     #[error(
-        "the scheduler {address} does not answer ({reason}): start it (see crates/lot/README.md), or leave out --cluster"
+        "the scheduler {address} does not answer ({reason}): start it (see crates/lot/README.md), or leave out `cluster`"
     )]
     NoScheduler {
         /// Where.
@@ -81,7 +81,7 @@ pub enum ClusterError {
         reason: String,
     },
     /// No result in time.
-    #[error("the cluster {address} gave no result in {} s, in {attempts} attempts: look whether its executors live, or give it longer (--deadline)", deadline.as_secs())]
+    #[error("the cluster {address} gave no result in {} s, in {attempts} attempts: look whether its executors live, or give it longer (`deadline`)", deadline.as_secs())]
     Deadline {
         /// Which.
         address: Address,
