@@ -176,7 +176,9 @@ impl SetUp {
         let setup: Self = toml::from_str(text).map_err(|error| {
             let before = &text[..error.span().map_or(0, |span| span.start)];
             let line = before.lines().count().max(1) + usize::from(before.ends_with('\n'));
-            SetUpError::Toml { path: name.into(), line, reason: error.message().replace('\n', ", ") }
+            // Backticks are for parameters: what is in the file stands in quotes.
+            let reason = error.message().replace('\n', ", ").replace('`', "'");
+            SetUpError::Toml { path: name.into(), line, reason }
         })?;
         let contradictions = setup.contradictions();
         if contradictions.is_empty() {

@@ -167,7 +167,7 @@ fn a_cluster_gives_the_embedded_numbers_and_survives_the_loss_of_an_executor() {
     let chosen = fit(&lot, &out, "auto", Engine::embedded()).unwrap();
     assert_same(&fit(&lot, &out, "auto", nodes.engine(FOR_GOOD)).unwrap(), &chosen);
 
-    for round in 0..4 {
+    for round in 0..10 {
         let in_scan = round % 2 == 0;
         let began = Instant::now();
         let (victim, work) = nodes.executors.remove(0);

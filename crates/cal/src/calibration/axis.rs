@@ -108,7 +108,12 @@ impl TryFrom<AxisForm> for AxisCalibration {
         };
         let static_cubic = form.static_cubic.as_ref().map(StaticCubicForm::checked).transpose()?;
         let axis = Self {
-            fit: DriftFit { model, static_cubic, band: form.band, statistics: form.fit.unwrap_or_else(FitStatistics::unknown) },
+            fit: DriftFit {
+                model,
+                static_cubic,
+                band: form.band,
+                statistics: form.fit.unwrap_or_else(FitStatistics::unknown),
+            },
             rate_unit: form.rate_unit,
             sensor: form.sensor,
             reference_temperature: form.reference_temperature,

@@ -58,7 +58,7 @@ impl From<serde_json::Error> for CalibrationFault {
     fn from(error: serde_json::Error) -> Self {
         // The place is said in front, as compilers do.
         let text = error.to_string();
-        let what = text.split(" at line ").next().unwrap_or(&text).to_owned();
+        let what = text.split(" at line ").next().unwrap_or(&text).replace('`', "'");
         Self::Malformed { line: error.line(), column: error.column(), what }
     }
 }

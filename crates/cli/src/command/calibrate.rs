@@ -17,6 +17,7 @@ use zerorate_bench::calibrate::calibrate;
 use zerorate_bench::calibrated::Unit;
 use zerorate_bench::checkpoint::Keep;
 use zerorate_bench::choice::DeviceChoice;
+use zerorate_bench::error::BenchError;
 use zerorate_bench::instruments::Bench;
 use zerorate_bench::manual;
 use zerorate_bench::plants::PlantKind;
@@ -153,7 +154,7 @@ impl Calibrate {
     fn carry_out(&self, bench: &mut Bench, setup: &SetUp, unit: Unit, mut bar: Bar, keep: Keep) -> Result<Outcome> {
         let result = calibrate(bench, setup, unit, &self.out, &mut bar, keep);
         bar.finish();
-        let (run, summary) = result.with_context(|| self.what_is_left())?;
+        let (run, summary) = result.map_err(|error| self.with_what_is_left(error))?;
         if self.json {
             screen::print_json(&summary)?;
         } else {
@@ -175,15 +176,20 @@ impl Calibrate {
         }
     }
 
-    fn what_is_left(&self) -> String {
+    fn with_what_is_left(&self, error: BenchError) -> anyhow::Error {
+        if matches!(error, BenchError::Unfinished { .. } | BenchError::OtherRun { .. }) {
+            // It says itself what there is, and from when.
+            return error.into();
+        }
         let kept = self.out.join(zerorate_bench::output::IN_PROGRESS);
-        if kept.is_dir() {
+        let left = if kept.is_dir() {
             let go_on =
                 if self.device.is_real() { "; the same with --resume goes on after what was finished" } else { "" };
             format!("the run stopped; what it had recorded is in {}{go_on}", kept.display())
         } else {
             "the run could not begin".into()
-        }
+        };
+        anyhow::Error::from(error).context(left)
     }
 }
 

@@ -87,7 +87,7 @@ fn what_cannot_be_corrected_leaves_the_earlier_output() {
         (
             "text.csv",
             Some("temperature_c,x_rad_s,y_rad_s\n20,1,2\n21,one,2\n"),
-            vec!["text.csv:3: column 'x_rad_s' holds 'one'"],
+            vec!["text.csv: line 3: column 'x_rad_s' holds 'one'"],
         ),
     ];
     for (name, content, parts) in cases {

@@ -148,9 +148,9 @@ fn a_wrong_column_is_answered_with_those_there_are() {
 #[test]
 fn text_for_a_number_is_named_by_line_and_column() {
     let log = Log::cycle().csv().replacen("\n100,", "\nnoon,", 1);
-    fit_beside_earlier(&log, &[]).is_error(&["log.csv:202: column 't_s' holds 'noon'"]);
+    fit_beside_earlier(&log, &[]).is_error(&["log.csv: line 202: column 't_s' holds 'noon'"]);
     let cut = "t_s,temperature_c,x_dps\n0,20,1\n1,21\n";
-    fit_beside_earlier(cut, &[]).is_error(&["log.csv:3: 2 cells where the first line has 3"]);
+    fit_beside_earlier(cut, &[]).is_error(&["log.csv: line 3: 2 cells where the first line has 3"]);
 }
 
 #[test]

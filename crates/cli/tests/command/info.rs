@@ -87,7 +87,7 @@ fn a_log_is_told_with_what_its_columns_are_taken_for() {
     let ran = zerorate(folder.path(), &["info", "log.csv", "odd.csv"]);
     assert_eq!(ran.code, 0, "{}", ran.err);
     ran.says(&["log.csv: a log, 8400 rows of 4 columns", "t_s, 70.0 min", "x_rad_s", "mrad/s"]);
-    ran.says(&["odd.csv: a log, 2 rows of 2 columns", "say which with --temperature; the columns are a, b"]);
+    ran.says(&["odd.csv: a log, 2 rows of 2 columns", "say which (--temperature); the columns are a, b"]);
 }
 
 #[test]

@@ -138,7 +138,7 @@ fn a_run_by_hand_that_was_stopped_goes_on_and_passes() {
     let mut anew = Run::start(&board, &[], folder.path());
     anew.obey_until(&mut board, "nothing of that kind", 1);
     assert_eq!(await_end(&mut anew.child), Some(2));
-    assert_eq!(anew.count("go on with it with --resume"), 1, "{:#?}", anew.lines);
+    assert_eq!(anew.count("go on with it (--resume)"), 1, "{:#?}", anew.lines);
 
     let mut run = Run::start(&board, &["--resume"], folder.path());
     run.obey_until(&mut board, "nothing of that kind", 1);

@@ -2,9 +2,8 @@
 
 use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, Table, ValidRange};
 
-use zerorate_fit::drift_fit::{DriftFit, FitStatistics, ResidualOver};
+use zerorate_fit::drift_fit::{DriftFit, FitStatistics};
 use zerorate_fit::predict::DriftModel;
-use zerorate_fit::residual::ResidualStatistics;
 
 use crate::calibration::{AxisCalibration, Calibration, Kind, Origin};
 use crate::units::{RateUnit, TemperatureUnit};
