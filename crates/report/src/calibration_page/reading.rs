@@ -52,7 +52,7 @@ pub(super) fn definitions(report: &CalibrationReport) -> Markup {
         ("In-sample", html! { "Measured on the data that a fit was made from: always a little too good." }),
         (
             "Held out",
-            html! { "Measured on data that the fit has not seen: a contiguous stretch predicted by the fit of the others, or another run." },
+            html! { "Measured on data that the fit has not seen: a contiguous fold predicted by the fit of the others, or another run." },
         ),
     ];
     if simulated {
