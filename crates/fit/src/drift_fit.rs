@@ -46,6 +46,7 @@ pub struct StaticCubic {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
     /// How many folds.
+    #[serde(alias = "stretches")]
     pub folds: u64,
     /// Within the recording: with its drift in time.
     pub in_recording: Option<f64>,
@@ -84,6 +85,7 @@ pub struct FitStatistics {
     /// Residual of the folds, each predicted by the fit of the others; `None` where the others do not settle the model.
     pub held_out: Option<ResidualStatistics>,
     /// How many folds.
+    #[serde(alias = "held_out_stretches")]
     pub held_out_folds: u64,
     /// Covariance of the scaled coefficients (of a table: of its knots), a row a coefficient, rate units squared.
     pub covariance: Vec<Vec<f64>>,
@@ -147,7 +149,7 @@ pub struct Candidate {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub by_direction_rms: Option<[Option<f64>; 2]>,
     /// The weight that shrinks the terms beside the curve, as a fraction of the data's own weight.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, alias = "ridge", skip_serializing_if = "Option::is_none")]
     pub shrinkage_weight: Option<f64>,
     /// Whether it is the one chosen.
     #[serde(default)]

@@ -5,7 +5,7 @@ use zerorate_core::record::MAX_RECORD_BYTES;
 use zerorate_core::trim::{TapEffects, Trim, TrimLine};
 use zerorate_core::units::{Axis, Counts, Taps, Volts};
 
-use zerorate_fit::drift_fit::{BandPoint, StaticCubic};
+use zerorate_fit::drift_fit::{BandPoint, HeldOut, StaticCubic};
 use zerorate_fit::model::Model;
 use zerorate_fit::predict::TimeDrift;
 use zerorate_fit::residual::ResidualStatistics;
@@ -311,6 +311,31 @@ fn a_calibration_with_a_history_reads_back_as_it_was_written() {
         let error = Calibration::from_json(&text.replace(good, bad)).unwrap_err().to_string();
         assert!(error.contains("a history has 1 to 6 terms"), "{error}");
     }
+}
+
+/// Names that were changed are read by the old ones, too.
+#[test]
+fn a_file_with_earlier_names_is_still_read() {
+    let mut calibration = board();
+    let statistics = &mut calibration.axes.get_mut("x").unwrap().fit.statistics;
+    let [rms, none] = [Some(0.5), None];
+    statistics.nested = Some(HeldOut {
+        folds: 8,
+        in_recording: rms,
+        deployed_warm: rms,
+        deployed_cold: none,
+        cubic_in_recording: none,
+        cubic_deployed: rms,
+    });
+    statistics.candidates[0].shrinkage_weight = Some(1e-3);
+    let mut text = calibration.to_json().unwrap();
+    for (now, then) in
+        [("held_out_folds", "held_out_stretches"), ("\"folds\"", "\"stretches\""), ("shrinkage_weight", "ridge")]
+    {
+        assert!(text.contains(now), "{now}");
+        text = text.replace(now, then);
+    }
+    assert_eq!(Calibration::from_json(&text).unwrap(), calibration);
 }
 
 /// Files of the first schema have none of it, and are still read.
