@@ -43,12 +43,6 @@ impl Format {
     /// All of them, in the order in which help lists them.
     pub const ALL: [Self; 6] = [Self::Px4, Self::ArduPilot, Self::MethodicConfigurator, Self::C, Self::Json, Self::Csv];
 
-    /// Whether the format holds a cubic of temperature and no more.
-    #[must_use]
-    pub fn is_static_cubic(self) -> bool {
-        matches!(self, Self::Px4 | Self::ArduPilot | Self::MethodicConfigurator | Self::Json)
-    }
-
     /// What a file of it is usually called.
     #[must_use]
     pub fn file_name(self) -> &'static str {

@@ -27,7 +27,7 @@ use crate::source::Source;
 use crate::trace::{Trace, TracePoint};
 use crate::units::{RateUnit, TemperatureUnit};
 
-/// The order of the polynomial whose residuals are searched for wild groups.
+/// The order of the polynomial whose residuals are searched for outliers.
 pub const JUDGED_ORDER: usize = MAX_ORDER;
 
 /// One axis of one group of a ramp.
@@ -111,7 +111,7 @@ impl RampMeans {
 }
 
 /// Fits the ramps of a recording, each axis by itself. Group means are fitted as they are: they are what conditioning
-/// makes of a log. `auto` chooses among all models, history included, and believes wild groups less; a model asked for is
+/// makes of a log. `auto` chooses among all models, history included, and believes outliers less; a model asked for is
 /// fitted by ordinary least squares, each group counted once.
 #[must_use]
 pub fn fit_recording(recording: &Recording, source: &Source, options: &FitOptions) -> LogFit {

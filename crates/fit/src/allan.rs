@@ -134,30 +134,10 @@ impl Sums {
         }
         (squares, pairs)
     }
-
-    fn deviation(&self, m: usize, stride: usize) -> Option<f64> {
-        let (squares, pairs) = self.squares(m, stride);
-        (m > 0 && pairs > 0).then(|| (squares / (2.0 * pairs as f64)).sqrt())
-    }
-}
-
-/// The Allan deviation of averages over `m` samples that do not overlap (NIST SP 1065, 5.2.2), in the rates' unit;
-/// `None` where the record has no two such averages in a row.
-#[must_use]
-pub fn allan_deviation(rates: &[f64], m: usize) -> Option<f64> {
-    Sums::of(rates).deviation(m, m.max(1))
-}
-
-/// The overlapping Allan deviation of averages over `m` samples (NIST SP 1065, 5.2.4), in the rates' unit; `None` where
-/// the record has no two such averages in a row.
-#[must_use]
-pub fn overlapping_allan_deviation(rates: &[f64], m: usize) -> Option<f64> {
-    Sums::of(rates).deviation(m, 1)
 }
 
 impl Allan {
-    /// The Allan deviation of evenly spaced rates at constant temperature, or of residuals; NaN marks a gap. Whether the
-    /// temperature was constant is for [`refuse_ramp`] to say.
+    /// The Allan deviation of evenly spaced rates at constant temperature, or of residuals; NaN marks a gap.
     ///
     /// # Errors
     /// [`NoAllan`], when the record is too short, has no time or never changes.
@@ -218,17 +198,6 @@ fn averaging(samples: usize) -> Vec<usize> {
         .collect();
     factors.dedup();
     factors
-}
-
-/// Refuses a record over which the temperature changed by more than a soak may: `most` is that, in the temperature's
-/// unit.
-///
-/// # Errors
-/// [`NoAllan::Ramp`].
-pub fn refuse_ramp(temperatures: &[f64], most: f64, unit: &'static str) -> Result<(), NoAllan> {
-    let finite = || temperatures.iter().copied().filter(|temperature| temperature.is_finite());
-    let (min, max) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (min.min(t), max.max(t)));
-    if max - min > most { Err(NoAllan::Ramp { min, max, unit }) } else { Ok(()) }
 }
 
 #[cfg(test)]

@@ -56,7 +56,7 @@ pub struct GroupFit {
 /// Fits a series: `auto`, or the model asked for alone, without history and drift in time.
 ///
 /// `measured` is the least and greatest temperature of the groups that have a rate. `auto` believes its curve
-/// further than that, by [`BEYOND`] of the span at each end, where it was tested; another model is held at the ends.
+/// further than that, by a fraction of the span at each end, where it was tested; another model is held at the ends.
 ///
 /// # Errors
 /// [`FitError`], when the groups do not settle the model, or no model.

@@ -1,4 +1,4 @@
-//! Statistics that a few wild values cannot move.
+//! Statistics that a few outliers cannot move.
 
 /// The median absolute deviation times this is the standard deviation of a normal distribution: 1 / 0.6745.
 pub const MAD_TO_SIGMA: f64 = 1.4826;

@@ -78,9 +78,9 @@ pub struct ModelRow {
     pub in_sample_rms: f64,
     /// Residual of the fit of everything, peak to peak.
     pub in_sample_pp: f64,
-    /// Residual of eighths predicted by the others.
+    /// Residual of the folds, each predicted by the fit of the others.
     pub held_out_rms: f64,
-    /// Residual of eighths predicted by the others, peak to peak.
+    /// The same, peak to peak.
     pub held_out_pp: f64,
     /// The drift over the valid range, peak to peak.
     pub drift_pp: f64,

@@ -175,9 +175,9 @@ fn a_malformed_file_is_refused_with_line_and_column() {
     assert_eq!(place(cut).0, cut.lines().count());
     let (line, column, what) = place(&text.replacen("\"kind\": \"analogue-board\"", "\"kind\": \"toaster\"", 1));
     assert_eq!((line, column), (3, 19));
-    assert!(what.contains("unknown variant `toaster`") && !what.contains("line"), "{what}");
+    assert!(what.contains("unknown variant 'toaster'") && !what.contains("line"), "{what}");
     let refused = Calibration::from_json(&text.replacen("\"sources\"", "\"origins\"", 1)).unwrap_err();
-    assert!(refused.to_string().contains("missing field `sources`"), "{refused}");
+    assert!(refused.to_string().contains("missing field 'sources'"), "{refused}");
 }
 
 #[test]

@@ -222,14 +222,14 @@ impl Grouping {
             return;
         }
         let missing = self.temperatures.iter().filter(|t| !t.is_finite()).count();
-        let wild = outliers(&self.temperatures, self.temperature_margin);
-        let wild_count = wild.iter().filter(|wild| **wild).count();
-        let usable: Vec<bool> = (0..rows).map(|row| self.temperatures[row].is_finite() && !wild[row]).collect();
+        let are_outliers = outliers(&self.temperatures, self.temperature_margin);
+        let outlier_count = are_outliers.iter().filter(|is_outlier| **is_outlier).count();
+        let usable: Vec<bool> = (0..rows).map(|row| self.temperatures[row].is_finite() && !are_outliers[row]).collect();
         let mut axes = Vec::with_capacity(self.rates.len());
         for (column, tally) in self.rates.iter_mut().zip(&mut self.tallies) {
             tally.add(DropReason::MissingTemperature, missing as u64);
-            tally.add(DropReason::TemperatureSpike, wild_count as u64);
-            if missing + wild_count > 0 {
+            tally.add(DropReason::TemperatureSpike, outlier_count as u64);
+            if missing + outlier_count > 0 {
                 column.iter_mut().zip(&usable).filter(|(_, usable)| !**usable).for_each(|(rate, _)| *rate = f64::NAN);
             }
             let missing_rates = column.iter().zip(&usable).filter(|(rate, usable)| **usable && !rate.is_finite());

@@ -84,12 +84,12 @@ pub fn judge_survey(
 }
 
 /// Judges what a curve leaves of an axis: the one chosen, or of order [`JUDGED_ORDER`](super::JUDGED_ORDER) where a
-/// polynomial was asked for, lest a poor model hides wild groups behind its own misfit.
+/// polynomial was asked for, lest a poor model hides outliers behind its own misfit.
 pub fn judge_residual(judgement: &mut Judgement, axis: &str, survey: &Residuals) {
     let (rms, kurtosis) = (survey.rms(), survey.kurtosis());
     if survey.largest() > FAR * rms && kurtosis > KURTOSIS {
         let text = format!(
-            "{axis}: groups lie up to {:.0} counts from the curve, {:.0} times the rms: a few wild groups among others that fit (kurtosis {kurtosis:.0}; noise has 3)",
+            "{axis}: groups lie up to {:.0} counts from the curve, {:.0} times the rms: a few outliers among groups that fit (kurtosis {kurtosis:.0}; noise has 3)",
             survey.largest(),
             survey.largest() / rms
         );

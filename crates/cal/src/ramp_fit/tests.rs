@@ -17,7 +17,7 @@ fn ramp() -> RampMeans {
 }
 
 /// Twenty groups far from the others.
-fn with_wild_groups(mut means: RampMeans) -> RampMeans {
+fn with_outliers(mut means: RampMeans) -> RampMeans {
     (5..2400).step_by(120).for_each(|group| means.readings[group] += 400.0);
     means
 }
@@ -41,7 +41,7 @@ fn a_ramp_that_ends_early_is_a_cut_run() {
 }
 
 #[test]
-fn values_that_stand_for_an_eighth_are_stuck() {
+fn values_that_stand_for_a_fold_are_stuck() {
     let mut stuck = ramp();
     stuck.temperatures[1500..].fill(10_000.25);
     assert_eq!(kinds(&stuck, None), (vec![ReasonKind::StuckTemperature], false));
@@ -53,9 +53,9 @@ fn values_that_stand_for_an_eighth_are_stuck() {
 }
 
 #[test]
-fn a_few_wild_groups_are_outliers_and_the_fit_can_be_looked_at() {
-    let wild = with_wild_groups(ramp());
-    assert_eq!(kinds(&wild, None), (vec![ReasonKind::Outliers], true));
+fn a_few_outlying_groups_are_outliers_and_the_fit_can_be_looked_at() {
+    let outlying = with_outliers(ramp());
+    assert_eq!(kinds(&outlying, None), (vec![ReasonKind::Outliers], true));
 }
 
 #[test]
@@ -103,14 +103,14 @@ fn auto_sees_hysteresis_in_both_directions_of_a_ramp_and_a_model_asked_for_does_
 }
 
 #[test]
-fn wild_groups_do_not_hide_behind_the_misfit_of_a_poor_model() {
+fn outlying_groups_do_not_hide_behind_the_misfit_of_a_poor_model() {
     let mut means = ramp();
     // An S of 400 counts that no parabola follows.
     for (reading, t) in means.readings.iter_mut().zip(&means.temperatures) {
         *reading += 200.0 * ((t - 10_200.0) / 1700.0 * 4.0).sin();
     }
     assert_eq!(kinds(&means, None), (vec![], true));
-    let means = with_wild_groups(means);
+    let means = with_outliers(means);
     assert_eq!(kinds(&means, None), (vec![ReasonKind::Outliers], true));
 }
 
@@ -122,10 +122,10 @@ fn groups_with_damaged_numbers_are_no_ramp() {
 }
 
 #[test]
-fn a_few_wild_groups_move_autos_curve_by_little_and_reject_the_unit_all_the_same() {
-    let wild = with_wild_groups(ramp());
+fn a_few_outlying_groups_move_autos_curve_by_little_and_reject_the_unit_all_the_same() {
+    let outlying = with_outliers(ramp());
     let mut judgement = Judgement::default();
-    let fit = fit_axis("x", &wild, None, &FitOptions::default(), &mut judgement).unwrap();
+    let fit = fit_axis("x", &outlying, None, &FitOptions::default(), &mut judgement).unwrap();
     assert_eq!(judgement.reasons.iter().map(|reason| reason.kind).collect::<Vec<_>>(), [ReasonKind::Outliers]);
     let clean = fit_axis("x", &ramp(), None, &FitOptions::default(), &mut Judgement::default()).unwrap();
     let off = |t: f64| (fit.calibration.drift().evaluate(t).0 - clean.calibration.drift().evaluate(t).0).abs();

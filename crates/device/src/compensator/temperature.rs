@@ -141,8 +141,8 @@ mod tests {
         let stays = checks(&[about(9000), about(11_000), about(11_002), about(11_004), about(11_006)]);
         assert_eq!(stays[1..4], [(Jumped, Some(9000)), (Jumped, Some(9000)), (Believed, Some(11_004))]);
         assert_eq!(stays[4], (Believed, Some(11_006)));
-        let wild = checks(&[about(9000), about(11_000), about(5000), about(11_000), about(5000), about(13_000)]);
-        assert!(wild[1..].iter().all(|&held| held == (Jumped, Some(9000))), "{wild:?}");
+        let jumping = checks(&[about(9000), about(11_000), about(5000), about(11_000), about(5000), about(13_000)]);
+        assert!(jumping[1..].iter().all(|&held| held == (Jumped, Some(9000))), "{jumping:?}");
     }
 
     #[test]

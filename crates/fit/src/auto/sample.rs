@@ -6,7 +6,7 @@ use crate::robust::{MAD_TO_SIGMA, median};
 use crate::series::Series;
 
 /// A residual of more than this many standard deviations counts less (Huber, 1964): 1.345 would lose 5 % on clean data; 2
-/// loses 1 %, and conditioning has already taken out what is wild.
+/// loses 1 %, and conditioning has already taken out the outliers.
 const HUBER: f64 = 2.0;
 
 /// Rounds of reweighting; after the fourth nothing moves by a hundredth of its error.
@@ -100,7 +100,7 @@ impl<'a> Sample<'a> {
                 }
             }
         }
-        // Summed anew: what a wild group has left in the last digits goes with it.
+        // Summed anew: what an outlier has left in the last digits goes with it.
         self.gram(features, fit.columns).solve(fit)
     }
 }

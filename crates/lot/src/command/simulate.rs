@@ -10,7 +10,7 @@ use super::{Outcome, bar};
 
 /// Write a lot to try: recordings of random typical units, some of them bad, and the truth about which
 ///
-/// Bad units have stuck sensors, cut runs, another unit's serial, or wild groups. Group sums only, with 20 samples a
+/// Bad units have stuck sensors, cut runs, another unit's serial, or outliers. Group sums only, with 20 samples a
 /// group: a unit takes a fiftieth of a second.
 #[derive(Debug, Args)]
 pub struct Simulate {

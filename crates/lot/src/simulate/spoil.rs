@@ -52,8 +52,8 @@ pub(super) fn spoil(defect: Defect, seed: u64, rows: &mut Vec<GroupRow>, info: &
             }
         }
         Defect::Outliers => {
-            let wild = random.random_range(8..40);
-            for _ in 0..wild {
+            let outliers = random.random_range(8..40);
+            for _ in 0..outliers {
                 let place = random.random_range(0..rows.len() / 2) * 2 + axis.index();
                 let shift: u64 = random.random_range(400..3000);
                 shift_down(&mut rows[place], shift);

@@ -53,7 +53,7 @@ pub(super) fn definitions(board: &Board) -> Markup {
         ("In-sample", html! { "Measured on the data that a fit was made from: always a little too good." }),
         (
             "Held out",
-            html! { "Measured on data that the fit has not seen: a fold predicted by the fit of the others, or another run." },
+            html! { "Measured on data that the fit has not seen: a contiguous fold predicted by the fit of the others, or another run." },
         ),
     ];
     if simulated {

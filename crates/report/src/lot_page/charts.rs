@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn a_running_median_passes_over_a_single_wild_unit() {
+    fn a_running_median_passes_over_a_single_outlying_unit() {
         let mut points: Vec<(f64, f64)> = (0..200).map(|k| (f64::from(k), 5.0)).collect();
         points[100].1 = 1e6;
         let median = running_median(&points, 51);

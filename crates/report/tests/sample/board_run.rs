@@ -1,5 +1,7 @@
 //! A run of the paper's board by its own equations, with noise, a saw-tooth and a little hysteresis.
 
+#![allow(clippy::unwrap_used)] // what a test cannot do without
+
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 

@@ -54,7 +54,7 @@ pub fn explain(page: &mut Page, fit: &LogFit) {
     page.sentence(
         "  ",
         "Held out: each fold of the log, predicted by a fit of the others. Deployed: the same without drift in time, less \
-         the mean of its first half minute. Cold and hot end: the coldest and the hottest eighth of the log held out. Taken \
+         the mean of its first half minute. Cold and hot end: the coldest and the hottest groups held out, as many as a fold. Taken \
          (*) is the simplest model whose held-out and deployed squares are within one standard error of the best. It must \
          be at neither end worse than the better of a straight line and a cubic, and in neither direction of the ramp worse \
          than the cubic.",
