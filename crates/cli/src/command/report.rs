@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use serde::Serialize;
 use zerorate_cal::board_run::{BoardRun, CALIBRATION, FULL_TEMPERATURE, HYBRID_TEST, REPORT, SUMMARY, TRIM_TEST};
-use zerorate_cal::calibration::{AxisCalibration, Calibration, Origin, sha256};
+use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, sha256};
 use zerorate_cal::fit::fit;
 use zerorate_cal::log::{Sensor, SensorChoice};
 use zerorate_cal::log_fit::FitOptions;
@@ -155,13 +155,15 @@ impl Report {
         let fits = || axes().map(|axis| &axis.fit.statistics);
         let chosen = fits().any(|fit: &FitStatistics| fit.candidates.len() > 1);
         let sensors: Vec<Sensor> = axes().filter_map(|axis| axis.sensor).collect();
+        // A board's recording has its columns and knows them.
+        let is_log = calibration.kind == Kind::Log;
         FitOptions {
             columns: Columns {
                 time: self.time.clone(),
                 time_unit: self.time_unit,
                 temperature: self.temperature.clone(),
-                rates: calibration.axes.keys().cloned().collect(),
-                rate_unit: axes().next().map(|axis| axis.rate_unit),
+                rates: if is_log { calibration.axes.keys().cloned().collect() } else { Vec::new() },
+                rate_unit: axes().next().map(|axis| axis.rate_unit).filter(|_| is_log),
             },
             model: if chosen { Model::Auto } else { axes().next().map_or(Model::Auto, AxisCalibration::model) },
             plain: fits().any(|fit| fit.residual_over == ResidualOver::Rows),

@@ -46,7 +46,7 @@ fn runs(seeds: &[&str]) -> TempDir {
 }
 
 #[test]
-fn a_boards_report_made_again_is_the_one_that_calibrate_made() {
+fn a_boards_report_made_again_is_the_one_that_calibrate_or_fit_made() {
     let folder = runs(&["1"]);
     let read = |name| fs::read(folder.path().join(name)).unwrap();
     let first = read("1/report.html");
@@ -58,6 +58,14 @@ fn a_boards_report_made_again_is_the_one_that_calibrate_made() {
     assert_eq!(zerorate(&folder.path().join("1"), &["report", ".", "--json"]).json()["out"], "report.html");
     assert!(read("1/report.html") == first, "another report");
     zerorate(folder.path(), &["report", "1", "--log", "log.csv"]).is_error(&["a board's run has no log"]);
+
+    // Of a recording alone.
+    fs::copy(folder.path().join("1/full-temperature.parquet"), folder.path().join("ramp.parquet")).unwrap();
+    for (option, file) in [("--out", "calibration.json"), ("--report", "fit.html")] {
+        assert_eq!(zerorate(folder.path(), &["fit", "ramp.parquet", option, file]).code, 0);
+    }
+    assert_eq!(zerorate(folder.path(), &["report", "."]).code, 0);
+    assert!(read("report.html") == read("fit.html"), "another report");
 }
 
 #[test]
