@@ -3,8 +3,10 @@
 use std::path::Path;
 use std::time::Instant;
 
+use zerorate_cal::board_run::{FULL_TEMPERATURE, HYBRID_TEST, TRIM_TEST};
 use zerorate_cal::calibration::Origin;
 use zerorate_cal::recording::RecordingInfo;
+use zerorate_cal::summary::Summary;
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 use zerorate_core::wire::Request;
@@ -21,14 +23,13 @@ use crate::procedure::soaks;
 use crate::results;
 use crate::run::{Progress, Session};
 use crate::setup::SetUp;
-use crate::summary::Summary;
+use crate::summary::summary;
 use crate::verify::{check, deploy, evaluated};
 
-const FULL_TEMPERATURE: &str = "full-temperature.parquet";
 const TRIM_SWEEP: &str = "trim-sweep.parquet";
 const SOAKS: &str = "soaks.parquet";
 
-/// Runs everything on one unit and writes the results into `out`; returns them with the summary. On a bench that takes
+/// Runs everything on one unit and writes the results into `out`; returns the summary. On a bench that takes
 /// days `keep` has each procedure kept that was carried through, so that a run that was stopped goes on after it.
 ///
 /// # Errors
@@ -40,7 +41,7 @@ pub fn calibrate(
     out: &Path,
     progress: &mut dyn Progress,
     keep: Keep,
-) -> Result<(Calibrated, Summary), BenchError> {
+) -> Result<Summary, BenchError> {
     let result = run(bench, setup, unit, out, progress, keep);
     if result.as_ref().is_err_and(BenchError::is_interrupted) {
         // The board is left as it was found, if it still answers.
@@ -56,7 +57,7 @@ fn run(
     out: &Path,
     progress: &mut dyn Progress,
     keep: Keep,
-) -> Result<(Calibrated, Summary), BenchError> {
+) -> Result<Summary, BenchError> {
     let began = Instant::now();
     let mut output = OutputFolder::open(out)?;
     let identity = bench.device.identify()?;
@@ -84,9 +85,7 @@ fn run(
 
     let mut deployed = false;
     let mut verifications = Vec::new();
-    for (mode, file) in
-        [(Mode::Trim, "compensation-test-trim.parquet"), (Mode::Hybrid, "compensation-test-hybrid.parquet")]
-    {
+    for (mode, file) in [(Mode::Trim, TRIM_TEST), (Mode::Hybrid, HYBRID_TEST)] {
         let [of_x, of_y] = Axis::BOTH.map(|axis| checkpoints.extent(&test_name(mode, axis)));
         let mut recorder = output.go_on(file, &info("compensation-test"), of_y.or(of_x))?;
         for (axis, cooling) in [(Axis::X, true), (Axis::Y, false)] {
@@ -123,13 +122,19 @@ fn run(
         ));
     }
     let checks = check(&verifications, &setup.limits, setup.board.centre_counts);
-    let sources = [("full-temperature", FULL_TEMPERATURE), ("trim-sweep", TRIM_SWEEP)]
-        .map(|(content, file)| Origin::of(content, &(&output.path(file)).into()));
-    measured.calibration.sources =
-        sources.into_iter().collect::<Result<_, _>>().map_err(|error| BenchError::Compose(error.to_string()))?;
+    let origin = |(content, file): (&str, &str)| {
+        Origin::of(content, &(&output.path(file)).into()).map_err(|error| BenchError::Compose(error.to_string()))
+    };
+    let fitted = [("full-temperature", FULL_TEMPERATURE), ("trim-sweep", TRIM_SWEEP)];
+    let tested = [("compensation-test", TRIM_TEST), ("compensation-test", HYBRID_TEST), ("soaks", SOAKS)];
+    measured.calibration.sources = fitted.into_iter().map(origin).collect::<Result<_, _>>()?;
+    let mut recordings = measured.calibration.sources.clone();
+    for recording in tested {
+        recordings.push(origin(recording)?);
+    }
     let run = Calibrated { unit, setup: setup.clone(), measured, verifications, soaks, checks };
-    let summary = Summary::of(&run, began.elapsed().as_secs_f64());
-    results::write(&run, &summary, &mut output)?;
+    let summary = summary(&run, recordings, began.elapsed().as_secs_f64());
+    results::write(&run.measured.calibration, &run.measured.record, &summary, &mut output)?;
     if let Some(aside) = output.publish()? {
         progress.note(&format!(
             "the results are in {}; something else that was there could not be moved back and is in {}: move it by hand",
@@ -137,7 +142,7 @@ fn run(
             aside.display()
         ));
     }
-    Ok((run, summary))
+    Ok(summary)
 }
 
 /// A compensation test, as it is kept.

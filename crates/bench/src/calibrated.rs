@@ -1,10 +1,9 @@
 //! A unit and what a whole run found out about it.
 
+use zerorate_cal::summary::Check;
 use zerorate_core::record::UnitSerial;
-use zerorate_report::Check;
 
 use crate::error::BenchError;
-use crate::evaluate::TestResult;
 use crate::measure::Measured;
 use crate::plants::PlantKind;
 use crate::procedure::soaks::Soaks;
@@ -46,27 +45,4 @@ pub struct Calibrated {
     pub soaks: Soaks,
     /// What was checked.
     pub checks: Vec<Check>,
-}
-
-impl Calibrated {
-    /// The results of all tests, in the order of `summary.json`: heating, cooling, the swapped pair.
-    pub fn results(&self) -> impl Iterator<Item = &TestResult> {
-        let of = |axis: &'static str, direction: &'static str| {
-            let all = self.verifications.iter().flat_map(|verification| &verification.results);
-            all.filter(move |result| result.axis == axis && result.direction == direction)
-        };
-        of("x", "heating").chain(of("x", "cooling")).chain(of("y", "heating")).chain(of("y", "cooling"))
-    }
-
-    /// Whether every check is within its limit.
-    #[must_use]
-    pub fn passed(&self) -> bool {
-        self.checks.iter().all(|check| check.pass)
-    }
-
-    /// What was outside its limit, a sentence each.
-    pub fn failed_checks(&self) -> impl Iterator<Item = String> {
-        let failed = self.checks.iter().filter(|check| !check.pass);
-        failed.map(|check| format!("{}: {}, limit {}", check.what, check.measured, check.limit))
-    }
 }

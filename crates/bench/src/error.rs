@@ -1,5 +1,6 @@
 //! Why a procedure could not be carried through.
 
+use zerorate_cal::board_run::BoardRunError;
 use zerorate_cal::recording::{RecordingError, WriteError};
 use zerorate_core::units::{Axis, Taps};
 
@@ -18,6 +19,9 @@ pub enum BenchError {
     /// A recording cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// What was written cannot be read again.
+    #[error(transparent)]
+    BoardRun(#[from] BoardRunError),
     /// The recording cannot be written.
     #[error(transparent)]
     NotRecorded(#[from] WriteError),

@@ -1,46 +1,12 @@
 //! What a compensation test shows, in numbers.
 
-use serde::Serialize;
+use zerorate_cal::summary::TestResult;
 use zerorate_core::compensate::StaticLaw;
 use zerorate_core::units::{Axis, TemperatureCode};
 
 use crate::procedure::compensation_test::TestRun;
 use crate::run::{Phase, Taken};
 use crate::steps::largest_step;
-
-/// One direction of a compensation test. All figures are of group means over the hour of the ramp, on a run that no
-/// model has seen: held out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TestResult {
-    /// `trim` or `hybrid`.
-    pub mode: &'static str,
-    /// The compensated axis.
-    pub axis: &'static str,
-    /// The axis left alone.
-    pub control: &'static str,
-    /// `heating` or `cooling`.
-    pub direction: &'static str,
-    /// What is left on the compensated axis, counts peak to peak.
-    pub residual_pp_counts: f64,
-    /// The same, rms about its mean.
-    pub residual_rms_counts: f64,
-    /// The control, counts peak to peak.
-    pub control_pp_counts: f64,
-    /// What no compensation could beat: the same groups with the plant's own drift and wiper voltage removed, counts
-    /// peak to peak. Known on a simulated bench alone.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub floor_pp_counts: Option<f64>,
-    /// Wiper writes after the first.
-    pub wiper_writes: u32,
-    /// Tap changes of the noise-free law with the same dead band along the plant's true temperature, from the tap of the
-    /// first write on. Known on a simulated bench alone.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub taps_crossed: Option<u32>,
-    /// Mean of the compensated axis, counts.
-    pub mean_counts: f64,
-    /// The largest jump of the corrected samples in the second after a tap change, less its size elsewhere, counts.
-    pub largest_step_counts: f64,
-}
 
 /// Largest less smallest.
 #[must_use]
@@ -82,10 +48,10 @@ fn one_direction(test: &TestRun, ramp: &[Taken], direction: Phase, law: &StaticL
     let jumps: Vec<f64> = ramp.iter().map(|taken| taken.jumps[axis.index()]).collect();
     let moved: Vec<bool> = ramp.iter().map(|taken| taken.report.axes[axis.index()].moved_to.is_some()).collect();
     TestResult {
-        mode: test.mode.name(),
-        axis: axis.name(),
-        control: axis.other().name(),
-        direction: direction.name(),
+        mode: test.mode,
+        axis,
+        control: axis.other(),
+        direction,
         residual_pp_counts: peak_to_peak(corrected.iter().copied()),
         residual_rms_counts,
         control_pp_counts: drift_pp(ramp, axis.other()),

@@ -24,7 +24,6 @@ pub mod output;
 pub mod plants;
 pub mod procedure;
 pub mod recorded;
-pub mod report_view;
 pub mod results;
 pub mod run;
 pub mod setup;

@@ -12,7 +12,6 @@ use zerorate_core::drift::Drift;
 use zerorate_core::record::{AxisModel, DeviceRecord};
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps, TemperatureScale};
 use zerorate_core::wire::Request;
-use zerorate_fit::predict::{Predictor, Start};
 use zerorate_fit::trim::{TrimFit, fit_trim, tap_effects};
 
 use crate::checkpoint::Checkpoints;
@@ -27,8 +26,6 @@ use crate::run::{Recorder, Session, Taken, row};
 pub struct MeasuredAxis {
     /// The drift and how well it holds.
     pub drift: AxisFit,
-    /// What the device would take off at each group of the ramp, had it begun with the first, counts.
-    pub predicted: Vec<f64>,
     /// The trim part's line, both ways.
     pub trim: TrimFit,
     /// The law, as the record holds it.
@@ -175,7 +172,6 @@ fn compose(
         }
         measured.push(MeasuredAxis {
             drift_pp_counts: drift_pp(&ramp, axis),
-            predicted: predictions(&drift, ramp.iter().map(|taken| (taken.time.0, taken.temperature(axis).0))),
             curve_error_counts: curve_error(&ramp, axis, &drift),
             plant_slope_taps_per_count: session.bench.witness.as_deref().map(|w| plant_slope(w, axis, &trim)),
             drift,
@@ -209,12 +205,6 @@ fn fit_ramp(session: &Session<'_>, ramp: &[Taken], axis: Axis) -> Result<AxisFit
     })
 }
 
-/// What the device would take off at each of some times, seconds, and temperatures, counts, had it begun with the first.
-fn predictions(fit: &AxisFit, groups: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
-    let mut predictor = Predictor::new(&fit.calibration.fit.model, Start::Unknown);
-    groups.map(|(time_s, temperature)| predictor.predict(time_s, temperature).bias).collect()
-}
-
 /// The lowest and the highest reading of a drift.
 fn extremes(drift: &Drift) -> [Counts; 2] {
     let valid = drift.valid;
@@ -239,7 +229,8 @@ fn curve_error(ramp: &[Taken], axis: Axis, fit: &AxisFit) -> Option<f64> {
     let truths: Option<Vec<_>> =
         ramp.iter().map(|taken| Some((taken.time.0, taken.truth.as_ref()?.axes[axis.index()].clone()))).collect();
     let truths = truths?;
-    let predicted = predictions(fit, truths.iter().map(|(time_s, truth)| (*time_s, truth.temperature_counts)));
+    let at = truths.iter().map(|(time_s, truth)| (*time_s, truth.temperature_counts));
+    let predicted = fit.calibration.fit.model.biases(at);
     let off = predicted.iter().zip(&truths).map(|(predicted, (_, truth))| (predicted - truth.drift_counts).abs());
     Some(off.fold(0.0, f64::max))
 }

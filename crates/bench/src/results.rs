@@ -1,26 +1,34 @@
-//! The files of a run: calibration, device record, report, summary.
+//! The files of a run: calibration, device record, summary, and the page made of them.
 
-use zerorate_core::record::MAX_RECORD_BYTES;
+use zerorate_cal::board_run::{BoardRun, CALIBRATION, REPORT, SUMMARY};
+use zerorate_cal::calibration::Calibration;
+use zerorate_cal::summary::Summary;
+use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES};
+use zerorate_report::board_page;
 
-use crate::calibrated::Calibrated;
 use crate::error::BenchError;
 use crate::output::OutputFolder;
-use crate::report_view;
-use crate::summary::Summary;
 
-/// Writes the files of a run.
+/// Writes the files of a run whose recordings are finished.
 ///
 /// # Errors
 /// [`BenchError`], when one cannot be made or written.
-pub fn write(run: &Calibrated, summary: &Summary, output: &mut OutputFolder) -> Result<(), BenchError> {
+pub fn write(
+    calibration: &Calibration,
+    record: &DeviceRecord,
+    summary: &Summary,
+    output: &mut OutputFolder,
+) -> Result<(), BenchError> {
     let composed = |error: &dyn std::fmt::Display| BenchError::Compose(error.to_string());
-    let calibration = run.measured.calibration.to_json().map_err(|error| composed(&error))?;
-    output.write("calibration.json", calibration.as_bytes())?;
+    let calibration = calibration.to_json().map_err(|error| composed(&error))?;
+    output.write(CALIBRATION, calibration.as_bytes())?;
     let mut buffer = [0; MAX_RECORD_BYTES];
-    let record = run.measured.record.encode(&mut buffer).map_err(|error| composed(&error))?;
+    let record = record.encode(&mut buffer).map_err(|error| composed(&error))?;
     output.write("device-record.bin", record)?;
-    output.write("report.html", report_view::report(run).to_html().as_bytes())?;
     let mut summary = serde_json::to_string_pretty(summary).map_err(|error| composed(&error))?;
     summary.push('\n');
-    output.write("summary.json", summary.as_bytes())
+    output.write(SUMMARY, summary.as_bytes())?;
+    // From the files, as `report` makes it again.
+    let page = board_page(&BoardRun::read(output.in_progress())?);
+    output.write(REPORT, page.as_bytes())
 }

@@ -51,7 +51,7 @@ impl StepWatch {
 ///
 /// `jumps` holds each group's largest jump and `moved` whether the tap changed when the group closed. For each change
 /// the second to compare with begins seven groups (10.5 s) before it, so both are the largest of as many seconds of the
-/// same noise: a difference near zero means that a tap change cannot be told from noise. 0 without a change.
+/// same noise: a difference near zero means that a tap change cannot be told from noise. 0 without a change to compare.
 #[must_use]
 pub fn largest_step(jumps: &[f64], moved: &[bool]) -> f64 {
     const BEFORE: usize = 7;
@@ -65,7 +65,7 @@ pub fn largest_step(jumps: &[f64], moved: &[bool]) -> f64 {
             elsewhere = elsewhere.max(jumps[other]);
         }
     }
-    if after.is_finite() { after - elsewhere } else { 0.0 }
+    if after.is_finite() && elsewhere.is_finite() { after - elsewhere } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -1,123 +1,86 @@
-//! `summary.json`: the run in numbers, for scripts.
+//! A run in numbers.
 
-use std::collections::BTreeMap;
-
-use serde::Serialize;
+use zerorate_cal::calibration::Origin;
+use zerorate_cal::quality::Verdict;
+use zerorate_cal::recording::Phase;
+use zerorate_cal::summary::{AxisSummary, Check, SCHEMA, SoakPoint, Soaks, Summary, TestResult};
+use zerorate_core::units::{Axis, Seconds};
 use zerorate_fit::least_squares::raw_coefficients;
-use zerorate_fit::residual::ResidualStatistics;
 
 use crate::calibrated::Calibrated;
-use crate::evaluate::TestResult;
 use crate::measure::MeasuredAxis;
 
-/// The version of the summary's form.
-pub const SCHEMA: u32 = 1;
-
-/// The run in numbers. Figures known on a simulated bench alone are left out on a real one.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Summary {
-    /// [`SCHEMA`].
-    pub schema: u32,
-    /// The simulated plant's name.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub plant: Option<String>,
-    /// The simulated plant's seed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub seed: Option<u64>,
-    /// The unit's serial.
-    pub serial: String,
-    /// `good` or `rejected`.
-    pub verdict: &'static str,
-    /// How long the run took by the wall clock, seconds.
-    pub wall_s: f64,
-    /// The axes by name.
-    pub axes: BTreeMap<&'static str, AxisSummary>,
-    /// The compensation tests.
-    pub tests: Vec<TestResult>,
-    /// What was outside its limit, a sentence each.
-    pub failed_checks: Vec<String>,
-    /// What to look at, a sentence each.
-    pub warnings: Vec<String>,
-}
-
-/// One axis in numbers.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct AxisSummary {
-    /// The drift model, as `poly:2`.
-    pub model: String,
-    /// The drift's coefficients in temperature counts, constant first, counts; a table's knots.
-    pub drift_raw_coefficients: Vec<f64>,
-    /// Zero-rate output over the ramp's hour, peak to peak.
-    pub drift_pp_counts: f64,
-    /// V0: mean of the trimmed readings (eq. 4).
-    pub v0_counts: f64,
-    /// a, each point against its own trimmed reading.
-    pub trim_slope_taps_per_count: f64,
-    /// b, the same.
-    pub trim_intercept_taps: f64,
-    /// a by the paper's formula (eq. 2 to 4).
-    pub paper_trim_slope_taps_per_count: f64,
-    /// b by the paper's formula.
-    pub paper_trim_intercept_taps: f64,
-    /// The plant's own slope over the taps that the experiment used.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub plant_slope_taps_per_count: Option<f64>,
-    /// The least and greatest temperature fitted, counts.
-    pub temperature_counts: [f64; 2],
-    /// The largest distance of the fitted curve from the plant's deterministic curve of this run.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub curve_error_counts: Option<f64>,
-    /// Residual of the fit, rms, in-sample.
-    pub fit_rms_counts: f64,
-    /// Residual of the fit, peak to peak, in-sample.
-    pub fit_pp_counts: f64,
-    /// Residual of the folds, each predicted by the fit of the others, rms.
-    pub held_out_rms_counts: f64,
-    /// The same, peak to peak.
-    pub held_out_pp_counts: f64,
-}
-
-impl Summary {
-    /// The summary of a run.
-    #[must_use]
-    pub fn of(run: &Calibrated, wall_s: f64) -> Self {
-        let axes = [("x", &run.measured.axes[0]), ("y", &run.measured.axes[1])];
-        Self {
-            schema: SCHEMA,
-            plant: run.unit.plant.map(|(kind, _)| kind.name().to_owned()),
-            seed: run.unit.plant.map(|(_, seed)| seed),
-            serial: run.unit.serial.to_string(),
-            verdict: if run.passed() { "good" } else { "rejected" },
-            wall_s,
-            axes: axes.map(|(name, axis)| (name, AxisSummary::of(axis))).into(),
-            tests: run.results().cloned().collect(),
-            failed_checks: run.failed_checks().collect(),
-            warnings: run.measured.calibration.warnings.clone(),
-        }
+/// The summary of a run that left these recordings and took so long by the wall clock.
+#[must_use]
+pub fn summary(run: &Calibrated, recordings: Vec<Origin>, wall_s: f64) -> Summary {
+    let board = &run.setup.board;
+    let failed = || run.checks.iter().filter(|check| !check.pass);
+    let axes = Axis::BOTH.map(|axis| (axis.name().to_owned(), axis_summary(&run.measured.axes[axis.index()])));
+    Summary {
+        schema: SCHEMA,
+        plant: run.unit.plant.map(|(kind, _)| kind.name().to_owned()),
+        seed: run.unit.plant.map(|(_, seed)| seed),
+        serial: run.unit.serial.to_string(),
+        verdict: if failed().next().is_none() { Verdict::Good } else { Verdict::Rejected },
+        wall_s,
+        trim_part: board.trim_part.clone(),
+        counts_per_dps: board.counts_per_dps,
+        axes: axes.into(),
+        tests: tests(run),
+        checks: run.checks.clone(),
+        recordings,
+        soaks: soaks(run),
+        failed_checks: failed().map(sentence).collect(),
+        warnings: run.measured.calibration.warnings.clone(),
     }
 }
 
-impl AxisSummary {
-    fn of(axis: &MeasuredAxis) -> Self {
-        let MeasuredAxis { drift, trim, .. } = axis;
-        let (drift, statistics) = (&drift.calibration, &drift.calibration.fit.statistics);
-        let held_out = statistics.held_out.unwrap_or(ResidualStatistics::NONE);
-        Self {
-            model: drift.fit.chosen_model(),
-            drift_raw_coefficients: raw_coefficients(&drift.drift().shape),
-            drift_pp_counts: axis.drift_pp_counts,
-            v0_counts: trim.paired.centre_counts,
-            trim_slope_taps_per_count: trim.paired.slope_taps_per_count,
-            trim_intercept_taps: trim.paired.intercept_taps,
-            paper_trim_slope_taps_per_count: trim.paper.slope_taps_per_count,
-            paper_trim_intercept_taps: trim.paper.intercept_taps,
-            plant_slope_taps_per_count: axis.plant_slope_taps_per_count,
-            temperature_counts: [drift.drift().valid.min(), drift.drift().valid.max()],
-            curve_error_counts: axis.curve_error_counts,
-            fit_rms_counts: statistics.in_sample.rms,
-            fit_pp_counts: statistics.in_sample.pp,
-            held_out_rms_counts: held_out.rms,
-            held_out_pp_counts: held_out.pp,
-        }
+fn sentence(Check { what, limit, measured, .. }: &Check) -> String {
+    format!("{what}: {measured}, limit {limit}")
+}
+
+/// X heating, X cooling, then Y.
+fn tests(run: &Calibrated) -> Vec<TestResult> {
+    let mut tests: Vec<TestResult> = run.verifications.iter().flat_map(|test| test.results.clone()).collect();
+    tests.sort_by_key(|test| (test.axis.index(), test.direction == Phase::Cooling));
+    tests
+}
+
+fn axis_summary(axis: &MeasuredAxis) -> AxisSummary {
+    let MeasuredAxis { drift, trim, .. } = axis;
+    let (drift, statistics) = (&drift.calibration, &drift.calibration.fit.statistics);
+    AxisSummary {
+        model: drift.fit.chosen_model(),
+        drift_raw_coefficients: raw_coefficients(&drift.drift().shape),
+        drift_pp_counts: axis.drift_pp_counts,
+        v0_counts: trim.paired.centre_counts,
+        trim_slope_taps_per_count: trim.paired.slope_taps_per_count,
+        trim_intercept_taps: trim.paired.intercept_taps,
+        paper_trim_slope_taps_per_count: trim.paper.slope_taps_per_count,
+        paper_trim_intercept_taps: trim.paper.intercept_taps,
+        plant_slope_taps_per_count: axis.plant_slope_taps_per_count,
+        temperature_counts: [drift.drift().valid.min(), drift.drift().valid.max()],
+        curve_error_counts: axis.curve_error_counts,
+        fit_rms_counts: statistics.in_sample.rms,
+        fit_pp_counts: statistics.in_sample.pp,
+        held_out_rms_counts: statistics.held_out.map(|residual| residual.rms),
+        held_out_pp_counts: statistics.held_out.map(|residual| residual.pp),
     }
+}
+
+fn soaks(run: &Calibrated) -> Option<Soaks> {
+    let hours = |time: Seconds| time.0 / 3600.0;
+    let of_axis = |axis: Axis| {
+        let soaks = run.setup.chamber.soaks_c.iter().zip(&run.soaks.points);
+        let points = soaks.map(|(&chamber_c, point)| {
+            let (temperature, zro) = point[axis.index()];
+            SoakPoint { chamber_c, temperature_counts: temperature.0, zro_counts: zro.0 }
+        });
+        (axis.name().to_owned(), points.collect())
+    };
+    (!run.soaks.points.is_empty()).then(|| Soaks {
+        ramp_hours: hours(run.measured.ramp_time),
+        soak_hours: hours(run.soaks.chamber_time),
+        axes: Axis::BOTH.map(of_axis).into(),
+    })
 }

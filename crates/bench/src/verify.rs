@@ -1,11 +1,12 @@
 //! The proof: the composed record on the device, the same ramp again.
 
+use zerorate_cal::recording::Phase;
+use zerorate_cal::summary::{Check, TestResult};
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
-use zerorate_report::Check;
 
 use crate::error::BenchError;
-use crate::evaluate::{TestResult, evaluate};
+use crate::evaluate::evaluate;
 use crate::measure::Measured;
 use crate::procedure::compensation_test::{self, Extent, TestRun};
 use crate::run::{Recorder, Session};
@@ -60,12 +61,12 @@ pub fn evaluated(run: TestRun, measured: &Measured) -> Verification {
 /// Holds the heating tests against the limits. Cooling is reported as it is.
 #[must_use]
 pub fn check(verifications: &[Verification], limits: &Limits, centre_counts: f64) -> Vec<Check> {
-    let heating = verifications.iter().flat_map(|v| &v.results).filter(|result| result.direction == "heating");
+    let heating = verifications.iter().flat_map(|v| &v.results).filter(|result| result.direction == Phase::Heating);
     heating.flat_map(|result| check_one(result, limits, centre_counts)).collect()
 }
 
 fn check_one(result: &TestResult, limits: &Limits, centre_counts: f64) -> Vec<Check> {
-    let whose = format!("{} {}, heating", result.axis.to_uppercase(), result.mode);
+    let whose = format!("{} {}, heating", result.axis.name().to_uppercase(), result.mode.name());
     let mut checks = Vec::new();
     let mut at_most = |what: &str, limit: f64, measured: f64, unit: &str| {
         checks.push(Check {
@@ -75,7 +76,7 @@ fn check_one(result: &TestResult, limits: &Limits, centre_counts: f64) -> Vec<Ch
             pass: measured <= limit,
         });
     };
-    if result.mode == Mode::Trim.name() {
+    if result.mode == Mode::Trim {
         at_most("residual, peak to peak", limits.trim_residual_pp_counts, result.residual_pp_counts, "counts");
     } else if let Some(floor) = result.floor_pp_counts {
         let limit = limits.hybrid_residual_floors * floor;

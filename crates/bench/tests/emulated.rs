@@ -20,8 +20,8 @@ use zerorate_bench::plants::PlantKind;
 use zerorate_bench::run::{Session, Silent};
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
-use zerorate_bench::summary::Summary;
 use zerorate_cal::recording::Recording;
+use zerorate_cal::summary::Summary;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::Axis;
 use zerorate_core::wire::SampleWindow;
@@ -140,7 +140,7 @@ fn a_program_that_is_no_firmware_is_said_to_be_none() {
 
 fn run(bench: &mut Bench, out: &Path) -> Summary {
     let unit = Unit::new("ZR-0001", Some((PlantKind::Paper, 1))).unwrap();
-    calibrate(bench, &SetUp::paper(), unit, out, &mut Silent, Keep::Nothing).unwrap().1
+    calibrate(bench, &SetUp::paper(), unit, out, &mut Silent, Keep::Nothing).unwrap()
 }
 
 /// Every column of every recording, and what is concluded from them.

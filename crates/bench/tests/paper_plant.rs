@@ -2,7 +2,6 @@
 
 #![allow(clippy::unwrap_used)] // what a test cannot do without
 
-use zerorate_bench::evaluate::TestResult;
 use zerorate_bench::measure::{Measured, MeasuredAxis, first_time, measure};
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::procedure::compensation_test::Extent;
@@ -10,6 +9,7 @@ use zerorate_bench::run::{Recorder, Session, Silent};
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
 use zerorate_bench::verify::{deploy, test};
+use zerorate_cal::summary::TestResult;
 use zerorate_core::compensate::Mode;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::Axis;
@@ -53,13 +53,13 @@ fn assert_character(seed: u64, axis: Axis, found: &MeasuredAxis) {
 }
 
 fn assert_result(seed: u64, result: &TestResult, measured: &Measured) {
-    let of = format!("seed {seed}, {} {}: {result:?}", result.axis, result.mode);
+    let of = format!("seed {seed}: {result:?}");
     assert!((350.0..=550.0).contains(&result.control_pp_counts), "{of}");
     let floor = result.floor_pp_counts.unwrap();
     assert!(floor <= 10.0, "{of}");
     assert_eq!(Some(result.wiper_writes), result.taps_crossed, "{of}");
-    let uncompensated = measured.axes[usize::from(result.axis == "y")].drift_pp_counts;
-    if result.mode == "trim" {
+    let uncompensated = measured.axes[result.axis.index()].drift_pp_counts;
+    if result.mode == Mode::Trim {
         assert!(result.residual_pp_counts <= 40.0, "{of}");
         assert!(uncompensated >= 10.0 * result.residual_pp_counts, "{of}");
         assert!((result.mean_counts - 8200.0).abs() <= 16.0, "{of}");

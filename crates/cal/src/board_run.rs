@@ -48,34 +48,40 @@ pub enum BoardRunError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// The files are not of one run.
-    #[error("{folder}: {CALIBRATION} was made from another {file}: put the files of one run together")]
+    #[error("{file}: of another run than {than}: put the files of one run together")]
     Mixed {
-        /// The folder.
-        folder: String,
         /// The file that does not fit.
-        file: &'static str,
+        file: String,
+        /// The one that it does not fit.
+        than: &'static str,
     },
 }
 
 impl BoardRun {
-    /// Reads the files of a folder.
+    /// Reads the files of a folder. The summary names every recording by its hash, the calibration those it rests on.
     ///
     /// # Errors
     /// [`BoardRunError`], when one is missing, cannot be read, or is of another run.
     pub fn read(folder: &Path) -> Result<Self, BoardRunError> {
         let source = |file: &str| Source::file(&folder.join(file));
-        let recording = |file| Recording::read(&source(file));
+        let mixed = |file, than| BoardRunError::Mixed { file: folder.join(file).display().to_string(), than };
         let calibration = Calibration::read(&source(CALIBRATION))?;
         let summary = Summary::read(&source(SUMMARY))?;
-        let mixed = |file| BoardRunError::Mixed { folder: folder.display().to_string(), file };
-        if calibration.unit_serial.as_ref() != Some(&summary.serial) {
-            return Err(mixed(SUMMARY));
+        let is_own = calibration.unit_serial.as_ref() == Some(&summary.serial)
+            && calibration.sources.iter().all(|origin| summary.recordings.contains(origin));
+        if !is_own {
+            return Err(mixed(SUMMARY, CALIBRATION));
         }
+        let recording = |file| {
+            let recording = Recording::read(&source(file))?;
+            let own = summary.recordings.iter().find(|origin| origin.file == file);
+            if own.map(|origin| &origin.sha256) == sha256(&source(file)).ok().as_ref() {
+                Ok(recording)
+            } else {
+                Err(mixed(file, SUMMARY))
+            }
+        };
         let full_temperature = recording(FULL_TEMPERATURE)?;
-        let own = calibration.sources.iter().find(|origin| origin.file == FULL_TEMPERATURE);
-        if own.map(|origin| &origin.sha256) != sha256(&source(FULL_TEMPERATURE)).ok().as_ref() {
-            return Err(mixed(FULL_TEMPERATURE));
-        }
         let tests = vec![recording(TRIM_TEST)?, recording(HYBRID_TEST)?];
         Ok(Self { calibration, summary, full_temperature, tests })
     }

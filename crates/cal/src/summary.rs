@@ -11,6 +11,7 @@ use thiserror::Error;
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 
+use crate::calibration::Origin;
 use crate::quality::Verdict;
 use crate::recording::Phase;
 use crate::source::{Faulty, Source};
@@ -45,6 +46,8 @@ pub struct Summary {
     pub tests: Vec<TestResult>,
     /// What was checked.
     pub checks: Vec<Check>,
+    /// The recordings of the run, by which its files are told from another run's.
+    pub recordings: Vec<Origin>,
     /// The traditional test; `None` where it was left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub soaks: Option<Soaks>,
@@ -200,6 +203,31 @@ impl Summary {
             }
         };
         read().map_err(|fault| source.faulty(fault))
+    }
+
+    /// The test of an axis in a mode and a direction, if it was run.
+    #[must_use]
+    pub fn test(&self, axis: Axis, mode: Mode, direction: Phase) -> Option<&TestResult> {
+        self.tests.iter().find(|test| (test.axis, test.mode, test.direction) == (axis, mode, direction))
+    }
+
+    /// The tests that speak for the run, by trim and by hybrid: those of the first one's axis, heating.
+    #[must_use]
+    pub fn headline(&self) -> [Option<&TestResult>; 2] {
+        let axis = self.tests.first().map(|test| test.axis);
+        [Mode::Trim, Mode::Hybrid].map(|mode| self.test(axis?, mode, Phase::Heating))
+    }
+
+    /// What an axis did in the full-temperature test, counts peak to peak; NaN for one that is not there.
+    #[must_use]
+    pub fn drift_pp_counts(&self, axis: Axis) -> f64 {
+        self.axes.get(axis.name()).map_or(f64::NAN, |axis| axis.drift_pp_counts)
+    }
+
+    /// How many times smaller a test's residual is than what the axis did in the full-temperature test.
+    #[must_use]
+    pub fn ratio(&self, test: &TestResult) -> f64 {
+        self.drift_pp_counts(test.axis) / test.residual_pp_counts
     }
 }
 

@@ -38,6 +38,14 @@ impl DriftModel {
         Self { drift, history: None, time_drift: None }
     }
 
+    /// What a device would take off at each of some times, seconds, and temperatures, had it been switched on with the
+    /// first: rate units.
+    #[must_use]
+    pub fn biases(&self, rows: impl IntoIterator<Item = (f64, f64)>) -> Vec<f64> {
+        let mut predictor = Predictor::new(self, Start::Unknown);
+        rows.into_iter().map(|(time_s, temperature)| predictor.predict(time_s, temperature).bias).collect()
+    }
+
     /// Whether predictions need the time of each row.
     #[must_use]
     pub fn needs_time(&self, start: Start) -> bool {

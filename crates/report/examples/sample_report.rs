@@ -7,14 +7,14 @@ mod sample;
 use std::path::PathBuf;
 use std::{env, fs, io};
 
-use zerorate_report::LogPage;
+use zerorate_report::{LogPage, board_page};
 
 fn main() -> io::Result<()> {
     let folder = env::args_os().nth(1).map_or_else(|| PathBuf::from("target/sample-reports"), PathBuf::from);
     fs::create_dir_all(&folder)?;
     let log = sample::log();
     let pages = [
-        ("calibration.html", sample::calibration().to_html()),
+        ("calibration.html", board_page(&sample::board_run())),
         ("log.html", LogPage { fit: &log, next_command: Some("zerorate apply"), export_command: None }.to_html()),
         ("lot.html", sample::lot(204, 0.37).to_html()),
         ("small-lot.html", sample::lot(3, 0.05).to_html()),

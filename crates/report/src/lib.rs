@@ -1,7 +1,6 @@
 #![doc = include_str!("../README.md")]
 
-mod calibration;
-mod calibration_page;
+mod board_page;
 mod candidates;
 mod figure;
 mod log_page;
@@ -11,9 +10,6 @@ pub mod number;
 mod page;
 mod paper;
 
-pub use calibration::{
-    AxisSoaks, CalibratedAxis, CalibrationReport, Check, CompensationTest, Curve, Direction, DriftFacts, Mode,
-    RampPoint, SoakComparison, SoakPoint, TapDeviation, TestPoint, TrimFacts, TrimLine, TrimPoint, UnitFacts,
-};
+pub use board_page::board_page;
 pub use log_page::LogPage;
 pub use lot::{LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};

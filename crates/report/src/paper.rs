@@ -1,6 +1,8 @@
 //! The paper's numbers, to stand beside a run's: Chinese Journal of Sensors and Actuators 25(12), 2012,
 //! doi 10.3969/j.issn.1004-1699.2012.12.019.
 
+use zerorate_core::units::Axis;
+
 /// What the paper gives for one axis.
 pub(super) struct PaperAxis {
     /// Equation (1), lowest power first, counts over counts; Y with the sign of its linear term turned.
@@ -39,12 +41,11 @@ const Y: PaperAxis = PaperAxis {
 };
 
 impl PaperAxis {
-    /// The paper's axis of this name.
-    pub(super) fn named(name: &str) -> Option<&'static Self> {
-        match name {
-            "X" | "x" => Some(&X),
-            "Y" | "y" => Some(&Y),
-            _ => None,
+    /// What the paper gives for an axis.
+    pub(super) fn of(axis: Axis) -> &'static Self {
+        match axis {
+            Axis::X => &X,
+            Axis::Y => &Y,
         }
     }
 }

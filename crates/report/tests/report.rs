@@ -4,14 +4,14 @@ mod sample;
 
 use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
-use zerorate_report::LogPage;
+use zerorate_report::{LogPage, board_page};
 
 /// A page may not be larger than this: it goes by mail.
 const MOST_BYTES: usize = 1_500_000;
 
 fn pages() -> [String; 4] {
     let (lot, small) = (sample::lot(204, 0.37), sample::lot(1, 0.0));
-    [sample::calibration().to_html(), log_page(&sample::log()), lot.to_html(), small.to_html()]
+    [board_page(&sample::board_run()), log_page(&sample::log()), lot.to_html(), small.to_html()]
 }
 
 fn log_page(fit: &LogFit) -> String {
@@ -84,7 +84,7 @@ fn headings_go_down_one_level_at_a_time() {
 
 #[test]
 fn a_calibration_shows_the_papers_figures_and_corrects_its_erratum_aloud() {
-    let page = sample::calibration().to_html();
+    let page = board_page(&sample::board_run());
     for figure in ["Figure 2.", "Figure 3.", "Figure 4.", "Figure 6a.", "Figure 6d."] {
         assert!(page.contains(figure), "{figure}");
     }
@@ -94,10 +94,10 @@ fn a_calibration_shows_the_papers_figures_and_corrects_its_erratum_aloud() {
 
 #[test]
 fn every_word_from_outside_is_escaped() {
-    let mut report = sample::calibration();
-    report.unit.serial = "<b>&\"".into();
-    report.axes[0].name = "<i>".into();
-    let page = report.to_html();
+    let mut run = sample::board_run();
+    run.summary.serial = "<b>&\"".into();
+    run.summary.warnings.push("<i>".into());
+    let page = board_page(&run);
     assert!(!page.contains("<b>&\"") && !page.contains("<i><"));
     let mut log = sample::log();
     log.axes[0].name = "<q>".into();
@@ -141,12 +141,12 @@ fn a_log_without_time_is_drawn_in_its_order() {
 
 #[test]
 fn a_calibration_without_tests_soaks_and_checks_is_a_page_all_the_same() {
-    let mut report = sample::calibration();
-    report.tests.clear();
-    report.soaks = None;
-    report.checks.clear();
-    report.axes.iter_mut().for_each(|axis| axis.trim.taps.clear());
-    let page = report.to_html();
+    let mut run = sample::board_run();
+    run.summary.tests.clear();
+    run.summary.soaks = None;
+    run.summary.checks.clear();
+    run.calibration.axes.values_mut().flat_map(|axis| &mut axis.trim).for_each(|trim| trim.trim.measured = None);
+    let page = board_page(&run);
     assert!(page.contains("no compensation test was run") && page.contains("Nothing was checked against a limit"));
 }
 

@@ -28,7 +28,7 @@ const PUBLISHED: [&str; 2] = ["crates/max5494", "crates/imu-logs"];
 const FOR_TESTS: &str = "crates/sim";
 
 /// Folders of crates with unused names still. A clean one must not stand here: this list gets shorter, never longer.
-const NOT_YET_CLEAN: [&str; 1] = ["crates/cal"];
+const NOT_YET_CLEAN: [&str; 0] = [];
 
 /// Checks the public names of every crate in crates/.
 pub fn check(workspace: &Workspace) -> Result<Outcome> {

@@ -65,6 +65,13 @@ fn a_finished_recording_is_parquet_and_reads_back_exactly() {
 }
 
 #[test]
+fn a_recording_of_no_group_reads_back_where_no_test_could_be_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = RecordingWriter::create(&folder.path().join("run.parquet"), &info()).unwrap().finish().unwrap();
+    assert_eq!(Recording::read(&(&path).into()).unwrap(), Recording { info: info(), rows: Vec::new(), cut: false });
+}
+
+#[test]
 fn an_unfinished_recording_has_every_group_that_was_written() {
     let (_folder, stream, _) = unfinished(7);
     let recording = Recording::read(&(&stream).into()).unwrap();

@@ -23,6 +23,7 @@ use zerorate_bench::manual;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::run::Progress;
 use zerorate_bench::setup::SetUp;
+use zerorate_cal::quality::Verdict;
 
 use self::acquisition::Acquisition;
 use self::instrument::Instrument;
@@ -154,13 +155,13 @@ impl Calibrate {
     fn carry_out(&self, bench: &mut Bench, setup: &SetUp, unit: Unit, mut bar: Bar, keep: Keep) -> Result<Outcome> {
         let result = calibrate(bench, setup, unit, &self.out, &mut bar, keep);
         bar.finish();
-        let (run, summary) = result.map_err(|error| self.with_what_is_left(error))?;
+        let summary = result.map_err(|error| self.with_what_is_left(error))?;
         if self.json {
             screen::print_json(&summary)?;
         } else {
-            page::page(&run, &summary, &self.out).print()?;
+            page::page(&summary, &self.out).print()?;
         }
-        Ok(if run.passed() { Outcome::Done } else { Outcome::Rejected })
+        Ok(if summary.verdict == Verdict::Rejected { Outcome::Rejected } else { Outcome::Done })
     }
 
     fn bench(&self, kind: PlantKind, setup: &SetUp, unit: &Unit) -> Result<Bench> {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use serde::Serialize;
+use zerorate_cal::board_run::{BoardRun, CALIBRATION, FULL_TEMPERATURE, HYBRID_TEST, REPORT, SUMMARY, TRIM_TEST};
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, sha256};
 use zerorate_cal::fit::fit;
 use zerorate_cal::log::{Sensor, SensorChoice};
@@ -14,24 +15,22 @@ use zerorate_cal::table::Columns;
 use zerorate_cal::units::TimeUnit;
 use zerorate_fit::drift_fit::{FitStatistics, ResidualOver};
 use zerorate_fit::model::Model;
+use zerorate_report::board_page;
 
 use super::Outcome;
 use crate::progress::Busy;
 use crate::screen::Page;
 use crate::{output, screen};
 
-/// The name of a calibration and of its report in a folder.
-const CALIBRATION: &str = "calibration.json";
-const REPORT: &str = "report.html";
-
-/// Make the report of a log's calibration again
+/// Make the report of a calibration again
 ///
 /// Finds the log that a calibration was made from by its name, makes sure by its SHA-256 that it is the same, fits it as
-/// it was fitted then, and writes the report as one HTML page.
+/// it was fitted then, and writes the report as one HTML page. In the folder of a board's run the report is made from the
+/// files that `zerorate calibrate` left there, if they are of one run.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Report {
-    /// The calibration that `zerorate fit --out` wrote, or a folder with a calibration.json
+    /// The calibration that `zerorate fit --out` wrote, or a folder with a calibration.json, as `calibrate` leaves it
     #[arg(value_name = "CALIBRATION")]
     calibration: PathBuf,
 
@@ -64,6 +63,8 @@ const EXAMPLES: &str = "\
 Examples:
   zerorate report calibration.json
   zerorate report calibration.json --log /data/chamber/log.csv --out chamber.html
+  zerorate report calibration
+      the folder of a board's run
 
 A log that was not calibrated yet is reported by `zerorate fit FILE --report report.html`.";
 
@@ -72,7 +73,9 @@ A log that was not calibrated yet is reported by `zerorate fit FILE --report rep
 struct Done<'a> {
     schema: u32,
     out: &'a Path,
-    log: &'a Path,
+    /// A board's run has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    log: Option<&'a Path>,
 }
 
 impl Report {
@@ -84,15 +87,12 @@ impl Report {
             file => file.to_owned(),
         };
         let calibration = Calibration::read(&(&path).into())?;
-        if calibration.kind == Kind::AnalogueBoard {
-            bail!(
-                "{}: the calibration of an analogue board: its report is written with it, and only a log's can be made again so far",
-                path.display()
-            );
+        let out = self.out.clone().unwrap_or_else(|| path.with_file_name(REPORT));
+        if went_through_a_run(&calibration) {
+            return self.of_run(&path, &out);
         }
         let logs = self.logs(&path, &calibration)?;
         let log = &logs[0];
-        let out = self.out.clone().unwrap_or_else(|| path.with_file_name(REPORT));
         let inputs: Vec<&Path> = logs.iter().map(PathBuf::as_path).collect();
         output::check("--out", &out, &[&[path.as_path()], &inputs[..]].concat())?;
         let busy = Busy::reading(log);
@@ -100,13 +100,40 @@ impl Report {
         let fit = fit(&sources, &self.options(&calibration))?;
         drop(busy);
         output::write(&out, &super::fit::page(&fit, None))?;
+        self.tell(&out, Some(log), &fit.source(), &fit.notes)
+    }
+
+    /// The report of a board's run, from the files beside its calibration.
+    fn of_run(&self, calibration: &Path, out: &Path) -> Result<Outcome> {
+        let about_a_log = self.log.is_some() || self.temperature.is_some() || self.time.is_some();
+        ensure!(
+            !about_a_log && self.time_unit.is_none(),
+            "{}: a board's run has no log: leave --log, --temperature, --time and --time-unit out",
+            calibration.display()
+        );
+        ensure!(
+            calibration.file_name().is_some_and(|name| name == CALIBRATION),
+            "{}: the files of a board's run have their own names: name the folder that calibrate wrote",
+            calibration.display()
+        );
+        let folder = calibration.parent().unwrap_or(Path::new(""));
+        let inputs = [CALIBRATION, SUMMARY, FULL_TEMPERATURE, TRIM_TEST, HYBRID_TEST].map(|file| folder.join(file));
+        output::check("--out", out, &inputs.each_ref().map(PathBuf::as_path))?;
+        let busy = Busy::reading(folder);
+        let page = board_page(&BoardRun::read(folder)?);
+        drop(busy);
+        output::write(out, &page)?;
+        self.tell(out, None, &format!("{} and the files beside it", calibration.display()), &[])
+    }
+
+    fn tell(&self, out: &Path, log: Option<&Path>, whence: &str, notes: &[String]) -> Result<Outcome> {
         if self.json {
-            fit.notes.iter().for_each(|note| screen::note(note));
-            screen::print_json(&Done { schema: 1, out: &out, log })?;
+            notes.iter().for_each(|note| screen::note(note));
+            screen::print_json(&Done { schema: 1, out, log })?;
         } else {
             let mut page = Page::default();
-            page.sentence("", &format!("Wrote {}, from {}.", out.display(), fit.source()));
-            fit.notes.iter().for_each(|note| page.sentence("  - ", note));
+            page.sentence("", &format!("Wrote {}, from {whence}.", out.display()));
+            notes.iter().for_each(|note| page.sentence("  - ", note));
             page.print()?;
         }
         Ok(Outcome::Done)
@@ -128,13 +155,15 @@ impl Report {
         let fits = || axes().map(|axis| &axis.fit.statistics);
         let chosen = fits().any(|fit: &FitStatistics| fit.candidates.len() > 1);
         let sensors: Vec<Sensor> = axes().filter_map(|axis| axis.sensor).collect();
+        // A board's recording has its columns and knows them.
+        let is_log = calibration.kind == Kind::Log;
         FitOptions {
             columns: Columns {
                 time: self.time.clone(),
                 time_unit: self.time_unit,
                 temperature: self.temperature.clone(),
-                rates: calibration.axes.keys().cloned().collect(),
-                rate_unit: axes().next().map(|axis| axis.rate_unit),
+                rates: if is_log { calibration.axes.keys().cloned().collect() } else { Vec::new() },
+                rate_unit: axes().next().map(|axis| axis.rate_unit).filter(|_| is_log),
             },
             model: if chosen { Model::Auto } else { axes().next().map_or(Model::Auto, AxisCalibration::model) },
             plain: fits().any(|fit| fit.residual_over == ResidualOver::Rows),
@@ -144,6 +173,11 @@ impl Report {
             ..FitOptions::default()
         }
     }
+}
+
+/// Whether the calibration is that of a board's run, trim experiment and all, and not of a log or one recording.
+fn went_through_a_run(calibration: &Calibration) -> bool {
+    calibration.axes.values().any(|axis| axis.trim.as_ref().is_some_and(|trim| trim.paired.is_some()))
 }
 
 /// The choice that takes these sensors and, of the usual logs, no others.

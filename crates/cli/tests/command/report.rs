@@ -1,5 +1,7 @@
 use std::fs;
 
+use tempfile::TempDir;
+
 use crate::log::Log;
 use crate::{bench, folder_with, zerorate};
 
@@ -32,9 +34,58 @@ fn another_log_than_the_calibrations_own_is_refused() {
     assert_eq!(fs::read_to_string(folder.path().join("report.html")).unwrap(), "earlier");
 }
 
+/// A folder with the runs of a board by some seeds, each in a folder of its number; ramps and soaks are short.
+fn runs(seeds: &[&str]) -> TempDir {
+    let setup = "[chamber]\nramp_groups = 1600\nsoak_s = 600.0\nsoaks_c = [0.0, 20.0]\n";
+    let folder = folder_with("short.toml", setup);
+    for seed in seeds {
+        let ran = zerorate(folder.path(), &["calibrate", "--setup", "short.toml", "--seed", seed, "--out", seed]);
+        assert_eq!(ran.code, 0, "{}", ran.err);
+    }
+    folder
+}
+
 #[test]
-fn a_boards_calibration_is_refused_with_the_reason() {
+fn a_boards_report_made_again_is_the_one_that_calibrate_or_fit_made() {
+    let folder = runs(&["1"]);
+    let read = |name| fs::read(folder.path().join(name)).unwrap();
+    let first = read("1/report.html");
+    let ran = zerorate(folder.path(), &["report", "1", "--out", "again.html"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    ran.says(&["again.html, from 1/calibration.json and the files beside it"]);
+    assert!(read("again.html") == first, "another report");
+    fs::remove_file(folder.path().join("1/report.html")).unwrap();
+    assert_eq!(zerorate(&folder.path().join("1"), &["report", ".", "--json"]).json()["out"], "report.html");
+    assert!(read("1/report.html") == first, "another report");
+    zerorate(folder.path(), &["report", "1", "--log", "log.csv"]).is_error(&["a board's run has no log"]);
+
+    // Of a recording alone.
+    fs::copy(folder.path().join("1/full-temperature.parquet"), folder.path().join("ramp.parquet")).unwrap();
+    for (option, file) in [("--out", "calibration.json"), ("--report", "fit.html")] {
+        assert_eq!(zerorate(folder.path(), &["fit", "ramp.parquet", option, file]).code, 0);
+    }
+    assert_eq!(zerorate(folder.path(), &["report", "."]).code, 0);
+    assert!(read("report.html") == read("fit.html"), "another report");
+}
+
+#[test]
+fn a_boards_report_is_not_made_of_the_files_of_two_runs() {
+    let folder = runs(&["1", "2"]);
+    let place = |run: &str, file: &str| folder.path().join(run).join(file);
+    for file in ["summary.json", "full-temperature.parquet", "compensation-test-hybrid.parquet"] {
+        let own = fs::read(place("1", file)).unwrap();
+        fs::copy(place("2", file), place("1", file)).unwrap();
+        let named = format!("1/{file}: of another run than ");
+        zerorate(folder.path(), &["report", "1"]).is_error(&[&named, "put the files of one run together"]);
+        fs::write(place("1", file), own).unwrap();
+    }
+    fs::remove_file(place("1", "summary.json")).unwrap();
+    zerorate(folder.path(), &["report", "1"]).is_error(&["summary.json: cannot be read"]);
+}
+
+#[test]
+fn a_calibration_that_names_nothing_it_was_made_from_has_no_report() {
     let folder = folder_with("calibration.json", bench::calibration());
-    zerorate(folder.path(), &["report", "."]).is_error(&["the calibration of an analogue board"]);
+    zerorate(folder.path(), &["report", "."]).is_error(&["names no log"]);
     zerorate(folder.path(), &["report", "nothing"]).is_error(&["nothing: cannot be read"]);
 }

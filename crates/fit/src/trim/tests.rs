@@ -121,7 +121,7 @@ fn scatter(half_span: f64, draw: impl Fn(&mut Random) -> Part) -> (f64, f64) {
 
 /// READING.md: 0.17 % over +-1000 counts, 0.74 % over +-220, for parts of the paper's gain.
 #[test]
-fn the_papers_formula_scatters_by_its_half_taps_and_the_better_one_does_not() {
+fn the_papers_formula_scatters_by_its_half_taps_and_the_paired_one_does_not() {
     let papers = |random: &mut Random| Part { counts_per_tap: 31.26, ..Part::draw(random, 0.0) };
     let (paper, paired) = scatter(1000.0, papers);
     assert!((0.0016..0.0019).contains(&paper), "{paper}");
@@ -132,7 +132,7 @@ fn the_papers_formula_scatters_by_its_half_taps_and_the_better_one_does_not() {
 }
 
 #[test]
-fn uneven_taps_leave_the_better_line_twice_as_good() {
+fn uneven_taps_leave_the_paired_line_twice_as_good() {
     let (paper, paired) = scatter(1000.0, |random| Part::draw(random, 0.1));
     assert!(paired < 0.5 * paper, "{paired} against {paper}");
 }
@@ -152,7 +152,7 @@ fn the_standard_error_tells_the_scatter() {
 }
 
 #[test]
-fn the_model_takes_the_better_line_about_any_centre() {
+fn the_model_takes_the_paired_line_about_any_centre() {
     let part = Part::draw(&mut Random(1), 0.0);
     let fit = fit_trim(&part.experiment(1000.0), Counts(8200.0), Taps::MIDDLE).unwrap();
     let trim = fit.trim(fit.aim, None).unwrap();

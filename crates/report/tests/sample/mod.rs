@@ -1,10 +1,10 @@
 //! Reports of invented runs, the same every time: what the report's tests read and its example writes.
 
-mod calibration;
+mod board_run;
 mod log;
 mod lot;
 
-pub use calibration::calibration;
+pub use board_run::board_run;
 pub use log::log;
 pub use lot::lot;
 

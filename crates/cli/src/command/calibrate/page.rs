@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use console::Style;
-use zerorate_bench::calibrated::Calibrated;
-use zerorate_bench::summary::Summary;
+use zerorate_cal::quality::Verdict;
+use zerorate_cal::summary::Summary;
 
 use crate::screen::{self, Grid, Page};
 
 /// The page: the verdict, the drift, the trim, the tests, where to look.
-pub fn page(run: &Calibrated, summary: &Summary, out: &Path) -> Page {
+pub fn page(summary: &Summary, out: &Path) -> Page {
     let mut page = Page::default();
-    headline(&mut page, run, summary);
+    headline(&mut page, summary);
 
     page.heading("Drift (the full-temperature test; counts)");
     let mut grid = Grid::new("llrrr");
@@ -22,7 +22,7 @@ pub fn page(run: &Calibrated, summary: &Summary, out: &Path) -> Page {
             axis.model.clone(),
             format!("{:.1}", axis.drift_pp_counts),
             format!("{:.2}", axis.fit_rms_counts),
-            format!("{:.2}", axis.held_out_rms_counts),
+            format!("{:.2}", axis.held_out_rms_counts.unwrap_or(f64::NAN)),
         ]);
     }
     page.grid(&grid);
@@ -44,13 +44,12 @@ pub fn page(run: &Calibrated, summary: &Summary, out: &Path) -> Page {
     page.heading("Verification (a second ramp, held out; counts)");
     let mut grid = Grid::new("lllrrrrr");
     grid.head(["axis", "mode", "ramp", "before", "after", "floor", "mean", "writes"]);
-    for test in run.results() {
-        let before = summary.axes.get(test.axis).map_or(f64::NAN, |axis| axis.drift_pp_counts);
+    for test in &summary.tests {
         grid.row([
-            test.axis.to_uppercase(),
-            test.mode.into(),
-            test.direction.into(),
-            format!("{before:.1}"),
+            test.axis.name().to_uppercase(),
+            test.mode.name().into(),
+            test.direction.name().into(),
+            format!("{:.1}", summary.drift_pp_counts(test.axis)),
             format!("{:.1}", test.residual_pp_counts),
             test.floor_pp_counts.map_or_else(|| "-".into(), |floor| format!("{floor:.1}")),
             format!("{:.1}", test.mean_counts),
@@ -82,24 +81,24 @@ pub fn page(run: &Calibrated, summary: &Summary, out: &Path) -> Page {
     page
 }
 
-fn headline(page: &mut Page, run: &Calibrated, summary: &Summary) {
-    let verdict = if run.passed() {
-        screen::style(Style::new().green().bold(), "passed")
-    } else {
-        screen::style(Style::new().red().bold(), "rejected")
+fn headline(page: &mut Page, summary: &Summary) {
+    let verdict = match summary.verdict {
+        Verdict::Rejected => screen::style(Style::new().red().bold(), "rejected"),
+        Verdict::Good | Verdict::Warning => screen::style(Style::new().green().bold(), "passed"),
     };
-    let plant = run.unit.plant.map(|(kind, seed)| format!(" ({} plant, seed {seed})", kind.name())).unwrap_or_default();
+    let plant = summary.plant.as_ref().zip(summary.seed);
+    let plant = plant.map(|(plant, seed)| format!(" ({plant} plant, seed {seed})")).unwrap_or_default();
     page.line(format!("Unit {}{plant}: {verdict}", summary.serial));
-    let heating = |mode: &str| run.results().find(|t| t.axis == "x" && t.direction == "heating" && t.mode == mode);
     let before = summary.axes.get("x").map_or(f64::NAN, |axis| axis.drift_pp_counts);
     let mut told = format!("X drifts {before:.0} counts over the ramp");
-    if let Some(trim) = heating("trim") {
-        let ratio = before / trim.residual_pp_counts;
-        told += &format!("; the potentiometer leaves {:.0} ({ratio:.0} times better)", trim.residual_pp_counts);
+    let [trim, hybrid] = summary.headline();
+    if let Some(trim) = trim {
+        let (left, ratio) = (trim.residual_pp_counts, summary.ratio(trim));
+        told += &format!("; the potentiometer leaves {left:.0} ({ratio:.0} times better)");
     }
-    if let Some(hybrid) = heating("hybrid") {
-        let ratio = before / hybrid.residual_pp_counts;
-        told += &format!("; with the rest subtracted in numbers {:.1} ({ratio:.0} times)", hybrid.residual_pp_counts);
+    if let Some(hybrid) = hybrid {
+        let (left, ratio) = (hybrid.residual_pp_counts, summary.ratio(hybrid));
+        told += &format!("; with the rest subtracted in numbers {left:.1} ({ratio:.0} times)");
     }
     page.sentence("", &(told + "."));
 }

@@ -1,13 +1,14 @@
 //! What was checked, and what the words mean.
 
 use maud::{Markup, html};
+use zerorate_cal::summary::Check;
 
-use crate::calibration::CalibrationReport;
-use crate::page::Table;
+use super::Board;
+use crate::page::{self, Table};
 
-pub(super) fn checks(report: &CalibrationReport) -> Markup {
-    let failed = report.checks.iter().filter(|check| !check.pass).count();
-    let row = |check: &crate::calibration::Check| {
+pub(super) fn checks(checks: &[Check]) -> Markup {
+    let failed = checks.iter().filter(|check| !check.pass).count();
+    let row = |check: &Check| {
         vec![
             html! { span.wrap { (check.what) } },
             html! { (check.limit) },
@@ -17,23 +18,23 @@ pub(super) fn checks(report: &CalibrationReport) -> Markup {
     };
     html! {
         p {
-            @if report.checks.is_empty() { "Nothing was checked against a limit." }
-            @else if failed == 0 { "All " (report.checks.len()) " checks passed." }
-            @else { (failed) " of " (report.checks.len()) " checks failed." }
+            @if checks.is_empty() { "Nothing was checked against a limit." }
+            @else if failed == 0 { "All " (checks.len()) " checks passed." }
+            @else { (failed) " of " (checks.len()) " checks failed." }
         }
-        @if !report.checks.is_empty() {
+        @if !checks.is_empty() {
             (Table {
                 caption: html! { "Checks and their limits." },
                 heads: &["What", "Limit", "Measured", "Result"],
-                rows: report.checks.iter().map(row).collect(),
+                rows: checks.iter().map(row).collect(),
                 numbers_from: 4,
             }.markup())
         }
     }
 }
 
-pub(super) fn definitions(report: &CalibrationReport) -> Markup {
-    let simulated = report.unit.plant.is_some();
+pub(super) fn definitions(board: &Board) -> Markup {
+    let simulated = board.summary.plant.is_some();
     let mut terms: Vec<(&str, Markup)> = vec![
         ("Zero-rate output", html! { "The reading at rest. Its change with temperature is the drift." }),
         (
@@ -42,7 +43,7 @@ pub(super) fn definitions(report: &CalibrationReport) -> Markup {
         ),
         (
             "Group",
-            html! { "The mean of " (report.unit.group_samples) " successive samples. All peak to peak and rms figures are of group means." },
+            html! { "The mean of " (board.group_samples()) " successive samples. All peak to peak and rms figures are of group means." },
         ),
         (
             "Peak to peak",
@@ -85,5 +86,5 @@ pub(super) fn definitions(report: &CalibrationReport) -> Markup {
             "elsewhere: what a control loop would feel."
         },
     ));
-    html! { dl.terms { @for (term, meaning) in &terms { dt { (term) } dd { (meaning) } } } }
+    page::terms(&terms)
 }

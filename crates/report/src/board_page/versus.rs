@@ -1,8 +1,12 @@
 //! This run beside the paper's.
 
 use maud::{Markup, html};
+use zerorate_cal::recording::Phase;
+use zerorate_cal::summary::{Summary, TestResult};
+use zerorate_core::compensate::Mode;
 
-use crate::calibration::{CalibratedAxis, CalibrationReport, CompensationTest, Direction, Mode};
+use super::Board;
+use super::axis::BoardAxis;
 use crate::number::{fixed, significant};
 use crate::page::Table;
 use crate::paper::PaperAxis;
@@ -16,20 +20,20 @@ const PAPER_RATIO: &str = "10";
 /// What stands in a row, of a run's axis and of the paper's.
 struct Row {
     name: Markup,
-    run: fn(&CalibratedAxis, Option<&CompensationTest>) -> Markup,
+    run: fn(&Board, &BoardAxis) -> Markup,
     paper: fn(&PaperAxis) -> Markup,
 }
 
-pub(super) fn chapter(report: &CalibrationReport) -> Markup {
-    let is_paper = report.unit.plant.as_deref() == Some("paper");
+pub(super) fn chapter(board: &Board) -> Markup {
+    let is_paper = board.summary.plant.as_deref() == Some("paper");
     let mut heads = vec![String::new()];
-    for axis in &report.axes {
+    for axis in &board.axes {
         heads.extend([format!("{}, this run", axis.name), format!("{}, paper", axis.name)]);
     }
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-    let mut rows: Vec<Vec<Markup>> = before_and_after().iter().map(|row| cells(report, row)).collect();
-    rows.extend(coefficients(report));
-    rows.extend(line().iter().map(|row| cells(report, row)));
+    let mut rows: Vec<Vec<Markup>> = before_and_after().iter().map(|row| cells(board, row)).collect();
+    rows.extend(coefficients(board));
+    rows.extend(line().iter().map(|row| cells(board, row)));
     html! {
         @if !is_paper {
             p { "This unit is not the paper’s: its coefficients are its own, and only drift, residual and ratio compare." }
@@ -55,29 +59,31 @@ fn none() -> Markup {
     html! { "\u{2013}" }
 }
 
-fn cells(report: &CalibrationReport, row: &Row) -> Vec<Markup> {
+fn cells(board: &Board, row: &Row) -> Vec<Markup> {
     let mut cells = vec![row.name.clone()];
-    for axis in &report.axes {
-        let trimmed = report
-            .tests
-            .iter()
-            .find(|test| test.axis == axis.name && test.mode == Mode::Trim && test.direction == Direction::Heating);
-        cells.push((row.run)(axis, trimmed));
-        cells.push(PaperAxis::named(&axis.name).map_or_else(none, row.paper));
+    for axis in &board.axes {
+        cells.push((row.run)(board, axis));
+        cells.push((row.paper)(PaperAxis::of(axis.axis)));
     }
     cells
+}
+
+/// A figure of an axis's heating test by trim, with one decimal.
+fn by_trim(board: &Board, axis: &BoardAxis, figure: fn(&Summary, &TestResult) -> f64) -> Markup {
+    let test = board.summary.test(axis.axis, Mode::Trim, Phase::Heating);
+    test.map_or_else(none, |test| html! { (fixed(figure(board.summary, test), 1)) })
 }
 
 fn before_and_after() -> [Row; 3] {
     [
         Row {
             name: html! { "drift, peak to peak" },
-            run: |axis, _| html! { (fixed(axis.drift.drift_pp_counts, 1)) },
+            run: |_, axis| html! { (fixed(axis.summary.drift_pp_counts, 1)) },
             paper: |_| html! { (PAPER_DRIFT) },
         },
         Row {
             name: html! { "residual by trim" },
-            run: |_, test| test.map_or_else(none, |test| html! { (fixed(test.residual_pp_counts, 1)) }),
+            run: |board, axis| by_trim(board, axis, |_, test| test.residual_pp_counts),
             paper: |paper| {
                 if paper.compensated {
                     html! { (PAPER_RESIDUAL) }
@@ -88,7 +94,7 @@ fn before_and_after() -> [Row; 3] {
         },
         Row {
             name: html! { "times better" },
-            run: |_, test| test.map_or_else(none, |test| html! { (fixed(test.ratio(), 1)) }),
+            run: |board, axis| by_trim(board, axis, Summary::ratio),
             paper: |paper| {
                 if paper.compensated {
                     html! { (PAPER_RATIO) }
@@ -101,17 +107,17 @@ fn before_and_after() -> [Row; 3] {
 }
 
 /// One row a power of the temperature, the highest first.
-fn coefficients(report: &CalibrationReport) -> Vec<Vec<Markup>> {
-    let powers = report.axes.iter().map(|axis| axis.drift.raw_coefficients.len()).max().unwrap_or(0);
+fn coefficients(board: &Board) -> Vec<Vec<Markup>> {
+    let powers = board.axes.iter().map(|axis| axis.coefficients().len()).max().unwrap_or(0);
     let row = |power: usize| {
         let mut cells = vec![html! {
             "coefficient of "
             @match power { 0 => "1", 1 => i { "T" }, _ => { i { "T" } sup { (power) } } }
         }];
-        for axis in &report.axes {
+        for axis in &board.axes {
             let written = |coefficient: Option<&f64>| coefficient.map_or_else(none, |value| significant(*value, 6));
-            cells.push(written(axis.drift.raw_coefficients.get(power)));
-            cells.push(written(PaperAxis::named(&axis.name).and_then(|paper| paper.drift.get(power))));
+            cells.push(written(axis.coefficients().get(power)));
+            cells.push(written(PaperAxis::of(axis.axis).drift.get(power)));
         }
         cells
     };
@@ -122,17 +128,17 @@ fn line() -> [Row; 3] {
     [
         Row {
             name: html! { i { "a" } ", taps per count" },
-            run: |axis, _| significant(axis.trim.paper.slope_taps_per_count, 6),
+            run: |_, axis| significant(axis.paper.slope_taps_per_count, 6),
             paper: |paper| significant(paper.slope_taps_per_count, 6),
         },
         Row {
             name: html! { i { "b" } ", taps" },
-            run: |axis, _| html! { (fixed(axis.trim.paper.intercept_taps, 4)) },
+            run: |_, axis| html! { (fixed(axis.paper.intercept_taps, 4)) },
             paper: |paper| html! { (fixed(paper.intercept_taps, 4)) },
         },
         Row {
             name: html! { i { "V" } sub { "0" } ", counts" },
-            run: |axis, _| html! { (fixed(axis.trim.paper.centre_counts, 1)) },
+            run: |_, axis| html! { (fixed(axis.paper.centre_counts, 1)) },
             paper: |paper| html! { (fixed(paper.centre_counts, 1)) },
         },
     ]

@@ -1,0 +1,86 @@
+//! The page of a board's run, made from the files that it left: the story in its order, one file a chapter.
+
+mod axis;
+mod compensation;
+mod drift;
+mod headline;
+mod reading;
+mod soaks;
+mod trim;
+mod versus;
+
+use maud::{Markup, html};
+use zerorate_cal::board_run::BoardRun;
+use zerorate_cal::summary::Summary;
+use zerorate_core::units::Axis;
+
+use self::axis::BoardAxis;
+use super::figure::Ink;
+use super::page::{self, Chapter};
+
+/// Seconds in a minute: figures show time in minutes.
+const MINUTE_S: f64 = 60.0;
+
+/// A run and its axes, X first.
+struct Board<'a> {
+    run: &'a BoardRun,
+    summary: &'a Summary,
+    axes: Vec<BoardAxis<'a>>,
+}
+
+/// The page of a board's run as one self-contained HTML file. Equal files make equal bytes.
+#[must_use]
+pub fn board_page(run: &BoardRun) -> String {
+    let axes = Axis::BOTH.into_iter().filter_map(|axis| BoardAxis::of(run, axis)).collect();
+    let board = Board { run, summary: &run.summary, axes };
+    let mut chapters: Vec<Chapter> = vec![
+        ("drift", "The drift", drift::chapter(&board)),
+        ("trim", "The trim", trim::chapter(&board)),
+        ("compensation", "The compensation test", compensation::chapter(&board)),
+        ("paper", "Beside the paper", versus::chapter(&board)),
+    ];
+    if let Some(soaks) = &run.summary.soaks {
+        chapters.push(("soaks", "One ramp against soaks", soaks::chapter(soaks, &board)));
+    }
+    chapters.push(("checks", "What was checked", reading::checks(&run.summary.checks)));
+    chapters.push(("reading", "How to read the numbers", reading::definitions(&board)));
+    page::page(&format!("Calibration of {}", run.summary.serial), &headline::headline(&board), &chapters)
+}
+
+impl Board<'_> {
+    /// The reading aimed at, counts.
+    fn centre_counts(&self) -> f64 {
+        self.axes.first().map_or(f64::NAN, |axis| axis.trim.trim.line.centre().0)
+    }
+
+    /// The tap at which the drift was recorded.
+    fn middle_tap(&self) -> u16 {
+        self.axes.first().map_or(0, |axis| axis.trim.trim.line.middle().get())
+    }
+
+    /// Samples averaged to a group, each channel.
+    fn group_samples(&self) -> u32 {
+        self.run.full_temperature.rows.first().map_or(0, |row| row.sums.n)
+    }
+}
+
+/// The ink of an axis.
+fn ink_of(axis: Axis) -> Ink {
+    match axis {
+        Axis::X => Ink::X,
+        Axis::Y => Ink::Y,
+    }
+}
+
+/// An axis's name as it is written, `X` or `Y`.
+fn name_of(axis: Axis) -> &'static str {
+    match axis {
+        Axis::X => "X",
+        Axis::Y => "Y",
+    }
+}
+
+/// An axis's name with a subscript, as in V<sub>X</sub>.
+fn indexed(symbol: &str, axis: Axis) -> Markup {
+    html! { i { (symbol) } sub { (name_of(axis)) } }
+}

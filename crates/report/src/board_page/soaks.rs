@@ -1,0 +1,97 @@
+//! One ramp against many soaks: the same curve, in fewer hours?
+
+use maud::{Markup, html};
+use zerorate_cal::summary::{SoakPoint, Soaks};
+
+use super::Board;
+use super::axis::BoardAxis;
+use crate::figure::{Figure, Ink, Mark, Panel, Sample, holding};
+use crate::number::fixed;
+use crate::page::Table;
+
+/// The soaks of an axis, coldest first.
+fn points<'a>(soaks: &'a Soaks, axis: &BoardAxis) -> &'a [SoakPoint] {
+    soaks.axes.get(axis.axis.name()).map_or(&[], Vec::as_slice)
+}
+
+/// The ramp's fitted curve at a soak's temperature, counts.
+fn curve_at(axis: &BoardAxis, soak: &SoakPoint) -> f64 {
+    axis.calibration.drift().evaluate(soak.temperature_counts).0
+}
+
+/// The largest distance of a soak from the ramp's curve, counts. Soaks outside the ramp's range are left out.
+fn largest_difference(soaks: &Soaks, axis: &BoardAxis) -> f64 {
+    let [coldest, hottest] = axis.summary.temperature_counts;
+    let inside = points(soaks, axis).iter().filter(|soak| (coldest..=hottest).contains(&soak.temperature_counts));
+    inside.map(|soak| (soak.zro_counts - curve_at(axis, soak)).abs()).fold(0.0, f64::max)
+}
+
+pub(super) fn chapter(soaks: &Soaks, board: &Board) -> Markup {
+    let count = board.axes.first().map_or(0, |axis| points(soaks, axis).len());
+    let saved = soaks.soak_hours - soaks.ramp_hours;
+    html! {
+        p {
+            "The paper’s claim is that one ramp replaces many soaks. Here it is tried: the unit was also held at " (count)
+            " temperatures, as the traditional test does."
+        }
+        p.lead {
+            "The ramp took " (fixed(soaks.ramp_hours, 1)) " hours of chamber time, the soaks "
+            (fixed(soaks.soak_hours, 1)) ": " (fixed(saved, 1)) " hours saved. The curves differ by at most "
+            @for (place, axis) in board.axes.iter().enumerate() {
+                @if place > 0 { " and " }
+                (fixed(largest_difference(soaks, axis), 1)) " counts (" (axis.name) ")"
+            }
+            "."
+        }
+        (figure(soaks, board).markup())
+        div.pair { @for axis in &board.axes { (table(soaks, axis)) } }
+    }
+}
+
+fn figure(soaks: &Soaks, board: &Board) -> Figure {
+    let column = |axis: &BoardAxis| {
+        let (name, ink, soaks) = (axis.name, axis.ink, points(soaks, axis));
+        let temperature = "temperature reading, counts";
+        let at: Vec<(f64, f64)> = soaks.iter().map(|soak| (soak.temperature_counts, soak.zro_counts)).collect();
+        let difference = soaks.iter().map(|soak| (soak.temperature_counts, soak.zro_counts - curve_at(axis, soak)));
+        let title = format!("{name}: soaks and the ramp’s curve");
+        let curve = axis.curve();
+        let ends = holding(curve.iter().chain(&at).map(|point| point.0));
+        let up = format!("{name}: zero-rate output, counts");
+        let both = Panel::new(title, temperature, up, [Mark::Line(Ink::Curve, curve), Mark::Dots(ink, at)]);
+        let title = format!("{name}: soak less ramp");
+        let up = format!("{title}, counts");
+        let apart = Panel::new(title, temperature, up, [Mark::Stems(ink, difference.collect())]);
+        vec![Panel { x_range: ends, ..both }, Panel { x_range: ends, height: Panel::SHORT, ..apart }]
+    };
+    let mut key: Vec<_> =
+        board.axes.iter().map(|axis| (axis.ink, Sample::Dot, format!("{}, soaks", axis.name))).collect();
+    key.push((Ink::Curve, Sample::Line, "curve of the ramp".to_owned()));
+    Figure {
+        id: "fig-soaks".into(),
+        name: "Soaks".into(),
+        caption: html! { "Means of the soaks on the curve fitted to the ramp; below, how far each is from it." },
+        key,
+        columns: board.axes.iter().map(column).collect(),
+    }
+}
+
+fn table(soaks: &Soaks, axis: &BoardAxis) -> Markup {
+    let row = |soak: &SoakPoint| {
+        let curve = curve_at(axis, soak);
+        vec![
+            html! { (fixed(soak.chamber_c, 0)) "\u{a0}°C" },
+            html! { (fixed(soak.temperature_counts, 1)) },
+            html! { (fixed(soak.zro_counts, 1)) },
+            html! { (fixed(curve, 1)) },
+            html! { (fixed(soak.zro_counts - curve, 2)) },
+        ]
+    };
+    Table {
+        caption: html! { b { (axis.name) } ", the soaks, counts." },
+        heads: &["Chamber", "Temperature", "Zero-rate output", "Curve of the ramp", "Soak less ramp"],
+        rows: points(soaks, axis).iter().map(row).collect(),
+        numbers_from: 1,
+    }
+    .markup()
+}
