@@ -23,6 +23,7 @@ use crate::procedure::soaks;
 use crate::results;
 use crate::run::{Progress, Session};
 use crate::setup::SetUp;
+use crate::soak_comparison;
 use crate::summary::summary;
 use crate::verify::{check, deploy, evaluated};
 
@@ -110,6 +111,7 @@ fn run(
 
     let mut recorder = output.go_on(SOAKS, &info("soaks"), soaks::extent(&checkpoints, setup.chamber.soaks_c.len()))?;
     let soaks = soaks::run_once(&mut session, &mut recorder, &checkpoints)?;
+    let soaks = soak_comparison::compared(&soaks, setup, &measured);
     recorder.finish()?;
 
     let warnings = &mut measured.calibration.warnings;
@@ -121,7 +123,8 @@ fn run(
             "the line to the device lost {lost_uploads} uploads and damaged {damaged_frames} frames; {sent_again} commands were sent again"
         ));
     }
-    let checks = check(&verifications, &setup.limits, setup.board.centre_counts);
+    let mut checks = check(&verifications, &setup.limits, setup.board.centre_counts);
+    checks.extend(soaks.iter().flat_map(|soaks| soak_comparison::check(soaks, &setup.limits)));
     let origin = |(content, file): (&str, &str)| {
         Origin::of(content, &(&output.path(file)).into()).map_err(|error| BenchError::Compose(error.to_string()))
     };

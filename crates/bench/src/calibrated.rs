@@ -1,12 +1,11 @@
 //! A unit and what a whole run found out about it.
 
-use zerorate_cal::summary::Check;
+use zerorate_cal::summary::{Check, Soaks};
 use zerorate_core::record::UnitSerial;
 
 use crate::error::BenchError;
 use crate::measure::Measured;
 use crate::plants::PlantKind;
-use crate::procedure::soaks::Soaks;
 use crate::setup::SetUp;
 use crate::verify::Verification;
 
@@ -41,8 +40,8 @@ pub struct Calibrated {
     pub measured: Measured,
     /// The compensation tests: X trim and hybrid, heating and cooling; Y the same, heating.
     pub verifications: Vec<Verification>,
-    /// The traditional test, to compare with.
-    pub soaks: Soaks,
+    /// The traditional test beside the ramp; `None` where it was left out.
+    pub soaks: Option<Soaks>,
     /// What was checked.
     pub checks: Vec<Check>,
 }

@@ -28,6 +28,7 @@ pub mod results;
 pub mod run;
 pub mod setup;
 pub mod simulated;
+pub mod soak_comparison;
 pub mod steps;
 pub mod study;
 pub mod summary;

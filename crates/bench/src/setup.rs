@@ -129,6 +129,8 @@ pub struct Limits {
     pub hybrid_residual_floors: f64,
     /// Distance of the compensated mean from the centre, counts.
     pub mean_offset_counts: f64,
+    /// Distance of a soak from the ramp's curve, counts: half of what mode trim may leave peak to peak.
+    pub soak_difference_counts: f64,
 }
 
 impl Default for SetUp {
@@ -293,7 +295,12 @@ impl Default for DriftChoice {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { trim_residual_pp_counts: 40.0, hybrid_residual_floors: 2.0, mean_offset_counts: 16.0 }
+        Self {
+            trim_residual_pp_counts: 40.0,
+            hybrid_residual_floors: 2.0,
+            mean_offset_counts: 16.0,
+            soak_difference_counts: 20.0,
+        }
     }
 }
 

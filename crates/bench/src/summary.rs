@@ -3,8 +3,8 @@
 use zerorate_cal::calibration::Origin;
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::recording::Phase;
-use zerorate_cal::summary::{AxisSummary, Check, SCHEMA, SoakPoint, Soaks, Summary, TestResult};
-use zerorate_core::units::{Axis, Seconds};
+use zerorate_cal::summary::{AxisSummary, Check, SCHEMA, Summary, TestResult};
+use zerorate_core::units::Axis;
 use zerorate_fit::least_squares::raw_coefficients;
 
 use crate::calibrated::Calibrated;
@@ -29,7 +29,7 @@ pub fn summary(run: &Calibrated, recordings: Vec<Origin>, wall_s: f64) -> Summar
         tests: tests(run),
         checks: run.checks.clone(),
         recordings,
-        soaks: soaks(run),
+        soaks: run.soaks.clone(),
         failed_checks: failed().map(sentence).collect(),
         warnings: run.measured.calibration.warnings.clone(),
     }
@@ -66,21 +66,4 @@ fn axis_summary(axis: &MeasuredAxis) -> AxisSummary {
         held_out_rms_counts: statistics.held_out.map(|residual| residual.rms),
         held_out_pp_counts: statistics.held_out.map(|residual| residual.pp),
     }
-}
-
-fn soaks(run: &Calibrated) -> Option<Soaks> {
-    let hours = |time: Seconds| time.0 / 3600.0;
-    let of_axis = |axis: Axis| {
-        let soaks = run.setup.chamber.soaks_c.iter().zip(&run.soaks.points);
-        let points = soaks.map(|(&chamber_c, point)| {
-            let (temperature, zro) = point[axis.index()];
-            SoakPoint { chamber_c, temperature_counts: temperature.0, zro_counts: zro.0 }
-        });
-        (axis.name().to_owned(), points.collect())
-    };
-    (!run.soaks.points.is_empty()).then(|| Soaks {
-        ramp_hours: hours(run.measured.ramp_time),
-        soak_hours: hours(run.soaks.chamber_time),
-        axes: Axis::BOTH.map(of_axis).into(),
-    })
 }

@@ -5,9 +5,11 @@
 use zerorate_bench::measure::{Measured, MeasuredAxis, first_time, measure};
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::procedure::compensation_test::Extent;
+use zerorate_bench::procedure::soaks;
 use zerorate_bench::run::{Recorder, Session, Silent};
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
+use zerorate_bench::soak_comparison;
 use zerorate_bench::verify::{deploy, test};
 use zerorate_cal::summary::TestResult;
 use zerorate_core::compensate::Mode;
@@ -90,6 +92,37 @@ fn ten_times_better_by_the_potentiometer_and_the_floor_by_numbers_seeds_1_to_10(
 #[test]
 fn ten_times_better_by_the_potentiometer_and_the_floor_by_numbers_seeds_11_to_20() {
     run(11..=20);
+}
+
+/// The board compensates when the soaks begin; they must show the drift all the same.
+#[test]
+fn soaks_of_a_calibrated_board_show_eq_1_and_agree_with_the_ramp() {
+    let mut setup = SetUp::paper();
+    for seed in [1, 2] {
+        let mut bench = simulated::bench(PlantKind::Paper.build(seed), &setup, &UnitSerial::new());
+        let mut progress = Silent;
+        let mut session = Session::new(&mut bench, &setup, &mut progress);
+        let measured = measure(&mut session, "", Recorder::discarding(), Recorder::discarding()).unwrap();
+        deploy(&mut session, &measured).unwrap();
+        let soaks = soaks::run(&mut session, &mut Recorder::discarding()).unwrap();
+        let compared = soak_comparison::compared(&soaks, &setup, &measured).unwrap();
+        assert!((9.0..12.0).contains(&compared.hours_saved), "{}", compared.hours_saved);
+        for axis in Axis::BOTH {
+            let of = &compared.axes[axis.name()];
+            let difference = of.max_difference_counts.unwrap();
+            assert!(difference <= 6.0, "seed {seed} {}: {difference}", axis.name());
+            let [c0, c1, c2] = EQUATION_1[axis.index()];
+            for soak in &of.points {
+                let t = soak.temperature_counts;
+                let distance = soak.zro_counts - (c0 + c1 * t + c2 * t * t);
+                assert!(distance.abs() <= 8.0, "seed {seed} {}: {distance} counts from eq. (1) at {t}", axis.name());
+            }
+        }
+        assert!(soak_comparison::check(&compared, &setup.limits).iter().all(|check| check.pass));
+        setup.limits.soak_difference_counts = 0.01;
+        assert!(soak_comparison::check(&compared, &setup.limits).iter().all(|check| !check.pass));
+        setup = SetUp::paper();
+    }
 }
 
 /// Without a low-pass in the record a tap change shows as a step in the corrected samples: so the step test can fail.

@@ -152,8 +152,21 @@ pub struct Soaks {
     pub ramp_hours: f64,
     /// Chamber time of all soaks and the ways between them, hours.
     pub soak_hours: f64,
-    /// The soaks of each axis by its name, in the order in which they were made.
-    pub axes: BTreeMap<String, Vec<SoakPoint>>,
+    /// The chamber time that the ramp saves, hours.
+    pub hours_saved: f64,
+    /// The axes by name, `x` and `y`.
+    #[serde(flatten)]
+    pub axes: BTreeMap<String, AxisSoaks>,
+}
+
+/// The soaks of one axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisSoaks {
+    /// The largest distance of a soak from the ramp's curve, counts, of the soaks in the range that the ramp measured;
+    /// `None` where none is.
+    pub max_difference_counts: Option<f64>,
+    /// The soaks, in the order in which they were made.
+    pub points: Vec<SoakPoint>,
 }
 
 /// The mean of one soak.
@@ -165,6 +178,8 @@ pub struct SoakPoint {
     pub temperature_counts: f64,
     /// The zero-rate output.
     pub zro_counts: f64,
+    /// The ramp's fitted curve at that temperature.
+    pub ramp_counts: f64,
 }
 
 /// Why a summary cannot be read, with its name.

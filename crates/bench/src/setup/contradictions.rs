@@ -50,6 +50,7 @@ impl SetUp {
             ("limits.trim_residual_pp_counts", limits.trim_residual_pp_counts),
             ("limits.hybrid_residual_floors", limits.hybrid_residual_floors),
             ("limits.mean_offset_counts", limits.mean_offset_counts),
+            ("limits.soak_difference_counts", limits.soak_difference_counts),
         ] {
             must(value > 0.0 && value.is_finite(), format!("{name} is {value}: it must be above 0"));
         }

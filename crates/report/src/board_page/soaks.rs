@@ -9,26 +9,19 @@ use crate::figure::{Figure, Ink, Mark, Panel, Sample, holding};
 use crate::number::fixed;
 use crate::page::Table;
 
-/// The soaks of an axis, coldest first.
+/// The soaks of an axis.
 fn points<'a>(soaks: &'a Soaks, axis: &BoardAxis) -> &'a [SoakPoint] {
-    soaks.axes.get(axis.axis.name()).map_or(&[], Vec::as_slice)
+    soaks.axes.get(axis.axis.name()).map_or(&[], |axis| &axis.points)
 }
 
-/// The ramp's fitted curve at a soak's temperature, counts.
-fn curve_at(axis: &BoardAxis, soak: &SoakPoint) -> f64 {
-    axis.calibration.drift().evaluate(soak.temperature_counts).0
-}
-
-/// The largest distance of a soak from the ramp's curve, counts. Soaks outside the ramp's range are left out.
-fn largest_difference(soaks: &Soaks, axis: &BoardAxis) -> f64 {
-    let [coldest, hottest] = axis.summary.temperature_counts;
-    let inside = points(soaks, axis).iter().filter(|soak| (coldest..=hottest).contains(&soak.temperature_counts));
-    inside.map(|soak| (soak.zro_counts - curve_at(axis, soak)).abs()).fold(0.0, f64::max)
+/// The largest distance of a soak from the ramp's curve, in words.
+fn largest_difference(soaks: &Soaks, axis: &BoardAxis) -> String {
+    let largest = soaks.axes.get(axis.axis.name()).and_then(|axis| axis.max_difference_counts);
+    largest.map_or("an unknown number of".to_owned(), |counts| fixed(counts, 1))
 }
 
 pub(super) fn chapter(soaks: &Soaks, board: &Board) -> Markup {
     let count = board.axes.first().map_or(0, |axis| points(soaks, axis).len());
-    let saved = soaks.soak_hours - soaks.ramp_hours;
     html! {
         p {
             "The paper’s claim is that one ramp replaces many soaks. Here it is tried: the unit was also held at " (count)
@@ -36,10 +29,10 @@ pub(super) fn chapter(soaks: &Soaks, board: &Board) -> Markup {
         }
         p.lead {
             "The ramp took " (fixed(soaks.ramp_hours, 1)) " hours of chamber time, the soaks "
-            (fixed(soaks.soak_hours, 1)) ": " (fixed(saved, 1)) " hours saved. The curves differ by at most "
+            (fixed(soaks.soak_hours, 1)) ": " (fixed(soaks.hours_saved, 1)) " hours saved. The curves differ by at most "
             @for (place, axis) in board.axes.iter().enumerate() {
                 @if place > 0 { " and " }
-                (fixed(largest_difference(soaks, axis), 1)) " counts (" (axis.name) ")"
+                (largest_difference(soaks, axis)) " counts (" (axis.name) ")"
             }
             "."
         }
@@ -53,7 +46,7 @@ fn figure(soaks: &Soaks, board: &Board) -> Figure {
         let (name, ink, soaks) = (axis.name, axis.ink, points(soaks, axis));
         let temperature = "temperature reading, counts";
         let at: Vec<(f64, f64)> = soaks.iter().map(|soak| (soak.temperature_counts, soak.zro_counts)).collect();
-        let difference = soaks.iter().map(|soak| (soak.temperature_counts, soak.zro_counts - curve_at(axis, soak)));
+        let difference = soaks.iter().map(|soak| (soak.temperature_counts, soak.zro_counts - soak.ramp_counts));
         let title = format!("{name}: soaks and the ramp’s curve");
         let curve = axis.curve();
         let ends = holding(curve.iter().chain(&at).map(|point| point.0));
@@ -78,13 +71,12 @@ fn figure(soaks: &Soaks, board: &Board) -> Figure {
 
 fn table(soaks: &Soaks, axis: &BoardAxis) -> Markup {
     let row = |soak: &SoakPoint| {
-        let curve = curve_at(axis, soak);
         vec![
             html! { (fixed(soak.chamber_c, 0)) "\u{a0}°C" },
             html! { (fixed(soak.temperature_counts, 1)) },
             html! { (fixed(soak.zro_counts, 1)) },
-            html! { (fixed(curve, 1)) },
-            html! { (fixed(soak.zro_counts - curve, 2)) },
+            html! { (fixed(soak.ramp_counts, 1)) },
+            html! { (fixed(soak.zro_counts - soak.ramp_counts, 2)) },
         ]
     };
     Table {

@@ -12,7 +12,7 @@ use zerorate_cal::quality::Verdict;
 use zerorate_cal::ramp_fit::fit_recording;
 use zerorate_cal::recording::{GroupRow, Phase, Recording, RecordingInfo};
 use zerorate_cal::source::Source;
-use zerorate_cal::summary::{AxisSummary, Check, SCHEMA, SoakPoint, Soaks, Summary, TestResult};
+use zerorate_cal::summary::{AxisSoaks, AxisSummary, Check, SCHEMA, SoakPoint, Soaks, Summary, TestResult};
 use zerorate_cal::units::TemperatureUnit;
 use zerorate_core::compensate::{LowPass, Mode};
 use zerorate_core::group::GroupSums;
@@ -181,13 +181,14 @@ fn result(recording: &Recording, mode: Mode, axis: Axis, direction: Phase) -> Te
     }
 }
 
-fn soaks(gyro: &Gyro) -> Vec<SoakPoint> {
+fn soaks(gyro: &Gyro) -> AxisSoaks {
     let point = |i: u32| {
         let temperature_counts = 8500.0 + 340.0 * f64::from(i);
-        let zro_counts = gyro.zro(temperature_counts) + 1.4 * noise(gyro.seed + 500 + u64::from(i));
-        SoakPoint { chamber_c: -40.0 + 10.0 * f64::from(i), temperature_counts, zro_counts }
+        let ramp_counts = gyro.zro(temperature_counts);
+        let zro_counts = ramp_counts + 1.4 * noise(gyro.seed + 500 + u64::from(i));
+        SoakPoint { chamber_c: -40.0 + 10.0 * f64::from(i), temperature_counts, zro_counts, ramp_counts }
     };
-    (0..11).map(point).collect()
+    AxisSoaks { max_difference_counts: Some(1.4), points: (0..11).map(point).collect() }
 }
 
 fn made() -> BoardRun {
@@ -241,6 +242,7 @@ fn made() -> BoardRun {
         soaks: Some(Soaks {
             ramp_hours: 2.0,
             soak_hours: 15.5,
+            hours_saved: 13.5,
             axes: [&X, &Y].map(|gyro| (gyro.axis.name().to_owned(), soaks(gyro))).into(),
         }),
         failed_checks: Vec::new(),
