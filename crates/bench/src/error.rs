@@ -93,6 +93,14 @@ pub enum BenchError {
         /// The run's folder.
         folder: String,
     },
+    /// The folder has the results of another unit, and they would be gone.
+    #[error("{folder} holds the results of {whose}: give another folder (`out`), or give them up (`force`)")]
+    OthersResults {
+        /// The folder.
+        folder: String,
+        /// Whose they are.
+        whose: String,
+    },
     /// The run that was stopped is another one.
     #[error(
         "the run in {folder} that was stopped was another unit's or had another set-up: give those, or another folder (`out`)"

@@ -1,13 +1,42 @@
 //! The files of a run: calibration, device record, summary, and the page made of them.
 
+use std::path::Path;
+
 use zerorate_cal::board_run::{BoardRun, CALIBRATION, REPORT, SUMMARY};
 use zerorate_cal::calibration::Calibration;
+use zerorate_cal::source::Source;
 use zerorate_cal::summary::Summary;
 use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES};
 use zerorate_report::board_page;
 
+use crate::calibrated::Unit;
 use crate::error::BenchError;
 use crate::output::OutputFolder;
+
+/// Refuses a folder with the results of another unit. A simulated unit is another for each plant and seed, and no real one.
+///
+/// # Errors
+/// [`BenchError::OthersResults`].
+pub fn refuse_others(folder: &Path, unit: &Unit) -> Result<(), BenchError> {
+    let of = |file: &str| Source::file(&folder.join(file));
+    let own = described(unit.serial.as_str(), unit.plant.map(|(kind, seed)| (kind.name(), seed)));
+    let whose = match (Summary::read(&of(SUMMARY)), Calibration::read(&of(CALIBRATION))) {
+        (Ok(earlier), _) => described(&earlier.serial, earlier.plant.as_deref().zip(earlier.seed)),
+        // Of a version that wrote less: the serial is all that is known.
+        (Err(_), Ok(Calibration { unit_serial: Some(serial), .. })) if serial != unit.serial.as_str() => {
+            described(&serial, None)
+        }
+        _ => return Ok(()),
+    };
+    if whose == own { Ok(()) } else { Err(BenchError::OthersResults { folder: folder.display().to_string(), whose }) }
+}
+
+fn described(serial: &str, plant: Option<(&str, u64)>) -> String {
+    plant.map_or_else(
+        || format!("unit {serial}"),
+        |(plant, seed)| format!("the simulated unit {serial} (plant {plant}, seed {seed})"),
+    )
+}
 
 /// Writes the files of a run whose recordings are finished.
 ///

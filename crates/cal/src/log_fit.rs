@@ -10,13 +10,15 @@ mod json;
 mod plain;
 mod words;
 
+use std::collections::BTreeMap;
+
 use thiserror::Error;
 use zerorate_core::drift::{Scale, ValidRange};
 use zerorate_fit::model::Model;
 
-use crate::calibration::{AxisCalibration, Calibration, CalibrationFault, Kind, Origin};
+use crate::calibration::{AxisCalibration, Calibration, CalibrationFault, Kind, Origin, sha256};
 use crate::condition::{Excluded, Rejected};
-use crate::log::{LogError, SensorChoice, Stream};
+use crate::log::{LogError, LogFault, SensorChoice, Stream};
 use crate::quality::{Judgement, Verdict};
 use crate::source::Source;
 use crate::table::Columns;
@@ -64,6 +66,16 @@ pub enum LogFitError {
         expected: String,
         /// Its sensors.
         found: String,
+    },
+    /// The same log was given twice: each copy would be held out while the other is fitted.
+    #[error(
+        "{second}: the same log as {first}, to the byte: what is held out would be fitted all the same; give it once"
+    )]
+    Twice {
+        /// The log.
+        first: String,
+        /// Its copy.
+        second: String,
     },
     /// The plain fit was asked for of several logs.
     #[error("the plain fit is of one log, to compare it with other tools: give one log, or leave out `plain`")]
@@ -179,6 +191,7 @@ impl LogFit {
 /// When one cannot be read, a column is missing or unclear, time runs backwards, or the logs are of different units. A log
 /// that can be read and is no good is rejected in [`LogFit::judgement`] instead.
 pub fn fit_logs(sources: &[Source], options: &FitOptions) -> Result<LogFit, LogFitError> {
+    refuse_copies(sources)?;
     let mut fit = LogFit::new(sources);
     match (options.plain, sources) {
         (true, [source]) => plain::fit(source, options, &mut fit)?,
@@ -187,6 +200,20 @@ pub fn fit_logs(sources: &[Source], options: &FitOptions) -> Result<LogFit, LogF
     }
     fit.judgement = Judgement::of_axes(&fit.judgement, fit.verdicts.iter().map(|axis| &axis.judgement));
     Ok(fit)
+}
+
+fn refuse_copies(sources: &[Source]) -> Result<(), LogFitError> {
+    if sources.len() < 2 {
+        return Ok(());
+    }
+    let mut seen: BTreeMap<String, &Source> = BTreeMap::new();
+    for source in sources {
+        let hash = sha256(source).map_err(|error| source.faulty::<LogFault>(error))?;
+        if let Some(first) = seen.insert(hash, source) {
+            return Err(LogFitError::Twice { first: first.name().to_owned(), second: source.name().to_owned() });
+        }
+    }
+    Ok(())
 }
 
 /// Judges what would be fitted of one axis and, unless it is rejected, gives its scale and valid range.

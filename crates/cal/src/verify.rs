@@ -19,7 +19,7 @@ pub use limits::{Limit, LimitError, Limits};
 use crate::calibration::{AxisCalibration, Calibration, sha256};
 use crate::fit::fit;
 use crate::log::LogFault;
-use crate::log_fit::{AxisFit, FitOptions, LogFitError};
+use crate::log_fit::{AxisFit, FitOptions, LogFit, LogFitError};
 use crate::quality::{Reason, ReasonKind};
 use crate::source::{Faulty, Source};
 use crate::table::Columns;
@@ -68,14 +68,17 @@ pub struct VerifiedPoint {
 pub struct Verified {
     /// The log, as it was given.
     pub log: String,
-    /// Whether every axis meets its limits.
-    pub passed: bool,
+    /// Whether every axis of the calibration is there and meets its limits; `None` where no limit was given and none is
+    /// missing: then nothing was tested.
+    pub passed: Option<bool>,
     /// Whether the calibration was fitted on this very log: what is left is then in-sample, and no test.
     pub in_sample: bool,
     /// The temperature's unit.
     pub temperature_unit: TemperatureUnit,
     /// The axes that the calibration and the log share.
     pub axes: Vec<VerifiedAxis>,
+    /// The calibration's axes of which the log has nothing that can be used, a sentence each.
+    pub missing: Vec<String>,
     /// What was found wrong with the log, and what to know.
     pub warnings: Vec<String>,
 }
@@ -164,6 +167,8 @@ pub fn verify(
         let expected = calibration.axes.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
         return Err(log.faulty(NoTest::NoAxis { found, expected }).into());
     }
+    let missing: Vec<String> = calibration.axes.keys().filter_map(|name| missing(name, &fit)).collect();
+    let is_within = missing.is_empty() && axes.iter().all(|axis| axis.missed.is_empty());
     let mut warnings: Vec<String> =
         fit.judgement.reasons.iter().filter(|r| !is_of_span(r)).map(|r| r.text.clone()).collect();
     warnings.extend(axes.iter().filter(|axis| axis.outside > 0.0).map(|axis| {
@@ -175,11 +180,26 @@ pub fn verify(
     }));
     Ok(Verified {
         log: log.name().to_owned(),
-        passed: axes.iter().all(|axis| axis.missed.is_empty()),
+        passed: (!limits.is_empty() || !is_within).then_some(is_within),
         in_sample: is_own,
         temperature_unit: calibration.temperature_unit,
         axes,
+        missing,
         warnings,
+    })
+}
+
+/// Why there is nothing of an axis, if there is nothing.
+fn missing(name: &str, fit: &LogFit) -> Option<String> {
+    if fit.axes.iter().any(|axis| axis.name == name) {
+        return None;
+    }
+    let rejected = fit.verdicts.iter().find(|axis| axis.name == name);
+    let reasons =
+        rejected.map(|axis| axis.judgement.reasons.iter().map(|r| r.text.as_str()).collect::<Vec<_>>().join("; "));
+    Some(match reasons {
+        Some(reasons) if !reasons.is_empty() => format!("{name}: nothing that can be used: {reasons}"),
+        _ => format!("{name}: the log has no such axis"),
     })
 }
 

@@ -68,6 +68,25 @@ fn the_main_job_writes_its_nine_files_and_the_same_json_twice() {
 }
 
 #[test]
+fn the_results_of_another_unit_are_kept_unless_they_are_given_up() {
+    let folder = tempfile::tempdir().unwrap();
+    short_set_up(folder.path());
+    let calibrate = |more: &[&str]| zerorate(&[&["calibrate", "--setup", "short.toml"], more].concat(), folder.path());
+    let ramp = || fs::read(folder.path().join("calibration/full-temperature.parquet")).unwrap();
+    calibrate(&["--serial", "A-1"]);
+    let first = ramp();
+    for other in [&["--serial", "B-2"][..], &["--serial", "A-1", "--seed", "9"]] {
+        let refused = calibrate(other);
+        let told = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!(refused.status.code(), Some(2), "{told}");
+        assert!(told.contains("the simulated unit A-1 (plant paper, seed 1)") && told.contains("--force"), "{told}");
+        assert!(ramp() == first);
+    }
+    calibrate(&["--serial", "B-2", "--seed", "9", "--force"]);
+    assert!(ramp() != first);
+}
+
+#[test]
 fn a_unit_outside_its_limits_is_rejected_with_the_reason_and_exit_code_1() {
     let folder = tempfile::tempdir().unwrap();
     short_set_up(folder.path());

@@ -173,3 +173,16 @@ fn the_json_is_the_documented_one() {
     assert_eq!(axis["raw_coefficients"].as_array().unwrap().len(), 4);
     assert!(axis["held_out"]["pp"].as_f64().unwrap() > axis["held_out"]["rms"].as_f64().unwrap());
 }
+
+#[test]
+fn the_same_log_twice_is_refused_by_its_content() {
+    let rows: String =
+        (0..2000).map(|i| format!("{i},{},{}\n", 20.0 + 0.01 * f64::from(i), 1e-5 * f64::from(i))).collect();
+    let text = format!("time_s,temperature_c,gyro_x_rad_s\n{rows}");
+    let [first, copy] = ["first.csv", "copy.csv"].map(|name| Source::bytes(name, text.clone().into_bytes()));
+    let refused = fit_logs(&[first, copy], &FitOptions::default()).unwrap_err().to_string();
+    assert!(
+        refused.starts_with("copy.csv: the same log as first.csv") && refused.ends_with("give it once"),
+        "{refused}"
+    );
+}

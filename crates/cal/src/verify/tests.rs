@@ -34,7 +34,7 @@ fn limits(max_rms: &str, max_pp: &str) -> Limits {
 #[test]
 fn a_second_run_that_repeats_the_first_passes_and_its_new_zero_is_told_apart() {
     let verified = second(0.003, 0.0, &limits("0.02 mrad/s", "0.1mrad/s"), &calibration()).unwrap();
-    assert!(verified.passed && !verified.in_sample, "{verified:?}");
+    assert!(verified.passed == Some(true) && !verified.in_sample, "{verified:?}");
     let x = &verified.axes[0];
     assert!((x.offset - 0.003).abs() < 1e-4, "{}", x.offset);
     assert!(x.raw.pp > 0.06 && x.corrected.pp < 1e-4, "{:?} {:?}", x.raw, x.corrected);
@@ -44,7 +44,7 @@ fn a_second_run_that_repeats_the_first_passes_and_its_new_zero_is_told_apart() {
 #[test]
 fn a_drift_that_has_changed_misses_its_limits_by_name() {
     let verified = second(0.0, 1e-3, &limits("0.1 mrad/s", "10 dps"), &calibration()).unwrap();
-    assert!(!verified.passed);
+    assert_eq!(verified.passed, Some(false));
     assert_eq!(verified.axes[0].missed.len(), 1, "{:?}", verified.axes[0].missed);
     assert!(verified.axes[0].missed[0].starts_with("gyro_x_rad_s: rms "), "{:?}", verified.axes[0].missed);
     assert!(verified.axes[1].missed.is_empty());
@@ -58,7 +58,28 @@ fn the_log_that_was_fitted_is_no_test() {
     let refused = verify(&first(), &own, &Columns::default(), &Limits::default(), false).unwrap_err();
     assert!(refused.to_string().contains("fitted on this very log"), "{refused}");
     let looked = verify(&first(), &own, &Columns::default(), &Limits::default(), true).unwrap();
-    assert!(looked.in_sample && looked.passed);
+    assert!(looked.in_sample && looked.passed.is_none());
+}
+
+#[test]
+fn an_axis_that_is_dead_or_missing_fails_with_limits_and_without() {
+    let own = calibration();
+    let text = log(733, 0.0, 0.0);
+    let rows = text.lines().skip(1).map(|row| row.split(',').collect::<Vec<_>>());
+    let [mut dead, mut missing] =
+        ["time_s,temperature_c,gyro_x_rad_s,gyro_y_rad_s\n", "time_s,temperature_c,gyro_y_rad_s\n"].map(str::to_owned);
+    for row in rows {
+        dead += &format!("{},{},,{}\n", row[0], row[1], row[3]);
+        missing += &format!("{},{},{}\n", row[0], row[1], row[3]);
+    }
+    for text in [dead, missing] {
+        let log = Source::bytes("second.csv", text.into_bytes());
+        for limits in [Limits::default(), limits("1 rad/s", "1 rad/s")] {
+            let verified = verify(&log, &own, &Columns::default(), &limits, false).unwrap();
+            assert_eq!((verified.passed, verified.missing.len(), verified.axes.len()), (Some(false), 1, 1));
+            assert!(verified.missing[0].starts_with("gyro_x_rad_s: "), "{:?}", verified.missing);
+        }
+    }
 }
 
 #[test]

@@ -21,6 +21,7 @@ use zerorate_bench::error::BenchError;
 use zerorate_bench::instruments::Bench;
 use zerorate_bench::manual;
 use zerorate_bench::plants::PlantKind;
+use zerorate_bench::results;
 use zerorate_bench::run::Progress;
 use zerorate_bench::setup::SetUp;
 use zerorate_cal::quality::Verdict;
@@ -49,6 +50,10 @@ pub struct Calibrate {
     /// Write the results into this folder; earlier ones stay until the run is whole
     #[arg(long, value_name = "DIR", default_value = "calibration")]
     out: PathBuf,
+
+    /// Write over the results of another unit that are in the folder
+    #[arg(long)]
+    force: bool,
 
     /// The board: native (the application in this program), emulated (the firmware in QEMU; the results are the same to
     /// the last bit), serial:PATH or tcp:HOST:PORT
@@ -153,6 +158,9 @@ impl Calibrate {
     }
 
     fn carry_out(&self, bench: &mut Bench, setup: &SetUp, unit: Unit, mut bar: Bar, keep: Keep) -> Result<Outcome> {
+        if !self.force {
+            results::refuse_others(&self.out, &unit)?;
+        }
         let result = calibrate(bench, setup, unit, &self.out, &mut bar, keep);
         bar.finish();
         let summary = result.map_err(|error| self.with_what_is_left(error))?;

@@ -100,9 +100,9 @@ impl Verify {
         if self.json {
             screen::print_json(&Found { schema: 1, verified: &verified })?;
         } else {
-            page(&verified, &limits).print()?;
+            page(&verified).print()?;
         }
-        Ok(if verified.passed { Outcome::Done } else { Outcome::Rejected })
+        Ok(if verified.passed == Some(false) { Outcome::Rejected } else { Outcome::Done })
     }
 
     fn limits(&self) -> Result<Limits> {
@@ -125,14 +125,16 @@ impl Verify {
     }
 }
 
-fn page(verified: &Verified, limits: &Limits) -> Page {
+fn page(verified: &Verified) -> Page {
     let mut page = Page::default();
-    let (colour, word, meaning) = match (limits.is_empty(), verified.passed) {
-        (true, _) => (Style::new(), "measured", "no limits were given (--max-rms, --max-pp)"),
-        (false, true) => (Style::new().green(), "passed", "all axes are within their limits"),
-        (false, false) => (Style::new().red(), "failed", "not all axes are within their limits"),
+    let (colour, word, meaning) = match verified.passed {
+        None => (Style::new(), "measured", "no limits were given (--max-rms, --max-pp)"),
+        Some(true) => (Style::new().green(), "passed", "all axes are within their limits"),
+        Some(false) if !verified.missing.is_empty() => (Style::new().red(), "failed", "not all axes are there"),
+        Some(false) => (Style::new().red(), "failed", "not all axes are within their limits"),
     };
     page.sentence("", &format!("{}: {}: {meaning}", verified.log, style(colour.bold(), word)));
+    verified.missing.iter().for_each(|missing| page.sentence("  - ", missing));
     verified.axes.iter().flat_map(|axis| &axis.missed).for_each(|missed| page.sentence("  - ", missed));
     if verified.in_sample {
         page.sentence(
