@@ -228,6 +228,7 @@ fn admit(
     let what = if options.plain { "rows" } else { "groups" };
     judgement.rows(&stream.names[axis], rows, what, options.model.least_coefficients());
     if rows > 0 {
+        judgement.celsius(min, max, stream.temperature_unit);
         judgement.span(min, max, stream.temperature_unit, options.allow_narrow);
     }
     if judgement.rejected() {

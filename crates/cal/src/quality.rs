@@ -12,6 +12,11 @@ pub const MIN_ROWS_A_COEFFICIENT: u64 = 2;
 /// A log in which a larger fraction of the rows was dropped gets a warning.
 const WARNED_FRACTION: f64 = 1e-3;
 
+/// The coldest that a gyro is tested at is above this, degrees C.
+const COLDEST_C: f64 = -100.0;
+/// The hottest (oil wells have 175 C) is below this; a chamber's temperatures in kelvin are above it.
+const HOTTEST_C: f64 = 200.0;
+
 /// What a log is good for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -31,6 +36,8 @@ pub enum Verdict {
 pub enum ReasonKind {
     /// Rejected: the temperature span is too small. A warning where it was allowed.
     NarrowSpan,
+    /// Rejected: temperatures that can be no degrees C.
+    NotCelsius,
     /// Rejected: the temperature never changes.
     StuckTemperature,
     /// Rejected: fewer rows or groups than the model needs.
@@ -81,6 +88,7 @@ impl ReasonKind {
     pub fn verdict(self) -> Verdict {
         match self {
             Self::NarrowSpan
+            | Self::NotCelsius
             | Self::StuckTemperature
             | Self::TooFewGroups
             | Self::NoFiniteRows
@@ -192,6 +200,17 @@ impl Judgement {
         }
     }
 
+    /// Judges whether temperatures can be degrees C.
+    pub fn celsius(&mut self, min: f64, max: f64, unit: TemperatureUnit) {
+        if unit == TemperatureUnit::C && (min < COLDEST_C || max > HOTTEST_C) {
+            let text = format!(
+                "the temperature goes from {min:.0} to {max:.0}, which no gyro sees in degrees C: it is in another unit, or the \
+                 wrong column was read"
+            );
+            self.add(Reason::new(ReasonKind::NotCelsius, text));
+        }
+    }
+
     /// Judges whether there are enough rows (`what` says of what: rows or groups) for so many coefficients.
     pub fn rows(&mut self, axis: &str, rows: u64, what: &str, coefficients: usize) {
         let least = MIN_ROWS_A_COEFFICIENT * coefficients as u64;
@@ -239,6 +258,20 @@ mod tests {
     fn a_stuck_temperature_is_rejected_even_where_a_narrow_span_is_allowed() {
         let stuck = (Verdict::Rejected, vec![ReasonKind::StuckTemperature]);
         assert_eq!(span(25.0, 25.0, TemperatureUnit::C, true), stuck);
+    }
+
+    #[test]
+    fn kelvin_and_the_like_are_not_taken_for_celsius() {
+        let judged = |min: f64, max: f64, unit: TemperatureUnit| {
+            let mut judgement = Judgement::default();
+            judgement.celsius(min, max, unit);
+            judgement.verdict
+        };
+        assert_eq!(judged(-40.0, 175.0, TemperatureUnit::C), Verdict::Good);
+        // -40 to 60 C in kelvin, and the paper's chamber in counts.
+        assert_eq!(judged(233.15, 333.15, TemperatureUnit::C), Verdict::Rejected);
+        assert_eq!(judged(8500.0, 11_900.0, TemperatureUnit::C), Verdict::Rejected);
+        assert_eq!(judged(8500.0, 11_900.0, TemperatureUnit::Counts), Verdict::Good);
     }
 
     #[test]

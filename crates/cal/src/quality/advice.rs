@@ -11,6 +11,10 @@ impl ReasonKind {
                 "Log over a wider span of temperature: cool the unit in a freezer, then log from power-on, at rest, until it is \
                  as warm as it gets. Ten degrees are the least; forty make a good curve."
             }
+            Self::NotCelsius => {
+                "Convert the temperature to degrees C, or name the column that has the gyro’s own temperature with \
+                 `temperature`; counts are known by a name with counts, lsb, adc or raw in it."
+            }
             Self::StuckTemperature => {
                 "Check that the temperature column is the gyro’s own sensor and that it is being updated; name another with \
                  `temperature`."

@@ -70,6 +70,7 @@ impl Columns {
             // Of `timestamp` and `timestamp_sample` the one with fewer words; a log may also have none.
             None => places(is_time).into_iter().min_by_key(|&column| words[column].len()),
         };
+        refuse_other_units(table, &words, temperature, &rates, self.rate_unit)?;
         let mut notes = Vec::new();
         let rate_unit = self.rate_unit.or_else(|| rate_unit(&words[rates[0]])).unwrap_or_else(|| {
             let name = &table.names()[rates[0]];
@@ -98,13 +99,51 @@ fn unclear(table: &Table, what: &'static str, found: &[usize]) -> TableError {
     table.source().faulty(TableFault::Unclear { what, found, columns: table.names().join(", ") })
 }
 
+/// Units of temperature by the words that say them, and none of them is degrees C.
+const OTHER_TEMPERATURES: [(&str, &[&str]); 2] =
+    [("degrees Fahrenheit", &["f", "degf", "fahrenheit"]), ("kelvin", &["k", "kelvin"])];
+
+/// Units of rates by the words that say them, all of which must be there.
+const OTHER_RATES: [(&str, &[&str]); 7] = [
+    ("mdps", &["mdps"]),
+    ("mdps", &["mdeg"]),
+    ("mrad/s", &["mrad"]),
+    ("deg/h", &["dph"]),
+    ("deg/h", &["deg", "h"]),
+    ("deg/h", &["deg", "hr"]),
+    ("deg/h", &["deg", "hour"]),
+];
+
+/// Refuses names that say a unit which would be taken for another. A unit of the rates that was given is believed.
+fn refuse_other_units(
+    table: &Table,
+    words: &[Vec<String>],
+    temperature: usize,
+    rates: &[usize],
+    given: Option<RateUnit>,
+) -> Result<(), TableError> {
+    let refused = |column: usize, unit, instead| {
+        Err(table.source().faulty(TableFault::OtherUnit { column: table.names()[column].clone(), unit, instead }))
+    };
+    if let Some((unit, _)) = OTHER_TEMPERATURES.iter().find(|(_, said)| has(&words[temperature], said)) {
+        return refused(temperature, unit, "degrees C");
+    }
+    for &rate in rates.iter().filter(|_| given.is_none()) {
+        let says = |said: &[&str]| said.iter().all(|word| has(&words[rate], &[word]));
+        if let Some((unit, _)) = OTHER_RATES.iter().find(|(_, said)| says(said)) {
+            return refused(rate, unit, "dps or rad/s, or say its unit (`rate_unit`)");
+        }
+    }
+    Ok(())
+}
+
 const COUNTS_WORDS: [&str; 5] = ["count", "counts", "lsb", "adc", "raw"];
 
-/// A name's words in lower case: `imu.gyro.x`, `x_rad_s`, `GyrX`, `gyro_rad[0]`.
+/// A name's words in lower case: `imu.gyro.x`, `x_rad_s`, `GyrX`, `gyro_rad[0]`; the sign of degrees is the word `deg`.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut was_lower = false;
-    for letter in name.chars() {
+    for letter in name.replace('°', " deg ").chars() {
         if !letter.is_alphanumeric() || (was_lower && letter.is_uppercase()) {
             words.push(String::new());
         }
@@ -132,13 +171,18 @@ fn is_temperature(words: &[String]) -> bool {
 
 /// Names a rate by the sensor's name or by its unit, and no other sensor.
 fn is_rate(words: &[String]) -> bool {
-    let sensor = words.iter().any(|word| word.starts_with("gyr")) || has(words, &["rate", "omega", "zro", "angular"]);
+    let sensor = words.iter().any(|word| word.starts_with("gyr"))
+        || has(words, &["rate", "omega", "zro", "angular", "gx", "gy", "gz"])
+        || (has(words, &["deg"]) && has(words, &["s", "sec", "h", "hr"]));
     let other = words.iter().any(|word| word.starts_with("acc") || word.starts_with("mag"));
-    (sensor || has(words, &["dps", "rad"])) && !other && !is_temperature(words) && !is_time(words)
+    (sensor || has(words, &["dps", "rad", "mdps", "mrad", "mdeg", "dph"]))
+        && !other
+        && !is_temperature(words)
+        && !is_time(words)
 }
 
 fn names_axis(words: &[String]) -> bool {
-    has(words, &["x", "y", "z", "0", "1", "2"])
+    has(words, &["x", "y", "z", "gx", "gy", "gz", "0", "1", "2"])
 }
 
 /// One to three rate columns, or what was found instead.

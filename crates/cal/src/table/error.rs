@@ -75,4 +75,14 @@ pub enum TableFault {
         /// The columns there are.
         columns: String,
     },
+    /// A name says a unit that is not read.
+    #[error("column '{column}' is in {unit}, by its name, and that unit is not read: convert it to {instead}")]
+    OtherUnit {
+        /// The column's name.
+        column: String,
+        /// The unit that its name says.
+        unit: &'static str,
+        /// What it is to be in.
+        instead: &'static str,
+    },
 }

@@ -154,3 +154,29 @@ fn a_column_asked_for_wins_and_a_wrong_one_lists_those_there_are() {
     let two = resolve("temp_1,temp_2,gyro_x", &Columns::default()).unwrap_err().to_string();
     assert!(two.contains("more than one column could be the temperature"), "{two}");
 }
+
+#[test]
+fn a_unit_that_a_name_says_is_taken_or_refused_and_never_mistaken() {
+    let guessed = Columns::default();
+    for (head, unit) in [
+        ("time_s,temp_F,gyro_x_dps,gyro_y_dps", "degrees Fahrenheit"),
+        ("time_s,Temp [°F],gyro_x_dps,gyro_y_dps", "degrees Fahrenheit"),
+        ("time_s,temperature_k,gyro_x_dps,gyro_y_dps", "kelvin"),
+        ("time_s,temp_c,gyro_x_mdps,gyro_y_mdps", "mdps"),
+        ("time_s,temp_c,x_deg_h,y_deg_h", "deg/h"),
+        ("time_s,temp_c,x [°/h],y [°/h]", "deg/h"),
+        ("time_s,temp_c,gyro_x_mrad_s,gyro_y_mrad_s", "mrad/s"),
+    ] {
+        let refused = resolve(head, &guessed).unwrap_err().to_string();
+        assert!(refused.contains(unit) && refused.contains("unit is not read"), "{head}: {refused}");
+    }
+    for (head, unit) in [
+        ("time_s,temp_c,x [°/s],y [°/s]", RateUnit::Dps),
+        ("time_s,Temperature [°C],x_deg_s,y_deg_s", RateUnit::Dps),
+        ("time_s,temp_c,gx,gy", RateUnit::RadPerS),
+    ] {
+        assert_eq!(resolve(head, &guessed).unwrap().rate_unit, unit, "{head}");
+    }
+    let given = Columns { rate_unit: Some(RateUnit::Dps), ..Columns::default() };
+    assert_eq!(resolve("time_s,temp_c,gyro_x_mdps,gyro_y_mdps", &given).unwrap().rate_unit, RateUnit::Dps);
+}
