@@ -77,7 +77,7 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
 
 fn build(workspace: &Workspace) -> Result<Outcome> {
     let manifest = workspace.root.join(FOLDER).join("Cargo.toml").display().to_string();
-    cargo::run(workspace, &["fmt", "--check", "--manifest-path", &manifest])?;
+    cargo::run(workspace, &["fmt", "--all", "--check", "--manifest-path", &manifest])?;
     for board in BOARDS {
         build_package(workspace, board)?;
     }
