@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
-use zerorate_report::{LogReport, LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
+use zerorate_report::{LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
 
-use crate::export::{ExportError, refit};
+use crate::export::refit;
 use crate::models::{self, ModelRow, ModelsError};
 
 /// Units drawn.
@@ -146,8 +146,8 @@ async fn worst(rows: &[ModelRow], dataset: Option<&str>) -> (Vec<WorstUnit>, Vec
             continue;
         }
         units.push(&row.file);
-        match fit(row, dataset).await {
-            Ok(fit) => worst.push(WorstUnit {
+        match refit(row, dataset).await {
+            Ok((_, fit)) => worst.push(WorstUnit {
                 serial: row.unit_serial.clone(),
                 axis: row.axis.clone(),
                 held_out_rms: row.held_out_rms,
@@ -157,11 +157,6 @@ async fn worst(rows: &[ModelRow], dataset: Option<&str>) -> (Vec<WorstUnit>, Vec
         }
     }
     (worst, undrawn)
-}
-
-async fn fit(row: &ModelRow, dataset: Option<&str>) -> Result<LogReport, ExportError> {
-    let (_, fit) = refit(row, dataset).await?;
-    Ok(LogReport::from(&fit))
 }
 
 #[cfg(test)]
