@@ -8,10 +8,15 @@ use crate::procedure::compensation_test::TestRun;
 use crate::run::{Phase, Taken};
 use crate::steps::largest_step;
 
+/// Smallest and largest.
+pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], v| [least.min(v), most.max(v)])
+}
+
 /// Largest less smallest.
 #[must_use]
 pub fn peak_to_peak(values: impl Iterator<Item = f64>) -> f64 {
-    let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (least.min(v), most.max(v)));
+    let [least, most] = extremes(values);
     most - least
 }
 

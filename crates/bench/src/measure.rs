@@ -16,7 +16,7 @@ use zerorate_fit::trim::{TrimFit, fit_trim, tap_effects};
 
 use crate::checkpoint::Checkpoints;
 use crate::error::BenchError;
-use crate::evaluate::drift_pp;
+use crate::evaluate::{self, drift_pp};
 use crate::instruments::Witness;
 use crate::procedure::{full_temperature, trim_experiment};
 use crate::run::{Recorder, Session, Taken, row};
@@ -210,8 +210,7 @@ fn extremes(drift: &Drift) -> [Counts; 2] {
     let valid = drift.valid;
     let ends = [valid.min(), valid.max()].into_iter().chain(drift.turning_points());
     let readings = ends.map(|temperature| drift.evaluate(temperature).0);
-    let (least, most) = readings.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), v| (l.min(v), m.max(v)));
-    [Counts(least), Counts(most)]
+    evaluate::extremes(readings).map(Counts)
 }
 
 /// The noise of a group's mean temperature, counts rms: from the scatter of its samples.

@@ -20,13 +20,16 @@ use crate::output::OutputFolder;
 pub fn refuse_others(folder: &Path, unit: &Unit) -> Result<(), BenchError> {
     let of = |file: &str| Source::file(&folder.join(file));
     let own = described(unit.serial.as_str(), unit.plant.map(|(kind, seed)| (kind.name(), seed)));
-    let whose = match (Summary::read(&of(SUMMARY)), Calibration::read(&of(CALIBRATION))) {
-        (Ok(earlier), _) => described(&earlier.serial, earlier.plant.as_deref().zip(earlier.seed)),
+    let whose = if let Ok(earlier) = Summary::read(&of(SUMMARY)) {
+        described(&earlier.serial, earlier.plant.as_deref().zip(earlier.seed))
+    } else {
         // Of a version that wrote less: the serial is all that is known.
-        (Err(_), Ok(Calibration { unit_serial: Some(serial), .. })) if serial != unit.serial.as_str() => {
-            described(&serial, None)
+        match Calibration::read(&of(CALIBRATION)) {
+            Ok(Calibration { unit_serial: Some(serial), .. }) if serial != unit.serial.as_str() => {
+                described(&serial, None)
+            }
+            _ => return Ok(()),
         }
-        _ => return Ok(()),
     };
     if whose == own { Ok(()) } else { Err(BenchError::OthersResults { folder: folder.display().to_string(), whose }) }
 }

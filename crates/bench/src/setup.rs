@@ -10,6 +10,7 @@ use std::path::Path;
 
 use documented::DocumentedFields;
 use serde::{Deserialize, Serialize};
+use zerorate_cal::source::in_quotes;
 use zerorate_core::compensate::LowPass;
 use zerorate_core::units::{Celsius, Counts, Seconds, Taps};
 use zerorate_fit::model::Model;
@@ -178,9 +179,7 @@ impl SetUp {
         let setup: Self = toml::from_str(text).map_err(|error| {
             let before = &text[..error.span().map_or(0, |span| span.start)];
             let line = before.lines().count().max(1) + usize::from(before.ends_with('\n'));
-            // Backticks are for parameters: what is in the file stands in quotes.
-            let reason = error.message().replace('\n', ", ").replace('`', "'");
-            SetUpError::Toml { path: name.into(), line, reason }
+            SetUpError::Toml { path: name.into(), line, reason: in_quotes(&error.message().replace('\n', ", ")) }
         })?;
         let contradictions = setup.contradictions();
         if contradictions.is_empty() {

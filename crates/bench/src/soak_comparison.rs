@@ -3,9 +3,11 @@
 use zerorate_cal::summary::{AxisSoaks, Check, SoakPoint, Soaks};
 use zerorate_core::units::{Axis, Seconds};
 
+use crate::evaluate::extremes;
 use crate::measure::Measured;
 use crate::procedure::soaks;
 use crate::setup::{Limits, SetUp};
+use crate::verify::at_most;
 
 /// The comparison; `None` where no soak was made.
 #[must_use]
@@ -34,7 +36,7 @@ fn of_axis(soaks: &soaks::Soaks, setup: &SetUp, measured: &Measured, axis: Axis)
         })
         .collect();
     let ramp = measured.ramp.iter().map(|taken| taken.temperature(axis).0);
-    let (coldest, hottest) = ramp.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (min.min(t), max.max(t)));
+    let [coldest, hottest] = extremes(ramp);
     let inside = points.iter().filter(|soak| (coldest..=hottest).contains(&soak.temperature_counts));
     let max_difference_counts = inside.map(|soak| (soak.zro_counts - soak.ramp_counts).abs()).reduce(f64::max);
     AxisSoaks { max_difference_counts, points }
@@ -45,11 +47,6 @@ fn of_axis(soaks: &soaks::Soaks, setup: &SetUp, measured: &Measured, axis: Axis)
 pub fn check(soaks: &Soaks, limits: &Limits) -> Vec<Check> {
     let limit = limits.soak_difference_counts;
     let axes = soaks.axes.iter().filter_map(|(axis, soaks)| Some((axis, soaks.max_difference_counts?)));
-    axes.map(|(axis, difference)| Check {
-        what: format!("{}, soaks: largest distance from the ramp's curve", axis.to_uppercase()),
-        limit: format!("at most {limit:.1} counts"),
-        measured: format!("{difference:.1} counts"),
-        pass: difference <= limit,
-    })
-    .collect()
+    let what = |axis: &str| format!("{}, soaks: largest distance from the ramp's curve", axis.to_uppercase());
+    axes.map(|(axis, difference)| at_most(what(axis), limit, difference)).collect()
 }

@@ -65,28 +65,32 @@ pub fn check(verifications: &[Verification], limits: &Limits, centre_counts: f64
     heating.flat_map(|result| check_one(result, limits, centre_counts)).collect()
 }
 
+/// Counts, held against the most that they may be.
+pub(crate) fn at_most(what: String, limit: f64, measured: f64) -> Check {
+    Check {
+        what,
+        limit: format!("at most {limit:.1} counts"),
+        measured: format!("{measured:.1} counts"),
+        pass: measured <= limit,
+    }
+}
+
 fn check_one(result: &TestResult, limits: &Limits, centre_counts: f64) -> Vec<Check> {
     let whose = format!("{} {}, heating", result.axis.name().to_uppercase(), result.mode.name());
     let mut checks = Vec::new();
-    let mut at_most = |what: &str, limit: f64, measured: f64, unit: &str| {
-        checks.push(Check {
-            what: format!("{whose}: {what}"),
-            limit: format!("at most {limit:.1} {unit}"),
-            measured: format!("{measured:.1} {unit}"),
-            pass: measured <= limit,
-        });
-    };
+    let mut hold =
+        |what: &str, limit: f64, measured: f64| checks.push(at_most(format!("{whose}: {what}"), limit, measured));
     if result.mode == Mode::Trim {
-        at_most("residual, peak to peak", limits.trim_residual_pp_counts, result.residual_pp_counts, "counts");
+        hold("residual, peak to peak", limits.trim_residual_pp_counts, result.residual_pp_counts);
     } else if let Some(floor) = result.floor_pp_counts {
         let limit = limits.hybrid_residual_floors * floor;
-        at_most("residual, peak to peak, against the floor", limit, result.residual_pp_counts, "counts");
+        hold("residual, peak to peak, against the floor", limit, result.residual_pp_counts);
     } else {
         // On a real bench nobody knows the floor, and what subtracts more must not leave more.
-        at_most("residual, peak to peak", limits.trim_residual_pp_counts, result.residual_pp_counts, "counts");
+        hold("residual, peak to peak", limits.trim_residual_pp_counts, result.residual_pp_counts);
     }
     let offset = (result.mean_counts - centre_counts).abs();
-    at_most("distance of the mean from the centre", limits.mean_offset_counts, offset, "counts");
+    hold("distance of the mean from the centre", limits.mean_offset_counts, offset);
     if let Some(crossed) = result.taps_crossed {
         checks.push(Check {
             what: format!("{whose}: wiper writes"),

@@ -22,6 +22,9 @@ pub const TRIM_TEST: &str = "compensation-test-trim.parquet";
 /// The recording of the compensation tests by potentiometer and numbers.
 pub const HYBRID_TEST: &str = "compensation-test-hybrid.parquet";
 
+/// The files that [`BoardRun::read`] reads.
+pub const FILES: [&str; 5] = [CALIBRATION, SUMMARY, FULL_TEMPERATURE, TRIM_TEST, HYBRID_TEST];
+
 /// A board's run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoardRun {

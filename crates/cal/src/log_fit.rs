@@ -203,15 +203,17 @@ pub fn fit_logs(sources: &[Source], options: &FitOptions) -> Result<LogFit, LogF
 }
 
 fn refuse_copies(sources: &[Source]) -> Result<(), LogFitError> {
-    if sources.len() < 2 {
-        return Ok(());
-    }
-    let mut seen: BTreeMap<String, &Source> = BTreeMap::new();
-    for source in sources {
-        let hash = sha256(source).map_err(|error| source.faulty::<LogFault>(error))?;
-        if let Some(first) = seen.insert(hash, source) {
-            return Err(LogFitError::Twice { first: first.name().to_owned(), second: source.name().to_owned() });
+    let hash = |source: &Source| sha256(source).map_err(|error| source.faulty::<LogFault>(error));
+    let mut seen: BTreeMap<u64, Vec<&Source>> = BTreeMap::new();
+    for source in sources.iter().filter(|_| sources.len() > 1) {
+        // Logs of gigabytes are read for it only where there are two of a length.
+        let as_long = seen.entry(source.length().map_err(|error| source.faulty::<LogFault>(error))?).or_default();
+        for first in as_long.iter() {
+            if hash(first)? == hash(source)? {
+                return Err(LogFitError::Twice { first: first.name().to_owned(), second: source.name().to_owned() });
+            }
         }
+        as_long.push(source);
     }
     Ok(())
 }

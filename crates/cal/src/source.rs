@@ -33,6 +33,12 @@ pub struct Faulty<F: fmt::Display> {
     pub fault: F,
 }
 
+/// What a parser says of a file, with quotes around names that stand in the file: backticks are for parameters.
+#[must_use]
+pub fn in_quotes(said: &str) -> String {
+    said.replace('`', "'")
+}
+
 impl Source {
     /// A file.
     #[must_use]

@@ -14,7 +14,7 @@ use zerorate_core::units::Axis;
 use crate::calibration::Origin;
 use crate::quality::Verdict;
 use crate::recording::Phase;
-use crate::source::{Faulty, Source};
+use crate::source::{Faulty, Source, in_quotes};
 
 /// The version of the summary's form.
 pub const SCHEMA: u32 = 1;
@@ -192,7 +192,7 @@ pub enum SummaryFault {
     #[error("cannot be read: {0}")]
     Read(#[from] io::Error),
     /// It is another file, or one of a version that wrote less.
-    #[error("not the summary of a run, or written by an older zerorate: {0}: calibrate the unit again")]
+    #[error("not the summary of a run, or written by an older zerorate: {}: calibrate the unit again", in_quotes(&.0.to_string()))]
     NotOne(#[from] serde_json::Error),
     /// A schema that this code does not know.
     #[error("schema {found}, and this program knows schema {SCHEMA}: use a newer zerorate")]
@@ -268,6 +268,6 @@ mod tests {
         let refused =
             |text: &str| Summary::read(&Source::bytes("summary.json", text.as_bytes())).unwrap_err().to_string();
         let told = refused("{\"schema\": 1, \"serial\": \"ZR-1\"}");
-        assert!(told.starts_with("summary.json: ") && told.contains("missing field `verdict`"), "{told}");
+        assert!(told.starts_with("summary.json: ") && told.contains("missing field 'verdict'"), "{told}");
     }
 }

@@ -194,12 +194,12 @@ fn missing(name: &str, fit: &LogFit) -> Option<String> {
     if fit.axes.iter().any(|axis| axis.name == name) {
         return None;
     }
-    let rejected = fit.verdicts.iter().find(|axis| axis.name == name);
-    let reasons =
-        rejected.map(|axis| axis.judgement.reasons.iter().map(|r| r.text.as_str()).collect::<Vec<_>>().join("; "));
-    Some(match reasons {
-        Some(reasons) if !reasons.is_empty() => format!("{name}: nothing that can be used: {reasons}"),
-        _ => format!("{name}: the log has no such axis"),
+    let rejected = fit.verdicts.iter().filter(|axis| axis.name == name);
+    let reasons: Vec<&str> = rejected.flat_map(|axis| &axis.judgement.reasons).map(|r| r.text.as_str()).collect();
+    Some(if reasons.is_empty() {
+        format!("{name}: the log has no such axis")
+    } else {
+        format!("{name}: nothing that can be used: {}", reasons.join("; "))
     })
 }
 

@@ -5,7 +5,7 @@ use std::io;
 use thiserror::Error;
 
 use super::{CREATED_BY, OLDEST_SCHEMA, SCHEMA};
-use crate::source::Faulty;
+use crate::source::{Faulty, in_quotes};
 
 /// Why a calibration cannot be read, with its name.
 pub type CalibrationError = Faulty<CalibrationFault>;
@@ -58,7 +58,7 @@ impl From<serde_json::Error> for CalibrationFault {
     fn from(error: serde_json::Error) -> Self {
         // The place is said in front, as compilers do.
         let text = error.to_string();
-        let what = text.split(" at line ").next().unwrap_or(&text).replace('`', "'");
+        let what = in_quotes(text.split(" at line ").next().unwrap_or(&text));
         Self::Malformed { line: error.line(), column: error.column(), what }
     }
 }

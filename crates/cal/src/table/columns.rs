@@ -129,12 +129,17 @@ fn refuse_other_units(
         return refused(temperature, unit, "degrees C");
     }
     for &rate in rates.iter().filter(|_| given.is_none()) {
-        let says = |said: &[&str]| said.iter().all(|word| has(&words[rate], &[word]));
-        if let Some((unit, _)) = OTHER_RATES.iter().find(|(_, said)| says(said)) {
+        if let Some(unit) = other_rate_unit(&words[rate]) {
             return refused(rate, unit, "dps or rad/s, or say its unit (`rate_unit`)");
         }
     }
     Ok(())
+}
+
+/// The unit of a rate that a name says and that is not read.
+fn other_rate_unit(words: &[String]) -> Option<&'static str> {
+    let says = |said: &[&str]| said.iter().all(|word| has(words, &[word]));
+    OTHER_RATES.iter().find(|(_, said)| says(said)).map(|(unit, _)| *unit)
 }
 
 const COUNTS_WORDS: [&str; 5] = ["count", "counts", "lsb", "adc", "raw"];
@@ -172,13 +177,12 @@ fn is_temperature(words: &[String]) -> bool {
 /// Names a rate by the sensor's name or by its unit, and no other sensor.
 fn is_rate(words: &[String]) -> bool {
     let sensor = words.iter().any(|word| word.starts_with("gyr"))
-        || has(words, &["rate", "omega", "zro", "angular", "gx", "gy", "gz"])
-        || (has(words, &["deg"]) && has(words, &["s", "sec", "h", "hr"]));
+        || has(words, &["rate", "omega", "zro", "angular", "gx", "gy", "gz"]);
+    let unit = has(words, &["dps", "rad"])
+        || (has(words, &["deg"]) && has(words, &["s", "sec"]))
+        || other_rate_unit(words).is_some();
     let other = words.iter().any(|word| word.starts_with("acc") || word.starts_with("mag"));
-    (sensor || has(words, &["dps", "rad", "mdps", "mrad", "mdeg", "dph"]))
-        && !other
-        && !is_temperature(words)
-        && !is_time(words)
+    (sensor || unit) && !other && !is_temperature(words) && !is_time(words)
 }
 
 fn names_axis(words: &[String]) -> bool {

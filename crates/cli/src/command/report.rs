@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate_cal::board_run::{BoardRun, CALIBRATION, FULL_TEMPERATURE, HYBRID_TEST, REPORT, SUMMARY, TRIM_TEST};
+use zerorate_cal::board_run::{BoardRun, CALIBRATION, FILES, REPORT};
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, sha256};
 use zerorate_cal::fit::fit;
 use zerorate_cal::log::{Sensor, SensorChoice};
@@ -117,7 +117,7 @@ impl Report {
             calibration.display()
         );
         let folder = calibration.parent().unwrap_or(Path::new(""));
-        let inputs = [CALIBRATION, SUMMARY, FULL_TEMPERATURE, TRIM_TEST, HYBRID_TEST].map(|file| folder.join(file));
+        let inputs = FILES.map(|file| folder.join(file));
         output::check("--out", out, &inputs.each_ref().map(PathBuf::as_path))?;
         let busy = Busy::reading(folder);
         let page = board_page(&BoardRun::read(folder)?);

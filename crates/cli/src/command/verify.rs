@@ -8,7 +8,7 @@ use clap::Args;
 use console::Style;
 use serde::Serialize;
 use zerorate_cal::calibration::{Calibration, Kind};
-use zerorate_cal::source::Source;
+use zerorate_cal::source::{Source, in_quotes};
 use zerorate_cal::table::Table;
 use zerorate_cal::units::RateUnit;
 use zerorate_cal::verify::{Limit, Limits, Verified, VerifiedAxis, verify};
@@ -112,7 +112,7 @@ impl Verify {
         let text = fs::read_to_string(path).with_context(|| format!("{}: cannot be read", path.display()))?;
         toml::from_str(&text).map_err(|error| {
             let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].lines().count().max(1));
-            anyhow::anyhow!("{}:{line}: {}", path.display(), error.message())
+            anyhow::anyhow!("{}:{line}: {}", path.display(), in_quotes(error.message()))
         })
     }
 
