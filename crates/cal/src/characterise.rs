@@ -89,7 +89,7 @@ impl Characteristics {
         let warming = warming(&temperatures);
         Self {
             temperature_sensitivity: temperature_sensitivity(axis),
-            hysteresis: hysteresis(&points, &warming, axis.calibration.drift().peak_to_peak()),
+            hysteresis: hysteresis(&points, &warming, axis.calibration.measured_drift().peak_to_peak()),
             ramp_sensitivity: ramp_sensitivity(&points, &warming),
             residual_noise: residual_noise(&points).map_err(|error| error.to_string()),
         }
@@ -97,7 +97,7 @@ impl Characteristics {
 }
 
 fn temperature_sensitivity(axis: &AxisFit) -> TemperatureSensitivity {
-    let (min, max) = (axis.calibration.drift().valid.min(), axis.calibration.drift().valid.max());
+    let (min, max) = (axis.calibration.fit.measured.min(), axis.calibration.fit.measured.max());
     let step = (max - min) / f64::from(SLOPES);
     let at = |i: u32| min + step * f64::from(i);
     let value = |i: u32| axis.calibration.drift().evaluate(at(i)).0;

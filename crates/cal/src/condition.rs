@@ -6,6 +6,7 @@
 
 mod group;
 mod level;
+mod line;
 mod motion;
 mod settle;
 mod step;
@@ -16,7 +17,7 @@ use serde::Serialize;
 
 pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUPS};
 pub use level::{Levels, leave_out_times, level};
-pub use temperature::dequantise;
+pub use temperature::{dequantise, extend_to_the_start};
 pub use weight::weigh;
 
 /// Why rows were left out.

@@ -146,6 +146,14 @@ pub enum ExportError {
         /// The sensor.
         sensor: String,
     },
+    /// One id was given, and it cannot be that of two parts.
+    #[error(
+        "{sensors} have no device ids of their own, and one was given (`device_id`): it is one part's; fit and export each sensor by itself (`sensor`)"
+    )]
+    OneIdForSeveral {
+        /// The sensors without an id.
+        sensors: String,
+    },
     /// More sensors of a kind than the autopilot has places for.
     #[error("{sensor}: {format} has places for {places} sensors of a kind")]
     NoPlace {

@@ -3,8 +3,8 @@
 //! A fit is a function of groups (time, temperature, rate, weight) and of nothing else. Candidates
 //! (`candidates`) are compared on eight folds and on the two ends of temperature (`score`), the
 //! simplest that is not worse is taken, and the number that is reported for it comes from an outer split that played no
-//! part in choosing (`nested`): for each of eight folds the whole choice is made anew from the other seven. Every
-//! fit is robust and drawn towards less (`sample`, `gram`).
+//! part in choosing (`nested`): for each of eight folds the whole choice is made anew from the other seven. A choice that
+//! does worse there than a cubic is dropped for the best plain curve. Every fit is robust and drawn towards less (`sample`, `gram`).
 //!
 //! A model with a history is deployed beside the best static cubic, on which it leans while its history is unknown
 //! ([`zerorate_core::drift::History`]).
@@ -32,6 +32,7 @@ use crate::residual::ResidualStatistics;
 use crate::series::Series;
 use candidates::{Spec, candidates};
 use features::{Features, TABLE_INTERVALS};
+use nested::Outer;
 use sample::Sample;
 use score::{FoldSums, Scored};
 use thinned::Thinned;
@@ -43,6 +44,9 @@ const PILOT_SHRINKAGE: f64 = 1e-4;
 /// the span at each end. It was tested that far: chosen with the groups at either end held out, as many as a fold. The
 /// next flight may start a little colder.
 const BEYOND: f64 = 1.0 / 8.0;
+
+/// The highest order of the plain curves that are fallen back on.
+const PLAINEST: usize = 3;
 
 /// What came of a fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,24 +74,59 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
     if used < coefficients {
         return Err(FitError::TooFewRows { rows: used as u64, coefficients });
     }
-    let chosen = coarse.choose(asked, |_| true).ok_or(FitError::Undetermined { coefficients })?;
-    let made = whole.fit(&chosen.spec, |_| true).ok_or(FitError::Undetermined { coefficients })?;
-    let outer = nested::outer(&whole, &coarse, &thinned, asked);
-    let residuals = in_recording(&made.model, series);
-    let in_sample = ResidualStatistics::of(residuals.iter().copied());
-    let (held_out, seen) = match outer.complete() {
-        true => (ResidualStatistics::of(outer.residuals.iter().copied()), &outer.residuals),
-        false => (ResidualStatistics::NONE, &residuals),
+    let attempt = |asked: Model| {
+        let chosen = coarse.choose(asked, |_| true)?;
+        let made = whole.fit(&chosen.spec, |_| true)?;
+        Some(Attempt { chosen, made, outer: nested::outer(&whole, &coarse, &thinned, asked) })
     };
-    let covariance = made.solution.covariance.clone();
-    let statistics = FitStatistics {
-        candidates: chosen.candidates,
-        nested: Some(outer.figures()),
-        ..FitStatistics::new(ResidualOver::Groups, made.solution.rows, in_sample, held_out, covariance)
-    };
-    let band = band::band(series, measured, seen);
-    let static_cubic = nested::static_cubic(&whole, &made, &outer);
-    Ok(GroupFit { fit: DriftFit { model: made.model, static_cubic, band, statistics }, residuals })
+    let mut best = attempt(asked).ok_or(FitError::Undetermined { coefficients })?;
+    let is_plain = (1..=PLAINEST).any(|order| best.chosen.spec.is_static(order));
+    if asked == Model::Auto && !is_plain && best.outer.is_worse_than_the_cubic() {
+        best = plainer(best, (1..=PLAINEST).filter_map(|order| attempt(Model::Poly(order))));
+    }
+    Ok(best.finish(&whole, measured))
+}
+
+/// The best of some plain curves, by the outer folds, in place of a choice that predicts new data worse than a cubic does:
+/// what the folds within a fold found to be better was this recording's own.
+fn plainer(choice: Attempt, curves: impl Iterator<Item = Attempt>) -> Attempt {
+    let error = |attempt: &Attempt| attempt.outer.figures().deployed_warm.unwrap_or(f64::INFINITY);
+    let Some(mut plain) = curves.min_by(|a, b| error(a).total_cmp(&error(b))) else { return choice };
+    let name = plain.chosen.spec.to_string();
+    plain.chosen.candidates = choice.chosen.candidates;
+    plain.chosen.candidates.iter_mut().for_each(|candidate| candidate.chosen = candidate.model == name);
+    plain
+}
+
+/// A choice, its fit, and how well the two predict what they have not seen.
+struct Attempt {
+    chosen: Chosen,
+    made: Made,
+    outer: Outer,
+}
+
+impl Attempt {
+    fn finish(self, whole: &Prepared<'_>, measured: ValidRange) -> GroupFit {
+        let Self { chosen, made, outer } = self;
+        let series = whole.series;
+        let residuals = in_recording(&made.model, series);
+        let in_sample = ResidualStatistics::of(residuals.iter().copied());
+        let deployed = || predict(&made.model, Start::Unknown, series, 0..series.rate.len());
+        let (held_out, band) = match outer.complete() {
+            true => {
+                (ResidualStatistics::of(outer.residuals.iter().copied()), band::band(series, measured, &outer.deployed))
+            }
+            false => (ResidualStatistics::NONE, band::band(series, measured, &deployed())),
+        };
+        let covariance = made.solution.covariance.clone();
+        let statistics = FitStatistics {
+            candidates: chosen.candidates,
+            nested: Some(outer.figures()),
+            ..FitStatistics::new(ResidualOver::Groups, made.solution.rows, in_sample, held_out, covariance)
+        };
+        let static_cubic = nested::static_cubic(whole, &made, &outer);
+        GroupFit { fit: DriftFit { model: made.model, measured, static_cubic, band, statistics }, residuals }
+    }
 }
 
 /// What a model leaves of the groups of the recording that it was fitted to; NaN for a group that was not used.

@@ -1,7 +1,7 @@
 //! What a fit of a drift gives: the model, and how well it holds.
 
 use serde::{Deserialize, Serialize};
-use zerorate_core::drift::Drift;
+use zerorate_core::drift::{Drift, ValidRange};
 
 use crate::folds::FOLDS;
 use crate::predict::DriftModel;
@@ -10,8 +10,10 @@ use crate::residual::ResidualStatistics;
 /// A drift that was fitted. Rates and temperatures are in the units of what it was fitted to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriftFit {
-    /// The model.
+    /// The model. Its valid range is how far the curve is believed, which may be beyond what was measured.
     pub model: DriftModel,
+    /// The least and the greatest temperature that it was fitted to.
+    pub measured: ValidRange,
     /// The best static cubic beside it; `None` where it was not fitted.
     pub static_cubic: Option<StaticCubic>,
     /// The prediction band over temperature, coldest first; empty where it was not found.
@@ -25,7 +27,8 @@ pub struct DriftFit {
 pub struct BandPoint {
     /// In the calibration's temperature unit.
     pub temperature: f64,
-    /// 95 of 100 group means at this temperature are expected within this of the prediction, rate units.
+    /// 95 of 100 group means at this temperature are expected within this of what the model predicts without its drift in
+    /// time, rate units: of a recording that it was not fitted to, but for what the zero has moved by between the two.
     pub half_width: f64,
 }
 
@@ -157,6 +160,12 @@ pub struct Candidate {
 }
 
 impl DriftFit {
+    /// The curve over what was measured, and no further: what is told of a drift (peak to peak, slopes) is told of this.
+    #[must_use]
+    pub fn measured_drift(&self) -> Drift {
+        Drift { valid: self.measured, ..self.model.drift.clone() }
+    }
+
     /// The model that was chosen, terms beside the curve included: `poly:3`, or `poly:3 + 3 plays + time`.
     #[must_use]
     pub fn chosen_model(&self) -> String {

@@ -154,7 +154,7 @@ impl ModelRow {
     }
 
     fn take(&mut self, axis: &AxisCalibration) {
-        let drift = axis.drift();
+        let drift = axis.measured_drift();
         let valid: ValidRange = drift.valid;
         let (scale, coefficients) = match &drift.shape {
             Shape::Polynomial(polynomial) => (Some(polynomial.scale()), polynomial.coefficients().to_vec()),

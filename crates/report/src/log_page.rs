@@ -221,7 +221,8 @@ fn coefficients(fit: &LogFit) -> Markup {
     html! {
         p {
             "Temperature in " (degree(fit))
-            ". Subtract the curve from the rate, and hold the temperature within the valid range."
+            ". Subtract the curve from the rate, and hold the temperature within the valid range. Where that is wider than "
+            "the measured range, the curve was tested a little beyond what it was fitted to, and is believed so far."
         }
         div.pair { @for (place, axis) in fit.axes.iter().enumerate() { div {
             @let shape = &axis.calibration.drift().shape;
@@ -243,10 +244,12 @@ fn in_full(axis: &AxisFit) -> String {
         Shape::Table(_) => "piecewise linear: values at equally spaced knots over the valid range",
     };
     format!(
-        "# {}, {}: {what}\ncoefficients = [\n  {},\n]\nvalid_range = [{}, {}]\n",
+        "# {}, {}: {what}\ncoefficients = [\n  {},\n]\nmeasured_range = [{}, {}]\nvalid_range = [{}, {}]\n",
         axis.name,
         axis.calibration.fit.chosen_model(),
         numbers.join(",\n  "),
+        axis.calibration.fit.measured.min(),
+        axis.calibration.fit.measured.max(),
         drift.valid.min(),
         drift.valid.max()
     )

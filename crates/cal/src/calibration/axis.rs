@@ -1,7 +1,7 @@
 //! One axis of a calibration, and how it stands in the file.
 
 use serde::{Deserialize, Serialize};
-use zerorate_core::drift::Drift;
+use zerorate_core::drift::{Drift, ValidRange};
 use zerorate_fit::drift_fit::{BandPoint, DriftFit, FitStatistics};
 use zerorate_fit::model::Model;
 use zerorate_fit::predict::{DriftModel, TimeDrift};
@@ -43,6 +43,12 @@ impl AxisCalibration {
         &self.fit.model.drift
     }
 
+    /// The curve over what was measured, and no further.
+    #[must_use]
+    pub fn measured_drift(&self) -> Drift {
+        self.fit.measured_drift()
+    }
+
     /// The drift's shape and size.
     #[must_use]
     pub fn model(&self) -> Model {
@@ -55,6 +61,9 @@ impl AxisCalibration {
 struct AxisForm {
     model: String,
     drift: DriftForm,
+    /// Files before it have but how far the curve is believed, `drift.valid_temperature`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    measured_temperature: Option<[f64; 2]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     history: Option<HistoryForm>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -80,11 +89,13 @@ struct AxisForm {
 impl From<AxisCalibration> for AxisForm {
     fn from(axis: AxisCalibration) -> Self {
         let model = axis.model().to_string();
-        let DriftFit { model: DriftModel { drift, history, time_drift }, static_cubic, band, statistics } = axis.fit;
+        let DriftFit { model: DriftModel { drift, history, time_drift }, measured, static_cubic, band, statistics } =
+            axis.fit;
         Self {
             model,
             history: history.as_ref().map(|history| HistoryForm::of(history, &drift)),
             drift: DriftForm::from(&drift),
+            measured_temperature: Some([measured.min(), measured.max()]),
             time_drift,
             static_cubic: static_cubic.map(StaticCubicForm::from),
             band,
@@ -106,10 +117,15 @@ impl TryFrom<AxisForm> for AxisCalibration {
             history: form.history.as_ref().map(HistoryForm::checked).transpose()?,
             time_drift: form.time_drift,
         };
+        let measured = form.measured_temperature.map(|[min, max]| {
+            ValidRange::new(min, max).ok_or("measured_temperature must be two temperatures in ascending order")
+        });
+        let measured = measured.transpose()?.unwrap_or(model.drift.valid);
         let static_cubic = form.static_cubic.as_ref().map(StaticCubicForm::checked).transpose()?;
         let axis = Self {
             fit: DriftFit {
                 model,
+                measured,
                 static_cubic,
                 band: form.band,
                 statistics: form.fit.unwrap_or_else(FitStatistics::unknown),

@@ -14,7 +14,8 @@ const CHUNK: usize = 1 << 16;
 /// One recording or log that a calibration rests on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Origin {
-    /// What it is a recording of, as `full-temperature`, `trim-sweep`, `log`.
+    /// What it is a recording of, as `full-temperature`, `trim-sweep`, `log`; an autopilot's log is a `px4-log` or an
+    /// `ardupilot-log`.
     pub content: String,
     /// The file's name, without its folder: the file moves, its hash stays.
     pub file: String,
@@ -29,6 +30,27 @@ impl Origin {
     /// When the source cannot be read.
     pub fn of(content: impl Into<String>, source: &Source) -> io::Result<Self> {
         Ok(Self { content: content.into(), file: source.short_name().to_owned(), sha256: sha256(source)? })
+    }
+
+    /// A log, by the autopilot's format if it is an autopilot's.
+    ///
+    /// # Errors
+    /// When the source cannot be read.
+    pub fn of_log(autopilot: Option<imu_logs::Format>, source: &Source) -> io::Result<Self> {
+        Self::of(autopilot.map_or("log", content_of), source)
+    }
+
+    /// The format of the autopilot that wrote it, if one did.
+    #[must_use]
+    pub fn autopilot(&self) -> Option<imu_logs::Format> {
+        [imu_logs::Format::ULog, imu_logs::Format::DataFlash].into_iter().find(|f| self.content == content_of(*f))
+    }
+}
+
+fn content_of(log: imu_logs::Format) -> &'static str {
+    match log {
+        imu_logs::Format::ULog => "px4-log",
+        imu_logs::Format::DataFlash => "ardupilot-log",
     }
 }
 

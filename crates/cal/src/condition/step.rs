@@ -1,7 +1,11 @@
 //! Jumps of the rate that stay.
 
-use super::{Group, Step};
+use zerorate_core::drift::{Scale, Shape};
+use zerorate_fit::least_squares::{Basis, Fit};
 use zerorate_fit::robust::{centre_and_sigma, noise};
+
+use super::line::line_at;
+use super::{Group, Step};
 
 /// Groups on each side of a boundary from which a line is drawn to it: close by, so that the temperature's slope is in
 /// the lines and no more of the drift than a line holds.
@@ -24,6 +28,13 @@ const STANDS_OUT: f64 = 5.0;
 /// A step is this share of the peak to peak of the axis, at least: smaller jumps are a part's own way of drifting, and
 /// removing one would remove what is to be fitted. The largest of the shared chamber recording is 0.11.
 const SHARE: f64 = 0.15;
+
+/// A curve that may step must find at least this share of what the lines on either side find: across a long gap the lines are
+/// drawn too far to be believed, and a curve through both sides joins what a step would part.
+const CONFIRMED: f64 = 0.5;
+
+/// The order of that curve.
+const CURVE_ORDER: usize = 3;
 
 /// Finds the largest step of an axis, takes it out, and looks again. `temperature_margin` is the jump of the temperature
 /// that explains a jump of the rate, as where a log was stopped and went on.
@@ -54,6 +65,7 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
                     && temperature.size.abs() <= temperature_margin
                     // Between two logs it is no step.
                     && groups[jump.group].log == groups[jump.before].log
+                    && is_confirmed(jump, &used, &temperatures, &rates)
             })
             .map(|(jump, _)| jump)
             .max_by(|a, b| a.size.abs().total_cmp(&b.size.abs()));
@@ -70,6 +82,35 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
     }
     steps.sort_by_key(|step| step.row);
     steps
+}
+
+/// Whether a curve over temperature leaves less of what is around if it may step there, by about as much as the lines say:
+/// "no step" is the hypothesis to beat, by the Bayesian information criterion (Schwarz, 1978). Around is twice the lines'
+/// reach on each side, and as long again as the gap where there is one.
+fn is_confirmed(jump: &Jump, used: &[usize], temperatures: &[f64], rates: &[f64]) -> bool {
+    let reach = 2 * STEP_GROUPS + (jump.group - jump.before);
+    let place = used.partition_point(|group| *group < jump.group);
+    let around = place.saturating_sub(reach)..(place + reach).min(used.len());
+    let after: Vec<f64> = around.clone().map(|other| f64::from(u8::from(other >= place))).collect();
+    let (temperatures, rates) = (&temperatures[around.clone()], &rates[around]);
+    let Some((rates, after)) = beside_a_curve(temperatures, rates).zip(beside_a_curve(temperatures, &after)) else {
+        return false;
+    };
+    // Both less the curve: the coefficient is that of a fit of curve and step together (Frisch and Waugh, 1933).
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let size = product(&rates, &after) / product(&after, &after);
+    let (without, gained) = (product(&rates, &rates), size * product(&rates, &after));
+    let groups = rates.len() as f64;
+    size / jump.size > CONFIRMED && groups * (without / (without - gained)).ln() > groups.ln()
+}
+
+/// What the best curve over temperature leaves of some values.
+fn beside_a_curve(temperatures: &[f64], values: &[f64]) -> Option<Vec<f64>> {
+    let (min, max) = temperatures.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
+    let mut fit = Fit::new(Scale::spanning(min, max)?, Basis::Powers(CURVE_ORDER));
+    temperatures.iter().zip(values).for_each(|(temperature, value)| fit.push(*temperature, *value));
+    let curve: Shape = fit.finish().ok()?.shape()?;
+    Some(temperatures.iter().zip(values).map(|(temperature, value)| value - curve.evaluate(*temperature)).collect())
 }
 
 /// The size of the largest jump that is left when so many separate ones are taken away; 0 of none.
@@ -116,16 +157,4 @@ fn jumps(used: &[usize], values: &[f64]) -> Vec<Jump> {
             Jump { before: groups[0], group: groups[1], size: after - before, unsteadiness }
         })
         .collect()
-}
-
-/// The least-squares line through points at a place, and the rms of the points about it.
-fn line_at(points: &[(f64, f64)], place: f64) -> (f64, f64) {
-    let n = points.len() as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / n, y + point.1 / n));
-    let (rise, run) = points
-        .iter()
-        .fold((0.0, 0.0), |(rise, run), point| (rise + (point.0 - x) * (point.1 - y), run + (point.0 - x).powi(2)));
-    let slope = rise / run;
-    let squares: f64 = points.iter().map(|point| (point.1 - y - slope * (point.0 - x)).powi(2)).sum();
-    (y + slope * (place - x), (squares / n).sqrt())
 }

@@ -1,5 +1,6 @@
 //! Temperatures that are not what the gyro has: frozen, or in coarse steps.
 
+use super::line::line_at;
 use super::{DropReason, Group};
 use zerorate_fit::robust::median;
 
@@ -62,6 +63,28 @@ pub fn dequantise(groups: &mut [Group], step: f64) {
         let (sum, count) = around.fold((0.0, 0_u32), |(sum, count), t| (sum + t, count + 1));
         if count > 0 && group.temperature.is_finite() {
             group.temperature = sum / f64::from(count);
+        }
+    }
+}
+
+/// Groups from which a line is drawn back to those at the start of a log that have no temperature, and so many of those
+/// at most: a line through a minute is believed for a minute.
+const BACKWARD_GROUPS: usize = 6;
+
+/// Gives the groups at the start of each log that have no temperature one on the line through the first that have: what the
+/// drift remembers did not begin where the sensor's first number came. For the history alone: their rows stay left out.
+pub fn extend_to_the_start(groups: &mut [Group]) {
+    for log in groups.chunk_by_mut(|a, b| a.log == b.log) {
+        let Some(first) = log.iter().position(|group| group.temperature.is_finite()) else { continue };
+        // Rows are as far apart as they are where there is no time.
+        let place = |group: &Group| if group.time_s.is_finite() { group.time_s } else { group.first_row as f64 };
+        let measured = log[first..].iter().filter(|group| group.temperature.is_finite()).take(BACKWARD_GROUPS);
+        let points: Vec<(f64, f64)> = measured.map(|group| (place(group), group.temperature)).collect();
+        if points.len() < BACKWARD_GROUPS {
+            continue;
+        }
+        for group in &mut log[first.saturating_sub(BACKWARD_GROUPS)..first] {
+            group.temperature = line_at(&points, place(group)).0;
         }
     }
 }

@@ -209,3 +209,43 @@ fn a_coarse_temperature_is_dequantised() {
     let (raw, ..) = condition(&steps, &rates);
     assert!(rms(&groups) < 0.8 * rms(&raw), "{} {}", rms(&groups), rms(&raw));
 }
+
+#[test]
+fn groups_before_the_first_temperature_lie_on_the_line_through_the_first_ones() {
+    let (mut temperatures, rates) = cycle();
+    let whole = condition(&temperatures, &rates).0;
+    temperatures[..100].fill(f64::NAN);
+    let (mut groups, ..) = condition(&temperatures, &rates);
+    assert!(groups[..4].iter().all(|group| group.temperature.is_nan()));
+    extend_to_the_start(&mut groups);
+    for (group, whole) in groups.iter().zip(&whole).take(4) {
+        assert!((group.temperature - whole.temperature).abs() < 0.3, "{} {}", group.temperature, whole.temperature);
+        assert_eq!(group.axes[0].rows, 0, "its rates are left out all the same");
+    }
+    // Ten minutes are not drawn from one.
+    temperatures[..1200].fill(f64::NAN);
+    let (mut groups, ..) = condition(&temperatures, &rates);
+    extend_to_the_start(&mut groups);
+    assert!(groups[..50].iter().all(|group| group.temperature.is_nan()) && groups[52].temperature.is_finite());
+}
+
+#[test]
+fn a_gap_across_which_the_curve_goes_on_is_no_step() {
+    let (temperatures, clean) = cycle();
+    // A bend that lines on either side would draw past one another by more than a tenth of the whole.
+    let bend = |t: f64| 2e-3 * ((t - 28.0) / 15.0).tanh();
+    let mut rates = clean.clone();
+    rates[0].iter_mut().zip(&temperatures).for_each(|(rate, t)| *rate += 10.0 * bend(*t));
+    for start in [2200, 3000, 5400, 6300] {
+        let mut gap = rates.clone();
+        gap.iter_mut().for_each(|rate| rate[start..start + 1000].fill(f64::NAN));
+        let (_, _, levels) = condition(&temperatures, &gap);
+        assert_eq!(levels.steps, [], "from {start}");
+        // A step across a short gap is found.
+        let mut short = rates.clone();
+        short.iter_mut().for_each(|rate| rate[start..start + 100].fill(f64::NAN));
+        short[0][start..].iter_mut().for_each(|rate| *rate += 0.04);
+        let (_, _, levels) = condition(&temperatures, &short);
+        assert_eq!(levels.steps.len(), 1, "from {start}");
+    }
+}

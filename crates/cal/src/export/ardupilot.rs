@@ -7,7 +7,7 @@
 
 use std::fmt::Write as _;
 
-use super::sensors::{LETTERS, remarks, sensors};
+use super::sensors::{LETTERS, of_another_autopilot, remarks, sensors};
 use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, origin};
 use crate::calibration::Calibration;
 use crate::log::SensorKind;
@@ -32,6 +32,7 @@ pub(super) fn write(
         "load it in a ground station and reboot; then calibrate the accelerometers again and set INS_GYR_CAL to 1, so that offsets are found with the compensation on".to_owned(),
         "the format holds no constant: what is exported is the drift from one temperature to another".to_owned(),
     ];
+    notes.extend(of_another_autopilot(calibration, imu_logs::Format::DataFlash));
     let mut text = String::new();
     let mut imus: Vec<u8> = sensors.iter().map(|sensor| sensor.instance).collect();
     imus.sort_unstable();

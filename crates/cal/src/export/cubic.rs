@@ -39,9 +39,10 @@ pub struct Loss {
 
 impl Cubic {
     /// The cubic of an axis: the calibration's own where it has one, the curve itself where it is no more than a cubic,
-    /// else the cubic that is nearest to the curve over its valid range by least squares.
+    /// else the cubic that is nearest to the curve over what was measured by least squares.
     pub(super) fn of(axis: &AxisCalibration) -> Self {
-        Self::of_drift(axis.fit.static_cubic.as_ref().map_or(axis.drift(), |cubic| &cubic.drift))
+        let own = axis.fit.static_cubic.as_ref().map(|cubic| cubic.drift.clone());
+        Self::of_drift(&own.unwrap_or_else(|| axis.measured_drift()))
     }
 
     fn of_drift(drift: &Drift) -> Self {

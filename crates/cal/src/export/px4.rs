@@ -7,7 +7,7 @@
 
 use std::fmt::Write as _;
 
-use super::sensors::{remarks, sensors};
+use super::sensors::{of_another_autopilot, remarks, sensors};
 use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, origin};
 use crate::calibration::Calibration;
 use crate::log::SensorKind;
@@ -24,6 +24,7 @@ pub(super) fn write(calibration: &Calibration, options: &ExportOptions) -> Resul
     let mut notes = vec![
         "load it in QGroundControl (Vehicle Setup, Parameters, Tools, Load from file), reboot, then calibrate the gyros again: offsets that were found without the compensation would be counted twice".to_owned(),
     ];
+    notes.extend(of_another_autopilot(calibration, imu_logs::Format::ULog));
     let mut lines = String::new();
     for kind in [SensorKind::Gyro, SensorKind::Accelerometer] {
         if sensors.iter().any(|sensor| sensor.kind == kind) {

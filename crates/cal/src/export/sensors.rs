@@ -69,6 +69,7 @@ pub(super) fn sensors(
         return Err(ExportError::NotInDegrees { format });
     }
     let mut sensors: Vec<ExportedSensor> = Vec::new();
+    let mut named: Vec<String> = Vec::new();
     for (name, axis) in &calibration.axes {
         let (kind, instance, device_id) = whose(name, axis.sensor, options);
         let not_a_rate = || ExportError::NotARate { axis: name.clone(), unit: axis.rate_unit, format };
@@ -82,6 +83,9 @@ pub(super) fn sensors(
         let at = at.unwrap_or_else(|| {
             let range = [f64::NEG_INFINITY, f64::INFINITY];
             sensors.push(ExportedSensor { kind, instance, device_id, range, axes: [None, None, None] });
+            if options.device_id.is_some() && axis.sensor.and_then(|sensor| sensor.device_id).is_none() {
+                named.extend(sensors.last().map(ToString::to_string));
+            }
             sensors.len() - 1
         });
         let sensor = &mut sensors[at];
@@ -96,6 +100,9 @@ pub(super) fn sensors(
         let [min, max] = exported.cubic.range;
         sensor.range = [sensor.range[0].max(min), sensor.range[1].min(max)];
         sensor.axes[place] = Some(exported);
+    }
+    if named.len() > 1 {
+        return Err(ExportError::OneIdForSeveral { sensors: named.join(", ") });
     }
     sensors.sort_by_key(|sensor| (sensor.kind, sensor.instance));
     Ok(sensors)
@@ -116,6 +123,21 @@ fn whose(name: &str, sensor: Option<Sensor>, options: &ExportOptions) -> (Sensor
         (None, None) => (SensorKind::Gyro, options.instance.unwrap_or(0)),
     };
     (kind, instance, options.device_id)
+}
+
+/// What to know where the log is one autopilot's and the parameters another's: both take the sensor's axes as the board's,
+/// and each board's driver says by itself how a part is mounted, and which is the first.
+pub(super) fn of_another_autopilot(calibration: &Calibration, own: imu_logs::Format) -> Option<String> {
+    let log = calibration.sources.iter().filter_map(|source| source.autopilot()).find(|log| *log != own)?;
+    let (from, to) = match log {
+        imu_logs::Format::ULog => ("PX4", "ArduPilot"),
+        imu_logs::Format::DataFlash => ("ArduPilot", "PX4"),
+    };
+    Some(format!(
+        "the log is {from}'s and these are {to}'s parameters: axes and the sensors' order are as {from}'s driver for this board \
+         has them, and {to}'s may turn them or count them otherwise: turn the board by hand about each axis, and use this only \
+         where both show the same sign on the same axis of the same sensor"
+    ))
 }
 
 /// What to know of a sensor's cubics, a sentence an axis.
@@ -147,11 +169,18 @@ impl ExportedAxis {
                 )
             }
             (Some(chosen), Some(cubic)) => {
-                let costs = format!(
-                    "this cubic leaves {cubic:.3e} {unit} rms held out, the chosen {} {chosen:.3e} ({:+.0} %)",
-                    self.model,
-                    100.0 * (cubic / chosen - 1.0)
-                );
+                let costs = if cubic <= chosen {
+                    format!(
+                        "this cubic leaves {cubic:.3e} {unit} rms held out, no more than the chosen {} ({chosen:.3e})",
+                        self.model
+                    )
+                } else {
+                    format!(
+                        "this cubic leaves {cubic:.3e} {unit} rms held out, {:.0} % more than the chosen {} ({chosen:.3e})",
+                        100.0 * (cubic / chosen - 1.0),
+                        self.model
+                    )
+                };
                 // A history leans on the cubic itself: there is no distance to speak of.
                 if furthest < 1e-6 * cubic {
                     return costs;

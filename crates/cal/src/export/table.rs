@@ -1,6 +1,7 @@
 //! A calibration for other programs: the static cubics as JSON, the curves as a table.
 
 use serde::Serialize;
+use zerorate_core::drift::Coverage;
 
 use super::sensors::sensors;
 use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format};
@@ -41,11 +42,11 @@ pub(super) fn write_json(calibration: &Calibration, options: &ExportOptions) -> 
     Ok(Exported { text, sensors, notes: Vec::new() })
 }
 
-/// The static curves at equal steps of temperature over all their ranges; a cell is empty outside an axis's own.
+/// The static curves at equal steps of temperature over all that was measured; a cell is empty where an axis was not.
 pub(super) fn write_csv(calibration: &Calibration) -> Exported {
     let axes = || calibration.axes.values();
-    let least = axes().map(|axis| axis.drift().valid.min()).fold(f64::INFINITY, f64::min);
-    let most = axes().map(|axis| axis.drift().valid.max()).fold(f64::NEG_INFINITY, f64::max);
+    let least = axes().map(|axis| axis.fit.measured.min()).fold(f64::INFINITY, f64::min);
+    let most = axes().map(|axis| axis.fit.measured.max()).fold(f64::NEG_INFINITY, f64::max);
     let unit = match calibration.temperature_unit {
         TemperatureUnit::C => "temperature_c",
         TemperatureUnit::Counts => "temperature_counts",
@@ -58,7 +59,7 @@ pub(super) fn write_csv(calibration: &Calibration) -> Exported {
     for step in 0..=STEPS {
         let temperature = least + (most - least) * f64::from(step) / f64::from(STEPS);
         let cell = |axis: &AxisCalibration| {
-            let inside = (axis.drift().valid.min()..=axis.drift().valid.max()).contains(&temperature);
+            let inside = axis.fit.measured.coverage(temperature) == Coverage::Inside;
             if inside { axis.drift().evaluate(temperature).0.to_string() } else { String::new() }
         };
         rows.push(std::iter::once(temperature.to_string()).chain(axes().map(cell)).collect());

@@ -3,7 +3,7 @@
 use super::{FitOptions, LogFitError};
 use crate::condition::{GROUP_S, Group, Grouping, Length, MIN_GROUPS, Tally};
 use crate::log::{LogFile, Rows, Sensor, SensorKind, Sink, Stream};
-use crate::quality::Reason;
+use crate::quality::{Reason, ReasonKind};
 use crate::source::Source;
 
 /// Between two logs of one unit, so that their times follow one another.
@@ -31,6 +31,8 @@ pub(super) struct Logs {
     pub autopilot: Option<imu_logs::Format>,
     /// The sensors that the logs have, wanted or not.
     pub seen: Vec<Sensor>,
+    /// The logs without a row.
+    empty: Vec<String>,
     /// Uninterrupted logs so far.
     logs: u32,
     end_s: f64,
@@ -41,6 +43,11 @@ pub(super) fn gather(sources: &[Source], options: &FitOptions) -> Result<Logs, L
     let mut logs = Logs::default();
     for source in sources {
         logs.read(source, options)?;
+    }
+    // A log alone that is empty is rejected as any log without rows is.
+    if sources.len() > 1 {
+        let text = |name: String| format!("{name} has no rows of what is fitted and was passed over");
+        logs.reasons.extend(logs.empty.drain(..).map(|name| Reason::new(ReasonKind::MissingValues, text(name))));
     }
     Ok(logs)
 }
@@ -82,6 +89,10 @@ impl Logs {
         }
         let mut sensors: Vec<Gathered> =
             taken.sensors.into_iter().map(Taken::finish).filter(|gathered| gathered.rows > 0).collect();
+        if sensors.is_empty() {
+            self.empty.push(source.short_name().to_owned());
+            return Ok(());
+        }
         let starts_s = self.end_s + if first { 0.0 } else { BETWEEN_LOGS_S };
         for group in sensors.iter_mut().flat_map(|gathered| &mut gathered.groups) {
             group.time_s += starts_s;

@@ -8,7 +8,9 @@ use zerorate_fit::series::Series;
 use super::gather::{Gathered, gather, is_accelerometer};
 use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, words};
 use crate::calibration::AxisCalibration;
-use crate::condition::{DropReason, Excluded, Group, Levels, dequantise, leave_out_times, level, weigh};
+use crate::condition::{
+    DropReason, Excluded, Group, Levels, dequantise, extend_to_the_start, leave_out_times, level, weigh,
+};
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::source::Source;
 use crate::trace::{Trace, TracePoint};
@@ -65,7 +67,9 @@ fn condition(sensor: &mut Gathered) -> Levels {
             RateUnit::Dps => 1.0_f64.to_degrees(),
             RateUnit::Counts | RateUnit::MetresPerS2 => f64::INFINITY,
         };
-    level(&mut sensor.groups, &mut sensor.tallies, sensor.stream.temperature_unit, rotation_threshold)
+    let levels = level(&mut sensor.groups, &mut sensor.tallies, sensor.stream.temperature_unit, rotation_threshold);
+    extend_to_the_start(&mut sensor.groups);
+    levels
 }
 
 /// A unit is moved as a whole: what one sensor saw of it, the others leave out too.

@@ -52,7 +52,7 @@ impl Serialize for AxisFit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let axis = &self.calibration;
         let (model, statistics) = (&axis.fit.model, &axis.fit.statistics);
-        let mut fields = serializer.serialize_struct("AxisFit", 14)?;
+        let mut fields = serializer.serialize_struct("AxisFit", 15)?;
         if let Some(sensor) = &axis.sensor {
             fields.serialize_field("sensor", sensor)?;
         }
@@ -63,7 +63,9 @@ impl Serialize for AxisFit {
         fields.serialize_field("raw_coefficients", &raw_coefficients(&model.drift.shape))?;
         fields.serialize_field("rate_unit", &axis.rate_unit)?;
         fields.serialize_field("temperature_unit", &self.temperature_unit)?;
-        fields.serialize_field("temperature", &[model.drift.valid.min(), model.drift.valid.max()])?;
+        let (measured, believed) = (&axis.fit.measured, &model.drift.valid);
+        fields.serialize_field("temperature", &[measured.min(), measured.max()])?;
+        fields.serialize_field("believed", &[believed.min(), believed.max()])?;
         fields.serialize_field("in_sample", &statistics.in_sample)?;
         fields.serialize_field("held_out", &statistics.held_out)?;
         if let Some(nested) = &statistics.nested {

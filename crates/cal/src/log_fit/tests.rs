@@ -163,6 +163,7 @@ fn the_json_is_the_documented_one() {
             "rate_unit",
             "temperature_unit",
             "temperature",
+            "believed",
             "in_sample",
             "held_out",
             "samples_used",
@@ -185,4 +186,51 @@ fn the_same_log_twice_is_refused_by_its_content() {
         refused.starts_with("copy.csv: the same log as first.csv") && refused.ends_with("give it once"),
         "{refused}"
     );
+}
+
+#[test]
+fn what_is_told_is_of_what_was_measured_and_how_far_it_is_believed_stands_beside_it() {
+    let (temperatures, rates) = cycle();
+    let fit = fit(&temperatures, &rates, &FitOptions::default());
+    let json = serde_json::to_value(&fit).unwrap();
+    let of = |name: &str| -> [f64; 2] { serde_json::from_value(json["axes"]["x_rad_s"][name].clone()).unwrap() };
+    let extremes = temperatures.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| [a.min(*t), b.max(*t)]);
+    let (measured, believed) = (of("temperature"), of("believed"));
+    // Averages of 10 s turn a little before the temperature does.
+    assert!(measured.iter().zip(extremes).all(|(own, row)| (own - row).abs() < 0.2), "{measured:?} {extremes:?}");
+    let eighth = (measured[1] - measured[0]) / 8.0;
+    assert!((measured[0] - eighth - believed[0]).abs() < 1e-9 && (measured[1] + eighth - believed[1]).abs() < 1e-9);
+    let calibration = fit.to_calibration(Vec::new(), None).unwrap();
+    let read = Calibration::from_json(&calibration.to_json().unwrap()).unwrap();
+    let own = &read.axes["x_rad_s"];
+    assert_eq!([own.fit.measured.min(), own.fit.measured.max()], measured);
+    // The quadratic of the log, over what was measured and over more.
+    assert!(own.measured_drift().peak_to_peak() < own.drift().peak_to_peak());
+}
+
+#[test]
+fn an_empty_log_among_others_is_named() {
+    let rows: String =
+        (0..2000).map(|i| format!("{i},{},{}\n", 20.0 + 0.01 * f64::from(i), 1e-5 * f64::from(i))).collect();
+    let head = "time_s,temperature_c,gyro_x_rad_s\n";
+    let good = Source::bytes("good.csv", format!("{head}{rows}").into_bytes());
+    let empty = Source::bytes("empty.csv", head.as_bytes().to_vec());
+    for logs in [[good.clone(), empty.clone()], [empty, good]] {
+        let said = match fit_logs(&logs, &FitOptions::default()) {
+            Err(error) => error.to_string(),
+            Ok(fit) => fit.notes.into_iter().chain(fit.judgement.reasons.into_iter().map(|r| r.text)).collect(),
+        };
+        assert!(said.contains("empty.csv"), "{said}");
+    }
+}
+
+#[test]
+fn times_that_are_no_numbers_end_no_loop_and_lose_no_rows() {
+    let time = |i: i32| if i % 7 == 3 || i < 40 { "nan".to_owned() } else { i.to_string() };
+    let rows: String =
+        (0..2000).map(|i| format!("{},{},{}\n", time(i), 20.0 + 0.01 * f64::from(i), 1e-5 * f64::from(i))).collect();
+    let log = Source::bytes("log.csv", format!("time_s,temperature_c,gyro_x_rad_s\n{rows}").into_bytes());
+    let fit = fit_logs(&[log], &FitOptions::default());
+    let told = fit.map(|fit| fit.axes.first().map(|axis| axis.calibration.fit.statistics.samples_used));
+    assert!(matches!(told, Ok(Some(2000)) | Err(_)), "{told:?}");
 }

@@ -140,8 +140,9 @@ impl Fit {
         {
             return Ok(recorded::calibration(source, fit)?);
         }
-        let origin =
-            |source: &Source| Origin::of("log", source).with_context(|| format!("{}: cannot be read", source.name()));
+        let origin = |source: &Source| {
+            Origin::of_log(fit.autopilot, source).with_context(|| format!("{}: cannot be read", source.name()))
+        };
         let origins = sources.iter().map(origin).collect::<Result<_>>()?;
         Ok(fit.to_calibration(origins, self.serial.clone())?)
     }

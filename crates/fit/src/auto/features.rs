@@ -164,8 +164,9 @@ fn holds_both_directions(temperature: &[f64], valid: ValidRange) -> bool {
     let span = valid.max() - valid.min();
     let margin = TURN * span;
     let (mut up, mut down) = (0.0, 0.0);
-    let mut follower = temperature.first().copied().unwrap_or(0.0);
-    for &t in temperature.iter().filter(|t| t.is_finite()) {
+    let mut finite = temperature.iter().copied().filter(|t| t.is_finite());
+    let Some(mut follower) = finite.next() else { return false };
+    for t in finite {
         let next = follower.clamp(t - margin, t + margin);
         if next > follower {
             up += next - follower

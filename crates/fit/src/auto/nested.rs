@@ -19,6 +19,9 @@ use crate::series::Series;
 pub(super) struct Outer {
     /// Within the recording: with the drift in time.
     pub residuals: Vec<f64>,
+    /// As deployed, the history known from the recording's start, with the zero as it is.
+    pub deployed: Vec<f64>,
+    /// The same, and a zero taken off.
     warm: Vec<f64>,
     cold: Vec<f64>,
     cubic: Vec<f64>,
@@ -31,6 +34,12 @@ pub(super) struct Outer {
 impl Outer {
     pub(super) fn complete(&self) -> bool {
         !self.failed && self.residuals.iter().any(|residual| residual.is_finite())
+    }
+
+    /// Whether what was chosen predicts new data worse than the static cubic, as deployed.
+    pub(super) fn is_worse_than_the_cubic(&self) -> bool {
+        let figures = self.figures();
+        figures.deployed_warm.zip(figures.cubic_deployed).is_some_and(|(chosen, cubic)| chosen > cubic)
     }
 
     pub(super) fn figures(&self) -> HeldOut {
@@ -55,6 +64,7 @@ pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinn
     let nothing = || vec![f64::NAN; groups];
     let mut outer = Outer {
         residuals: nothing(),
+        deployed: nothing(),
         warm: nothing(),
         cold: nothing(),
         cubic: nothing(),
@@ -70,9 +80,8 @@ pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinn
             continue;
         }
         // A coarse group that holds any group of the fold is no part of the choice.
-        let coarse_out = out.start / thinned.factor..out.end.div_ceil(thinned.factor);
         let made = coarse
-            .choose(asked, |group| !coarse_out.contains(&group))
+            .choose(asked, |group| !thinned.holds_any(group, &out))
             .and_then(|chosen| whole.fit(&chosen.spec, |group| !out.contains(&group)));
         let Some(made) = made else {
             outer.failed = true;
@@ -92,6 +101,7 @@ impl Outer {
         let cold = predict(&made.model, Start::Unknown, series, out.clone());
         for &group in used {
             self.residuals[group] = known[group];
+            self.deployed[group] = warm[group];
             self.warm[group] = warm[group];
             self.cold[group] = cold[group - out.start];
             if let Some(cubic) = &made.cubic {

@@ -1,5 +1,7 @@
 //! A series of fewer, longer groups, on which candidates are compared.
 
+use std::ops::Range;
+
 use crate::series::Series;
 
 /// Groups that candidates are compared on, at most: neighbours of a longer record are averaged for the comparison, so
@@ -8,8 +10,8 @@ const CHOICE_GROUPS: usize = 400;
 
 /// A series of fewer, longer groups.
 pub(super) struct Thinned {
-    /// Groups of the series in one of these.
-    pub factor: usize,
+    /// The groups of the series in each of these.
+    parts: Vec<Range<usize>>,
     time_s: Vec<f64>,
     temperature: Vec<f64>,
     rate: Vec<f64>,
@@ -23,7 +25,7 @@ impl Thinned {
         let groups = series.rate.len();
         let factor = groups.div_ceil(CHOICE_GROUPS).max(1);
         let mut thinned = Self {
-            factor,
+            parts: Vec::new(),
             time_s: Vec::new(),
             temperature: Vec::new(),
             rate: Vec::new(),
@@ -31,8 +33,11 @@ impl Thinned {
             log: Vec::new(),
             drifts_in_time: series.drifts_in_time,
         };
-        for start in (0..groups).step_by(factor) {
-            let part = start..(start + factor).min(groups);
+        let mut start = 0;
+        while start < groups {
+            // No average is of two logs.
+            let log = series.log[start..].iter().take(factor).take_while(|log| **log == series.log[start]).count();
+            let part = start..start + log;
             let mean = |values: &[f64]| {
                 let finite = part.clone().map(|group| values[group]).filter(|value| value.is_finite());
                 let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
@@ -47,8 +52,16 @@ impl Thinned {
             thinned.rate.push(sum / weight);
             thinned.weight.push(weight / factor as f64);
             thinned.log.push(series.log[start]);
+            start = part.end;
+            thinned.parts.push(part);
         }
         thinned
+    }
+
+    /// Whether one of these holds any of some groups of the series.
+    pub(super) fn holds_any(&self, place: usize, groups: &Range<usize>) -> bool {
+        let part = &self.parts[place];
+        part.start < groups.end && groups.start < part.end
     }
 
     pub(super) fn series(&self) -> Series<'_> {

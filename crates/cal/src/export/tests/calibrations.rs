@@ -22,8 +22,9 @@ pub fn drift(values: &[f64], is_table: bool, min: f64, max: f64) -> Drift {
 /// The cubic of an axis where it has none of its own, and nothing else known of the fit.
 pub fn axis(drift: Drift, rate_unit: RateUnit) -> AxisCalibration {
     let statistics = FitStatistics::unknown();
+    let measured = drift.valid;
     let model = DriftModel::of_curve(drift);
-    AxisCalibration::of_fit(DriftFit { model, static_cubic: None, band: Vec::new(), statistics }, rate_unit)
+    AxisCalibration::of_fit(DriftFit { model, measured, static_cubic: None, band: Vec::new(), statistics }, rate_unit)
 }
 
 pub fn calibration(axes: Vec<(&str, AxisCalibration)>) -> Calibration {

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::calibrations::{axis, calibration, drift, three_axes};
 use crate::calibration::Calibration;
-use crate::export::{Cubic, ExportError, ExportOptions, Format, export};
+use crate::export::{Cubic, ExportError, ExportOptions, ExportedAxis, Format, Loss, export};
 use crate::units::RateUnit;
 
 /// Reads lines of `1 1 NAME VALUE TYPE` with tabs between; singles for floats.
@@ -181,6 +181,41 @@ fn sensors_have_places_of_their_own() {
     let fourth = calibration(vec![("gyro3.x", line(1e-3))]);
     let refused = export(&fourth, Format::ArduPilot, &ExportOptions::default()).unwrap_err();
     assert!(matches!(refused, ExportError::NoPlace { places: 3, .. }));
+}
+
+#[test]
+fn one_device_id_is_not_given_to_two_parts() {
+    let line = || axis(drift(&[0.0, 1e-3], false, 0.0, 40.0), RateUnit::RadPerS);
+    let two = calibration(vec![("gyro0.x", line()), ("gyro1.x", line())]);
+    let refused = export(&two, Format::Px4, &with_id()).unwrap_err();
+    assert_eq!(refused, ExportError::OneIdForSeveral { sensors: "gyro 0, gyro 1".to_owned() });
+    assert!(export(&calibration(vec![("gyro0.x", line())]), Format::Px4, &with_id()).is_ok());
+}
+
+#[test]
+fn another_autopilots_log_is_told_of_in_the_file() {
+    let line = axis(drift(&[0.0, 1e-3], false, 0.0, 40.0), RateUnit::RadPerS);
+    let mut own = calibration(vec![("gyro0.x", line)]);
+    own.sources[0].content = "px4-log".to_owned();
+    let told = |format| export(&own, format, &with_id()).unwrap().text.contains("the log is PX4's");
+    assert_eq!([Format::Px4, Format::ArduPilot, Format::MethodicConfigurator].map(told), [false, true, true]);
+}
+
+#[test]
+fn a_cubic_that_is_better_than_the_model_is_not_told_as_a_loss() {
+    let (model, cubic) = ("table:16".to_owned(), Cubic { reference: 0.0, coefficients: [0.0; 4], range: [0.0, 1.0] });
+    let cost = |chosen_rms, cubic_rms| {
+        let loss = Loss { chosen_rms: Some(chosen_rms), cubic_rms: Some(cubic_rms), furthest: 0.0 };
+        ExportedAxis { name: "x".to_owned(), model: model.clone(), cubic: cubic.clone(), loss }.cost("rad/s")
+    };
+    assert_eq!(
+        cost(1.0e-3, 0.8e-3),
+        "this cubic leaves 8.000e-4 rad/s rms held out, no more than the chosen table:16 (1.000e-3)"
+    );
+    assert_eq!(
+        cost(1.0e-3, 1.5e-3),
+        "this cubic leaves 1.500e-3 rad/s rms held out, 50 % more than the chosen table:16 (1.000e-3)"
+    );
 }
 
 #[test]

@@ -89,9 +89,9 @@ fn verdict(page: &mut Page, fit: &LogFit) {
 /// One row an axis of a unit: what drifts, and what the curve leaves of it.
 fn curves(page: &mut Page, fit: &LogFit, unit: RateUnit) {
     let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| axis.calibration.rate_unit == unit).collect();
-    let drifts: Vec<f64> = axes.iter().map(|axis| axis.calibration.drift().peak_to_peak()).collect();
+    let drifts: Vec<f64> = axes.iter().map(|axis| axis.calibration.measured_drift().peak_to_peak()).collect();
     let scale = RateScale::of(unit, &drifts);
-    page.heading(&format!("Drift over {}, in {}", temperatures(&axes), scale.unit()));
+    page.heading(&format!("Drift over {}, in {}", measured(&axes), scale.unit()));
     let statistics = || axes.iter().map(|axis| &axis.calibration.fit.statistics);
     let column = |of: &dyn Fn(&FitStatistics) -> f64| {
         aligned(&statistics().map(|statistics| scale.of_rate(of(statistics))).collect::<Vec<_>>())
@@ -117,6 +117,13 @@ fn curves(page: &mut Page, fit: &LogFit, unit: RateUnit) {
         grid.row(named.into_iter().chain(cells).chain([thousands(axis.calibration.fit.statistics.samples_used)]));
     }
     page.grid(&grid);
+    if believed(&axes) != measured(&axes) {
+        let held = format!(
+            "The curves are believed a little beyond what was measured, over {}, and held at the ends of that.",
+            believed(&axes)
+        );
+        page.sentence("  ", &held);
+    }
 }
 
 /// What the numbers of the tables mean.
@@ -152,10 +159,18 @@ fn word(verdict: Verdict) -> &'static str {
     }
 }
 
-/// The valid range; of several, the least and the greatest.
-fn temperatures(axes: &[&AxisFit]) -> String {
-    let min = axes.iter().map(|axis| axis.calibration.drift().valid.min()).fold(f64::INFINITY, f64::min);
-    let max = axes.iter().map(|axis| axis.calibration.drift().valid.max()).fold(f64::NEG_INFINITY, f64::max);
+/// What was measured; of several axes, the least and the greatest.
+fn measured(axes: &[&AxisFit]) -> String {
+    range(axes, axes.iter().map(|axis| axis.calibration.fit.measured).map(|range| (range.min(), range.max())))
+}
+
+/// How far the curves are believed.
+fn believed(axes: &[&AxisFit]) -> String {
+    range(axes, axes.iter().map(|axis| axis.calibration.drift().valid).map(|range| (range.min(), range.max())))
+}
+
+fn range(axes: &[&AxisFit], ranges: impl Iterator<Item = (f64, f64)>) -> String {
+    let (min, max) = ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (min, max)| (a.min(min), b.max(max)));
     format!("{min:.1} to {max:.1} {}", axes[0].temperature_unit.name())
 }
 
