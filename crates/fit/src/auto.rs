@@ -111,13 +111,12 @@ impl Attempt {
         let series = whole.series;
         let residuals = in_recording(&made.model, series);
         let in_sample = ResidualStatistics::of(residuals.iter().copied());
-        let deployed = || predict(&made.model, Start::Unknown, series, 0..series.rate.len());
-        let (held_out, band) = match outer.complete() {
-            true => {
-                (ResidualStatistics::of(outer.residuals.iter().copied()), band::band(series, measured, &outer.deployed))
-            }
-            false => (ResidualStatistics::NONE, band::band(series, measured, &deployed())),
+        let deployed = predict(&made.model, Start::Unknown, series, 0..series.rate.len());
+        let held_out = match outer.complete() {
+            true => ResidualStatistics::of(outer.residuals.iter().copied()),
+            false => ResidualStatistics::NONE,
         };
+        let band = band::band(series, measured, outer.complete().then_some(&outer.deployed[..]), &deployed);
         let covariance = made.solution.covariance.clone();
         let statistics = FitStatistics {
             candidates: chosen.candidates,

@@ -14,28 +14,67 @@ const WINDOW: f64 = 1.0 / 8.0;
 /// The share of groups that lie within the band.
 const COVERED: f64 = 0.95;
 
-/// The band from residuals, one a group (NaN for none): at each point the size that 95 of 100 of those nearby do not
-/// exceed, nearness by a normal window. A quantile covers what it says whatever the residuals' distribution: a loop of
-/// hysteresis has two values and no tails, a few jumps have tails and no width.
-///
-/// The residuals are held out, and of the model as it is deployed: they hold the model's error, the coefficients' and what
-/// the zero drifts by in time, beside the noise.
-pub(super) fn band(series: &Series<'_>, measured: ValidRange, residuals: &[f64]) -> Vec<BandPoint> {
+/// How much the held-out residuals say against those of the fit of everything: as much (Toussaint and Sharpe, *An efficient
+/// method for estimating the probability of misclassification*, 1975). A fit that lacks a whole fold is worse than the one
+/// that is deployed, and a residual of what was fitted is smaller than one to come.
+const HELD_OUT_SHARE: f64 = 0.5;
+
+/// The band from residuals of the model as it is deployed, one a group (NaN for none), held out and in-sample. Its shape is
+/// their root mean square nearby, by a normal window; its size is what 95 of 100 of them do not exceed (normalised
+/// conformal prediction: Papadopoulos et al. 2008; Lei et al. 2018), whatever their distribution: a loop of hysteresis has
+/// two values and no tails, a few jumps have tails and no width. They hold the model's error, the coefficients' and what the
+/// zero drifts by in time, beside the noise.
+pub(super) fn band(
+    series: &Series<'_>,
+    measured: ValidRange,
+    held_out: Option<&[f64]>,
+    in_sample: &[f64],
+) -> Vec<BandPoint> {
     let span = measured.max() - measured.min();
-    let mut sizes: Vec<(f64, f64)> =
-        series.temperature.iter().zip(residuals).filter(|(_, r)| r.is_finite()).map(|(t, r)| (r.abs(), *t)).collect();
-    sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let near = |from: f64, t: f64| (-0.5 * ((t - from) / (WINDOW * span)).powi(2)).exp();
-    (0..POINTS)
-        .filter_map(|point| {
-            let temperature = measured.min() + span * point as f64 / (POINTS - 1) as f64;
-            let whole: f64 = sizes.iter().map(|(_, t)| near(temperature, *t)).sum();
-            let mut within = 0.0;
-            let covers = |&&(_, t): &&(f64, f64)| {
-                within += near(temperature, t);
-                within >= COVERED * whole
-            };
-            sizes.iter().find(covers).map(|(half_width, _)| BandPoint { temperature, half_width: *half_width })
-        })
-        .collect()
+    let share = if held_out.is_some() { HELD_OUT_SHARE } else { 0.0 };
+    let weighed = |residuals: &[f64], weight: f64| -> Vec<Residual> {
+        let all = series.temperature.iter().zip(residuals).filter(|(_, residual)| residual.is_finite());
+        all.map(|(&temperature, residual)| Residual { size: residual.abs(), temperature, weight }).collect()
+    };
+    let mut residuals = weighed(held_out.unwrap_or_default(), share);
+    residuals.extend(weighed(in_sample, 1.0 - share));
+    let nearby = |temperature: f64| {
+        let near =
+            |own: &Residual| own.weight * (-0.5 * ((own.temperature - temperature) / (WINDOW * span)).powi(2)).exp();
+        let (squares, weights) = residuals
+            .iter()
+            .fold((0.0, 0.0), |(squares, weights), own| (squares + near(own) * own.size.powi(2), weights + near(own)));
+        (squares / weights).sqrt()
+    };
+    let points: Vec<BandPoint> = (0..POINTS)
+        .map(|point| measured.min() + span * point as f64 / (POINTS - 1) as f64)
+        .map(|temperature| BandPoint { temperature, half_width: nearby(temperature) })
+        .collect();
+    let mut ratios: Vec<(f64, f64)> =
+        residuals.iter().map(|own| (own.size / between(&points, own.temperature), own.weight)).collect();
+    ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let whole: f64 = ratios.iter().map(|(_, weight)| weight).sum();
+    let mut within = 0.0;
+    let covers = |(_, weight): &&(f64, f64)| {
+        within += weight;
+        within >= COVERED * whole
+    };
+    let factor = ratios.iter().find(covers).map_or(f64::NAN, |(ratio, _)| *ratio);
+    let sized = points.into_iter().map(|point| BandPoint { half_width: factor * point.half_width, ..point });
+    sized.filter(|point| point.half_width.is_finite()).collect()
+}
+
+/// The half-width at a temperature, on the straight line between two points.
+fn between(points: &[BandPoint], temperature: f64) -> f64 {
+    let after = points.partition_point(|point| point.temperature < temperature).clamp(1, points.len() - 1);
+    let [from, to] = [&points[after - 1], &points[after]];
+    let share = ((temperature - from.temperature) / (to.temperature - from.temperature)).clamp(0.0, 1.0);
+    from.half_width + share * (to.half_width - from.half_width)
+}
+
+/// One residual, and how much it says.
+struct Residual {
+    size: f64,
+    temperature: f64,
+    weight: f64,
 }

@@ -231,3 +231,33 @@ fn too_few_groups_or_one_temperature_are_refused() {
     let one = Made::new(vec![20.0; 400], |_, t| cubic(t));
     assert!(matches!(refused(&one, Model::Auto), FitError::Undetermined { .. }));
 }
+
+/// The share of a second run's groups within the band about what is predicted of them.
+fn covered(fit: &GroupFit, second: &Made) -> f64 {
+    let biases = fit.fit.model.biases(second.time_s.iter().copied().zip(second.temperature.iter().copied()));
+    let half = |t: f64| {
+        let after =
+            fit.fit.band.iter().position(|point| point.temperature >= t).unwrap_or(fit.fit.band.len() - 1).max(1);
+        let [from, to] = [&fit.fit.band[after - 1], &fit.fit.band[after]];
+        from.half_width
+            + (t - from.temperature) / (to.temperature - from.temperature) * (to.half_width - from.half_width)
+    };
+    let groups = second.temperature.iter().zip(&second.rate).zip(&biases);
+    groups.filter(|((t, rate), bias)| (*rate - *bias).abs() <= half(**t)).count() as f64 / biases.len() as f64
+}
+
+#[test]
+fn the_band_holds_95_of_100_groups_of_a_second_run() {
+    let made = |noises: usize, loops: f64| {
+        let history = bouc_wen(&cycles());
+        // Of a second run the noise is another.
+        let mut made = Made::new(cycles(), |group, t| cubic(t) + loops * history[group]);
+        let mut seed = 1000 + noises as u64;
+        made.rate.iter_mut().for_each(|rate| *rate += 2e-4 * noise(&mut seed));
+        made
+    };
+    for loops in [0.0, 1.0] {
+        let share = (0..5).map(|k| covered(&made(k, loops).fit(Model::Auto), &made(k + 7, loops))).sum::<f64>() / 5.0;
+        assert!((0.91..0.98).contains(&share), "loops of {loops}: {share}");
+    }
+}
