@@ -7,6 +7,7 @@ mod error;
 mod of_autopilot;
 mod of_recording;
 mod of_table;
+mod plausible;
 mod sensor;
 mod survey;
 
@@ -25,7 +26,7 @@ use of_table::TableLog;
 /// What one sensor of a log is, and how its rows are to be read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stream {
-    /// Which sensor it is; `None` for the columns of a table, which name no sensor.
+    /// Which sensor it is; `None` for the columns of a table that has one.
     pub sensor: Option<Sensor>,
     /// A name for each axis, as results are listed: a table's column, `gyro0.x` of an autopilot.
     pub names: Vec<String>,

@@ -7,6 +7,7 @@ use thiserror::Error;
 use crate::recording::RecordingFault;
 use crate::source::Faulty;
 use crate::table::TableFault;
+use crate::units::{RateUnit, WrittenTemperature};
 
 /// Why a log cannot be read, with its name.
 pub type LogError = Faulty<LogFault>;
@@ -36,6 +37,33 @@ pub enum LogFault {
         before: f64,
         /// The time in the row.
         after: f64,
+    },
+    /// Temperatures that no gyro sees, in the unit that they are taken for.
+    #[error(
+        "column '{column}' goes from {min:.0} to {max:.0}, which no gyro sees in {written}: say its unit (`temperature_unit` {}), or name the column that has the gyro's own temperature (`temperature`)",
+        .rather.option()
+    )]
+    NotCelsius {
+        /// The temperature column's name.
+        column: String,
+        /// The least, as it is written.
+        min: f64,
+        /// The greatest.
+        max: f64,
+        /// The unit it is taken for.
+        written: WrittenTemperature,
+        /// The unit it may be in.
+        rather: WrittenTemperature,
+    },
+    /// Rates whose unit was guessed, and that speak against the guess.
+    #[error(
+        "column '{column}' names no unit, and as {guessed} the gyro would never rest: say its unit (`rate_unit` dps, or rad/s if it did move all the time)"
+    )]
+    DoubtfulRate {
+        /// The rate column's name.
+        column: String,
+        /// The guess.
+        guessed: RateUnit,
     },
 }
 

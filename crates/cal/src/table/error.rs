@@ -31,9 +31,9 @@ pub enum TableFault {
         /// Cells in the first line.
         expected: usize,
     },
-    /// Text stands where a number should.
+    /// Text stands where a number or a time should.
     #[error(
-        "line {line}: column '{column}' holds '{text}' where a number should be: correct it, or leave the cell empty"
+        "line {line}: column '{column}' holds '{text}' where {wanted} should be: correct it, or leave the cell empty"
     )]
     NotANumber {
         /// The line, from 1.
@@ -42,6 +42,14 @@ pub enum TableFault {
         column: String,
         /// The cell.
         text: String,
+        /// What the column's other cells are, as "a number".
+        wanted: &'static str,
+    },
+    /// A line without end.
+    #[error("line {line} is longer than a megabyte: this is no table, or its line feeds are missing")]
+    EndlessLine {
+        /// The line, from 1.
+        line: u64,
     },
     /// A Parquet column is not of a numeric type.
     #[error("column '{column}' is of type {kind}, not numbers: choose another column")]
@@ -81,8 +89,8 @@ pub enum TableFault {
         /// The column's name.
         column: String,
         /// The unit that its name says.
-        unit: &'static str,
+        unit: String,
         /// What it is to be in.
-        instead: &'static str,
+        instead: String,
     },
 }
