@@ -1,6 +1,6 @@
 //! Logs of any kind, read as sensors that give rows: tables, recordings of the bench, logs of autopilots.
 //!
-//! The kind is recognised by content, never by name. A log goes by as batches of rows to a [`Sink`]; what is kept in
+//! The kind is recognised by content, never by name, also where a log is packed ([`crate::packed`]). A log goes by as batches of rows to a [`Sink`]; what is kept in
 //! memory is a batch a sensor, however long the log.
 
 mod error;
@@ -16,6 +16,7 @@ pub use imu_logs::{Rows, Sensor, SensorKind};
 pub use sensor::{SensorChoice, SensorChoiceError};
 pub(crate) use survey::AxisSurvey;
 
+use crate::packed::unpacked;
 use crate::quality::Reason;
 use crate::recording::Recording;
 use crate::source::Source;
@@ -73,6 +74,7 @@ impl LogFile {
     /// # Errors
     /// When the source cannot be read or is no log, or a table's columns are unclear or its time runs backwards.
     pub fn open(source: &Source, columns: &Columns) -> Result<Self, LogError> {
+        let source = &unpacked(source).map_err(LogFault::named)?;
         let start = source.start(imu_logs::START_BYTES as u64).map_err(|error| source.faulty(error))?;
         let form = if let Some(format) = imu_logs::recognise(&start) {
             Form::Autopilot(format)

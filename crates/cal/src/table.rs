@@ -19,6 +19,7 @@ use dialect::{Dialect, Heading};
 pub use error::{TableError, TableFault};
 use value::Notation;
 
+use crate::packed::unpacked;
 use crate::source::Source;
 use crate::units::TimeUnit;
 
@@ -80,8 +81,8 @@ impl Table {
     /// When the file cannot be read, is empty, or is neither delimited text nor Parquet.
     pub fn open(source: &Source) -> Result<Self, TableError> {
         let faulty = |fault: TableFault| source.faulty(fault);
+        let source = unpacked(source).map_err(TableFault::named)?;
         let start = source.start(dialect::SAMPLE_BYTES).map_err(|error| faulty(error.into()))?;
-        let source = source.clone();
         if start.starts_with(PARQUET_MAGIC) {
             let (names, clocks) = parquet::columns(&source).map_err(faulty)?;
             let units = vec![String::new(); names.len()];

@@ -4,6 +4,7 @@ use std::io;
 
 use thiserror::Error;
 
+use crate::packed::PackedFault;
 use crate::recording::RecordingFault;
 use crate::source::Faulty;
 use crate::table::TableFault;
@@ -18,6 +19,9 @@ pub enum LogFault {
     /// The file cannot be opened or read.
     #[error("cannot be read: {0}")]
     Read(#[from] io::Error),
+    /// The file is packed and cannot be unpacked.
+    #[error(transparent)]
+    Packed(#[from] PackedFault),
     /// A table cannot be read.
     #[error(transparent)]
     Table(#[from] TableFault),

@@ -4,6 +4,7 @@ use std::io;
 
 use thiserror::Error;
 
+use crate::packed::PackedFault;
 use crate::source::Faulty;
 
 /// Why a table cannot be read, with its name.
@@ -15,6 +16,9 @@ pub enum TableFault {
     /// The file cannot be opened or read.
     #[error("cannot be read: {0}")]
     Read(#[from] io::Error),
+    /// The file is packed and cannot be unpacked.
+    #[error(transparent)]
+    Packed(#[from] PackedFault),
     /// The file has no row.
     #[error("the file is empty: give a log with at least one row")]
     Empty,
@@ -93,4 +97,11 @@ pub enum TableFault {
         /// What it is to be in.
         instead: String,
     },
+}
+
+impl TableFault {
+    /// What is wrong with a file's packing is wrong with its table.
+    pub(super) fn named(error: Faulty<PackedFault>) -> TableError {
+        Faulty { name: error.name, fault: error.fault.into() }
+    }
 }

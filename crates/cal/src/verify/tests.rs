@@ -1,6 +1,6 @@
 use super::*;
-use crate::units::WrittenRate;
 use crate::calibration::Origin;
+use crate::units::WrittenRate;
 
 /// A log of a parabola with a second-run offset, noise by `seed`, and a sine of size `extra`.
 fn log(seed: i32, offset: f64, extra: f64) -> String {
