@@ -8,22 +8,26 @@ use zerorate_fit::predict::{DriftModel, Predictor, Start};
 
 use crate::source::Faulty;
 use crate::table::{Table, TableError};
-use crate::units::TimeUnit;
+use crate::units::{TimeUnit, WrittenTemperature};
 
 /// The model to apply to one rate column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AppliedModel {
     /// The rate column's name.
     pub column: String,
-    /// The model, in the column's unit and the temperature column's.
+    /// The temperature column's name.
+    pub temperature: String,
+    /// The unit in which that is written.
+    pub written_temperature: WrittenTemperature,
+    /// The model, in its own unit of rates and of temperature.
     pub model: DriftModel,
+    /// One of what is written in the column, in the model's unit of rates.
+    pub factor: f64,
 }
 
-/// The columns of a log that a model needs beside the rates.
+/// The time of a log, and what is known where it begins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AppliedTo<'a> {
-    /// The temperature column's name.
-    pub temperature: &'a str,
     /// The time column's name; `None` where the log has none.
     pub time: Option<&'a str>,
     /// The time's unit; without one the log's length decides ([`TimeUnit::by_duration`]).
@@ -43,6 +47,8 @@ pub struct Applied {
     pub outside: u64,
     /// Rows at which a history was not known yet: the prediction leans on the static curve.
     pub uncertain: u64,
+    /// The file's last line, where it was cut and left out.
+    pub cut_line: Option<u64>,
 }
 
 /// Why a log cannot be corrected.
@@ -74,7 +80,7 @@ pub enum TimeFault {
 }
 
 /// Writes a table again as comma-separated text, every row and column kept, with `predicted_<column>` (the bias by the
-/// model) and `corrected_<column>` (rate less bias) added for each model. A row without a rate still gets its prediction;
+/// model, in the column's unit) and `corrected_<column>` (rate less bias) added for each model. A row without a rate still gets its prediction;
 /// a row without a temperature gets neither.
 ///
 /// A history runs through every row with a temperature, as it would on a device that started with the first.
@@ -88,9 +94,9 @@ pub fn apply(
     models: &[AppliedModel],
     output: impl Write,
 ) -> Result<Applied, ApplyError> {
-    let mut columns = vec![table.column(to.temperature)?];
+    let mut columns = Vec::new();
     for model in models {
-        columns.push(table.column(&model.column)?);
+        columns.extend([table.column(&model.temperature)?, table.column(&model.column)?]);
     }
     let needs_time = models.iter().any(|own| own.model.needs_time(to.start));
     let clock = if needs_time { Some(Clock::of(table, to)?) } else { None };
@@ -104,20 +110,23 @@ pub fn apply(
     let mut applied = Applied::default();
     for batch in table.batches_with_cells(&columns)? {
         let batch = batch?;
+        applied.cut_line = batch.cut_line;
         for (row, cells) in batch.cells.iter().enumerate() {
-            let temperature = batch.columns[0][row];
-            let time_s = clock.as_ref().map_or(f64::NAN, |clock| clock.seconds(batch.columns[1 + models.len()][row]));
+            let time_s = clock.as_ref().map_or(f64::NAN, |clock| clock.seconds(batch.columns[2 * models.len()][row]));
             let mut added = Vec::with_capacity(2 * models.len());
-            let (mut outside, mut uncertain) = (false, false);
-            for (predictor, column) in predictors.iter_mut().zip(&batch.columns[1..]) {
+            let (mut missing, mut outside, mut uncertain) = (false, false, false);
+            for ((predictor, own), columns) in predictors.iter_mut().zip(models).zip(batch.columns.chunks(2)) {
+                let temperature = own.written_temperature.read(columns[0][row]);
+                missing |= temperature.is_nan();
                 let predicted = predictor.predict(time_s, temperature);
+                let bias = predicted.bias / own.factor;
                 outside |= matches!(predicted.coverage, Coverage::Below | Coverage::Above);
                 uncertain |= predicted.knowledge == Knowledge::Uncertain && !temperature.is_nan();
-                added.extend([predicted.bias, column[row] - predicted.bias].map(cell));
+                added.extend([bias, columns[1][row] - bias].map(cell));
             }
             writer.write_record(cells.iter().chain(&added)).map_err(csv_error)?;
             applied.rows += 1;
-            applied.without_temperature += u64::from(temperature.is_nan());
+            applied.without_temperature += u64::from(missing);
             applied.outside += u64::from(outside);
             applied.uncertain += u64::from(uncertain);
         }

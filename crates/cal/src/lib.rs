@@ -12,6 +12,7 @@ pub mod fit;
 pub mod log;
 pub mod log_fit;
 mod named;
+pub mod packed;
 mod parquet_source;
 pub mod quality;
 pub mod ramp_fit;

@@ -1,12 +1,13 @@
 //! Logs of any kind, read as sensors that give rows: tables, recordings of the bench, logs of autopilots.
 //!
-//! The kind is recognised by content, never by name. A log goes by as batches of rows to a [`Sink`]; what is kept in
+//! The kind is recognised by content, never by name, also where a log is packed ([`crate::packed`]). A log goes by as batches of rows to a [`Sink`]; what is kept in
 //! memory is a batch a sensor, however long the log.
 
 mod error;
 mod of_autopilot;
 mod of_recording;
 mod of_table;
+mod plausible;
 mod sensor;
 mod survey;
 
@@ -15,6 +16,7 @@ pub use imu_logs::{Rows, Sensor, SensorKind};
 pub use sensor::{SensorChoice, SensorChoiceError};
 pub(crate) use survey::AxisSurvey;
 
+use crate::packed::unpacked;
 use crate::quality::Reason;
 use crate::recording::Recording;
 use crate::source::Source;
@@ -25,7 +27,7 @@ use of_table::TableLog;
 /// What one sensor of a log is, and how its rows are to be read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stream {
-    /// Which sensor it is; `None` for the columns of a table, which name no sensor.
+    /// Which sensor it is; `None` for the columns of a table that has one.
     pub sensor: Option<Sensor>,
     /// A name for each axis, as results are listed: a table's column, `gyro0.x` of an autopilot.
     pub names: Vec<String>,
@@ -72,6 +74,7 @@ impl LogFile {
     /// # Errors
     /// When the source cannot be read or is no log, or a table's columns are unclear or its time runs backwards.
     pub fn open(source: &Source, columns: &Columns) -> Result<Self, LogError> {
+        let source = &unpacked(source).map_err(LogFault::named)?;
         let start = source.start(imu_logs::START_BYTES as u64).map_err(|error| source.faulty(error))?;
         let form = if let Some(format) = imu_logs::recognise(&start) {
             Form::Autopilot(format)

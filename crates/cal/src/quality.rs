@@ -17,6 +17,11 @@ const COLDEST_C: f64 = -100.0;
 /// The hottest (oil wells have 175 C) is below this; a chamber's temperatures in kelvin are above it.
 const HOTTEST_C: f64 = 200.0;
 
+/// Whether a temperature can be a gyro's in degrees C.
+pub(crate) fn is_celsius(temperature: f64) -> bool {
+    (COLDEST_C..=HOTTEST_C).contains(&temperature)
+}
+
 /// What a log is good for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -80,6 +85,10 @@ pub enum ReasonKind {
     Truncated,
     /// Rejected: no sensor of the log is one of those wanted.
     NoSensor,
+    /// Warning: nothing says the unit of the rates, and one was guessed.
+    GuessedUnit,
+    /// Nothing says a unit, and the one that logs have was assumed: it is told, and speaks against nothing.
+    AssumedUnit,
 }
 
 impl ReasonKind {
@@ -109,7 +118,9 @@ impl ReasonKind {
             | Self::Gap
             | Self::FrozenTemperature
             | Self::CoarseTemperature
-            | Self::Truncated => Verdict::Warning,
+            | Self::Truncated
+            | Self::GuessedUnit => Verdict::Warning,
+            Self::AssumedUnit => Verdict::Good,
         }
     }
 }
@@ -202,7 +213,7 @@ impl Judgement {
 
     /// Judges whether temperatures can be degrees C.
     pub fn celsius(&mut self, min: f64, max: f64, unit: TemperatureUnit) {
-        if unit == TemperatureUnit::C && (min < COLDEST_C || max > HOTTEST_C) {
+        if unit == TemperatureUnit::C && !(is_celsius(min) && is_celsius(max)) {
             let text = format!(
                 "the temperature goes from {min:.0} to {max:.0}, which no gyro sees in degrees C: it is in another unit, or the \
                  wrong column was read"

@@ -1,19 +1,27 @@
 //! Logs as tables: delimited text or Parquet, read as a stream of batches of columns.
 //!
-//! The format is recognised by content, never by name. A table is read several times rather than kept: what it holds in
+//! Text is as people have it: with commas, semicolons, tabs or spaces between cells, decimal commas where the cells leave
+//! room for them, lines of comment (`#`), a row of units below the names, ISO times. The format is recognised by content, never by name. A table is read several times rather than kept: what it holds in
 //! memory is a batch.
 
+mod cells;
 mod columns;
 mod dialect;
 mod error;
+mod lines;
 mod parquet;
 mod text;
+mod value;
+mod words;
 
-pub use columns::{Columns, Resolved};
-use dialect::Dialect;
+pub use columns::{Columns, Resolved, ResolvedRate, ResolvedSensor};
+use dialect::{Dialect, Heading};
 pub use error::{TableError, TableFault};
+use value::Notation;
 
+use crate::packed::unpacked;
 use crate::source::Source;
+use crate::units::TimeUnit;
 
 /// Rows in a batch.
 const BATCH_ROWS: usize = 8192;
@@ -27,6 +35,10 @@ pub struct Table {
     source: Source,
     format: Format,
     names: Vec<String>,
+    /// The columns' units, where a row of them stands below the names; else empty.
+    units: Vec<String>,
+    /// The unit of each column of times that are told as such.
+    clocks: Vec<Option<TimeUnit>>,
 }
 
 #[derive(Debug, Clone)]
@@ -45,6 +57,9 @@ pub struct Batch {
     pub columns: Vec<Vec<f64>>,
     /// Where asked for, the text of every cell of every column, a vector a row.
     pub cells: Vec<Vec<String>>,
+    /// The number of the file's last line, where it ends without a line feed: its last number may be cut short, so it is
+    /// not among the rows.
+    pub cut_line: Option<u64>,
 }
 
 impl Batch {
@@ -66,14 +81,17 @@ impl Table {
     /// When the file cannot be read, is empty, or is neither delimited text nor Parquet.
     pub fn open(source: &Source) -> Result<Self, TableError> {
         let faulty = |fault: TableFault| source.faulty(fault);
+        let source = unpacked(source).map_err(TableFault::named)?;
         let start = source.start(dialect::SAMPLE_BYTES).map_err(|error| faulty(error.into()))?;
-        let (format, names) = if start.starts_with(PARQUET_MAGIC) {
-            (Format::Parquet, parquet::names(source).map_err(faulty)?)
-        } else {
-            let (dialect, names) = dialect::detect(&start).map_err(faulty)?;
-            (Format::Text(dialect), names)
-        };
-        Ok(Self { source: source.clone(), format, names })
+        if start.starts_with(PARQUET_MAGIC) {
+            let (names, clocks) = parquet::columns(&source).map_err(faulty)?;
+            let units = vec![String::new(); names.len()];
+            return Ok(Self { source, format: Format::Parquet, names, units, clocks });
+        }
+        let Heading { dialect, names, units } = dialect::detect(&start).map_err(faulty)?;
+        let clock = |notation: &Notation| (*notation == Notation::Stamp).then_some(TimeUnit::S);
+        let clocks = dialect.notations.iter().map(clock).collect();
+        Ok(Self { source, format: Format::Text(dialect), names, units, clocks })
     }
 
     /// Where it is read from.

@@ -1,10 +1,14 @@
 //! The units of times, rates and temperatures. Nothing is converted but where data enter.
 
+mod written;
+
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+pub use written::{WrittenRate, WrittenTemperature};
 
 /// The least temperature span of a calibration, degrees C: below it a curve is mostly noise.
 pub const MIN_SPAN_C: f64 = 10.0;
@@ -48,7 +52,7 @@ impl TimeUnit {
     }
 }
 
-/// The unit of the rate columns.
+/// The unit of rates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RateUnit {
     /// Degrees per second.
@@ -92,14 +96,6 @@ impl fmt::Display for TimeUnit {
     }
 }
 
-impl FromStr for RateUnit {
-    type Err = UnitError;
-    fn from_str(text: &str) -> Result<Self, UnitError> {
-        let known = [Self::Dps, Self::RadPerS, Self::Counts].into_iter().find(|unit| unit.to_string() == text);
-        known.ok_or_else(|| UnitError { text: text.to_owned(), known: "dps, rad/s or counts" })
-    }
-}
-
 impl fmt::Display for RateUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -111,7 +107,7 @@ impl fmt::Display for RateUnit {
     }
 }
 
-/// The unit of a temperature column.
+/// The unit of temperatures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TemperatureUnit {
     /// Degrees Celsius.

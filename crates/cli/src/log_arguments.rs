@@ -7,7 +7,7 @@ use zerorate_cal::log::SensorChoice;
 use zerorate_cal::log_fit::FitOptions;
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
-use zerorate_cal::units::{RateUnit, TimeUnit};
+use zerorate_cal::units::{TimeUnit, WrittenRate, WrittenTemperature};
 use zerorate_fit::drift_fit::ResidualOver;
 use zerorate_fit::model::Model;
 
@@ -23,11 +23,7 @@ pub struct ColumnArguments {
     #[arg(long, value_name = "COL")]
     time: Option<String>,
 
-    /// The time's unit: s, ms, us or ns
-    #[arg(long, value_name = "UNIT")]
-    time_unit: Option<TimeUnit>,
-
-    /// The temperature column
+    /// The temperature column; of several gyros the one that they have in common
     #[arg(long, value_name = "COL")]
     temperature: Option<String>,
 
@@ -35,9 +31,25 @@ pub struct ColumnArguments {
     #[arg(long, value_name = "COL,COL,COL", value_delimiter = ',')]
     rate: Vec<String>,
 
-    /// The rates' unit: dps (degrees per second), rad/s or counts
+    #[command(flatten)]
+    units: UnitArguments,
+}
+
+/// In which unit a log's columns are written.
+#[derive(Debug, Default, PartialEq, Args)]
+#[command(next_help_heading = "Units (as the columns' names say where these are left out)")]
+pub struct UnitArguments {
+    /// The time's unit: s, ms, us or ns
     #[arg(long, value_name = "UNIT")]
-    rate_unit: Option<RateUnit>,
+    pub time_unit: Option<TimeUnit>,
+
+    /// The temperature's unit: celsius (C), fahrenheit (F), kelvin (K) or counts; degrees are read as degrees C
+    #[arg(long, value_name = "UNIT")]
+    pub temperature_unit: Option<WrittenTemperature>,
+
+    /// The rates' unit: dps (deg/s), mdps, deg/h, rad/s, mrad/s or counts; mdps and deg/h are read as dps, mrad/s as rad/s
+    #[arg(long, value_name = "UNIT")]
+    pub rate_unit: Option<WrittenRate>,
 }
 
 impl ColumnArguments {
@@ -47,8 +59,10 @@ impl ColumnArguments {
             time: self.time.clone(),
             temperature: self.temperature.clone(),
             rates: self.rate.clone(),
-            time_unit: self.time_unit,
-            rate_unit: self.rate_unit,
+            time_unit: self.units.time_unit,
+            temperature_unit: self.units.temperature_unit,
+            rate_unit: self.units.rate_unit,
+            else_rate_unit: None,
         }
     }
 }
@@ -56,8 +70,8 @@ impl ColumnArguments {
 /// A log and how it is fitted.
 #[derive(Debug, Args)]
 pub struct LogArguments {
-    /// The log: PX4 ULog, ArduPilot DataFlash, CSV, TSV, Parquet or a recording of the bench, recognised by what is in it.
-    /// Several logs of one unit, as of a cold and a warm day, make one fit
+    /// The log: PX4 ULog, ArduPilot DataFlash, text in columns (CSV, TSV, semicolons), Parquet or a recording of the bench,
+    /// each also in gzip or alone in a zip, recognised by what is in it. Several logs of one unit, as of a cold and a warm day, make one fit
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
 

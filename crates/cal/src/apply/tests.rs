@@ -6,14 +6,20 @@ use zerorate_fit::predict::TimeDrift;
 use super::*;
 use crate::source::Source;
 
-const TO: AppliedTo<'static> = AppliedTo { temperature: "temp", time: None, time_unit: None, start: Start::Unknown };
+const TO: AppliedTo<'static> = AppliedTo { time: None, time_unit: None, start: Start::Unknown };
 
 /// 1 + T / 10 over 0..20.
 fn model(column: &str) -> AppliedModel {
     let scale = Scale::spanning(0.0, 20.0).unwrap();
     let shape = Shape::Polynomial(Polynomial::new(scale, &[2.0, 1.0]).unwrap());
     let drift = Drift { shape, valid: ValidRange::new(0.0, 20.0).unwrap() };
-    AppliedModel { column: column.to_owned(), model: DriftModel::of_curve(drift) }
+    AppliedModel {
+        column: column.to_owned(),
+        temperature: "temp".to_owned(),
+        written_temperature: WrittenTemperature::Celsius,
+        model: DriftModel::of_curve(drift),
+        factor: 1.0,
+    }
 }
 
 fn apply_to(log: &str, to: &AppliedTo<'_>, models: &[AppliedModel]) -> (Result<Applied, ApplyError>, String) {
@@ -44,6 +50,20 @@ fn outside_the_valid_range_the_curve_is_held_and_counted() {
     let (applied, text) = correct("temp,x,y\n-50,0,0\n90,0,0\n");
     assert!(text.contains("-50,0,0,1,-1,1,-1") && text.contains("90,0,0,3,-3,3,-3"), "{text}");
     assert_eq!(applied.unwrap().outside, 2);
+}
+
+#[test]
+fn a_column_in_another_unit_keeps_it_and_so_does_its_prediction() {
+    // 10 C, where the bias is 2 dps, is 50 F; in mdps the bias is 2000.
+    let own = AppliedModel { written_temperature: WrittenTemperature::Fahrenheit, factor: 1e-3, ..model("x") };
+    let (_, text) = apply_to("temp,x\n50,2500\n", &TO, &[own]);
+    assert_eq!(text, "temp,x,predicted_x,corrected_x\n50,2500,2000,500\n");
+}
+
+#[test]
+fn a_line_that_is_cut_is_left_out_and_told() {
+    let (applied, text) = apply_to("temp,x\n10,3\n10,3.1", &TO, &[model("x")]);
+    assert_eq!((applied.unwrap().cut_line, text.lines().count()), (Some(3), 2));
 }
 
 #[test]

@@ -4,9 +4,11 @@ use std::io;
 
 use thiserror::Error;
 
+use crate::packed::PackedFault;
 use crate::recording::RecordingFault;
 use crate::source::Faulty;
 use crate::table::TableFault;
+use crate::units::{RateUnit, WrittenTemperature};
 
 /// Why a log cannot be read, with its name.
 pub type LogError = Faulty<LogFault>;
@@ -17,6 +19,9 @@ pub enum LogFault {
     /// The file cannot be opened or read.
     #[error("cannot be read: {0}")]
     Read(#[from] io::Error),
+    /// The file is packed and cannot be unpacked.
+    #[error(transparent)]
+    Packed(#[from] PackedFault),
     /// A table cannot be read.
     #[error(transparent)]
     Table(#[from] TableFault),
@@ -36,6 +41,33 @@ pub enum LogFault {
         before: f64,
         /// The time in the row.
         after: f64,
+    },
+    /// Temperatures that no gyro sees, in the unit that they are taken for.
+    #[error(
+        "column '{column}' goes from {min:.0} to {max:.0}, which no gyro sees in {written}: say its unit (`temperature_unit` {}), or name the column that has the gyro's own temperature (`temperature`)",
+        .rather.option()
+    )]
+    NotCelsius {
+        /// The temperature column's name.
+        column: String,
+        /// The least, as it is written.
+        min: f64,
+        /// The greatest.
+        max: f64,
+        /// The unit it is taken for.
+        written: WrittenTemperature,
+        /// The unit it may be in.
+        rather: WrittenTemperature,
+    },
+    /// Rates whose unit was guessed, and that speak against the guess.
+    #[error(
+        "column '{column}' names no unit, and as {guessed} the gyro would never rest: say its unit (`rate_unit` dps, or rad/s if it did move all the time)"
+    )]
+    DoubtfulRate {
+        /// The rate column's name.
+        column: String,
+        /// The guess.
+        guessed: RateUnit,
     },
 }
 

@@ -1,9 +1,9 @@
-//! A table as a log: one sensor, whose axes are the rate columns.
+//! A table as a log: its gyros, whose axes are the rate columns.
 
-use super::survey::{Survey, times, wanted};
+use super::survey::{Survey, places, times, wanted};
 use super::{Ending, LogError, LogFault, Rows, Sink, Stream};
 use crate::source::Source;
-use crate::table::{Columns, Resolved, Table};
+use crate::table::{Columns, Resolved, ResolvedSensor, Table};
 
 /// A table that was opened and surveyed.
 #[derive(Debug)]
@@ -23,32 +23,56 @@ impl TableLog {
     }
 
     pub(super) fn read(&self, sink: &mut dyn Sink) -> Result<Ending, LogError> {
-        let ending = Ending { notes: [&self.columns.notes[..], &self.survey.notes[..]].concat(), ..Ending::default() };
-        let stream = Stream {
-            sensor: None,
-            names: self.columns.rate_names.clone(),
-            unit: self.columns.rate_unit,
-            temperature_unit: self.columns.temperature_unit,
+        let ending = Ending {
+            notes: [&self.columns.notes[..], &self.survey.notes[..]].concat(),
+            reasons: [&self.columns.guesses[..], &self.survey.reasons[..]].concat(),
         };
-        if !sink.stream(&stream) {
+        let wants: Vec<bool> = self.columns.sensors.iter().map(|sensor| sink.stream(&stream(sensor))).collect();
+        if !wants.contains(&true) {
             return Ok(ending);
         }
-        let rates = self.columns.rates.len();
         let mut time_s = Vec::new();
         for batch in self.table.batches(&wanted(&self.columns)).map_err(LogFault::named)? {
-            let batch = batch.map_err(LogFault::named)?;
+            let mut batch = batch.map_err(LogFault::named)?;
+            // A line that was cut may be alone in its batch.
+            if batch.rows() == 0 {
+                continue;
+            }
             time_s.clear();
             time_s.extend(times(&batch, &self.columns).iter().map(|time| self.survey.seconds(*time)));
             time_s.resize(batch.rows(), f64::NAN);
-            sink.rows(&Rows {
-                sensor: 0,
-                part: 0,
-                first_row: batch.first_row,
-                time_s: &time_s,
-                temperature: &batch.columns[0],
-                values: &batch.columns[1..=rates],
-            });
+            for ((number, sensor), place) in self.columns.sensors.iter().enumerate().zip(places(&self.columns)) {
+                if wants[number] {
+                    let columns = &mut batch.columns[place..=place + sensor.rates.len()];
+                    convert(sensor, columns);
+                    sink.rows(&Rows {
+                        sensor: number,
+                        part: 0,
+                        first_row: batch.first_row,
+                        time_s: &time_s,
+                        temperature: &columns[0],
+                        values: &columns[1..],
+                    });
+                }
+            }
         }
         Ok(ending)
+    }
+}
+
+fn stream(sensor: &ResolvedSensor) -> Stream {
+    Stream {
+        sensor: sensor.sensor,
+        names: sensor.rates.iter().map(|rate| rate.name.clone()).collect(),
+        unit: sensor.rate_unit,
+        temperature_unit: sensor.written_temperature.unit(),
+    }
+}
+
+/// The edge: from here on temperatures and rates are in the units of the stream.
+fn convert(sensor: &ResolvedSensor, columns: &mut [Vec<f64>]) {
+    columns[0].iter_mut().for_each(|temperature| *temperature = sensor.written_temperature.read(*temperature));
+    for (rate, column) in sensor.rates.iter().zip(&mut columns[1..]) {
+        column.iter_mut().for_each(|value| *value *= rate.factor);
     }
 }

@@ -1,6 +1,8 @@
-//! The first pass over a log: how much there is, how warm, and whether time runs forwards.
+//! The first pass over a log: how much there is, how warm, whether time runs forwards, and whether the units can be true.
 
+use super::plausible::Plausible;
 use super::{LogError, LogFault};
+use crate::quality::{Reason, ReasonKind};
 use crate::table::{Batch, Resolved, Table};
 use crate::units::TimeUnit;
 
@@ -50,20 +52,44 @@ pub(super) struct Survey {
     last_time: f64,
     /// Seconds in one unit of the time column; NaN if not known.
     unit_s: f64,
-    /// What was guessed.
+    /// What to know of the time.
     pub notes: Vec<String>,
+    /// A unit that was guessed, a file that is cut.
+    pub reasons: Vec<Reason>,
 }
 
 impl Survey {
     /// Reads the whole log once.
     pub(super) fn of(table: &Table, columns: &Resolved) -> Result<Self, LogError> {
-        let mut survey =
-            Self { rows: 0, first_time: f64::NAN, last_time: f64::NAN, unit_s: f64::NAN, notes: Vec::new() };
+        let mut survey = Self {
+            rows: 0,
+            first_time: f64::NAN,
+            last_time: f64::NAN,
+            unit_s: f64::NAN,
+            notes: Vec::new(),
+            reasons: Vec::new(),
+        };
+        let mut plausible: Vec<Plausible> = columns.sensors.iter().map(Plausible::new).collect();
         for batch in table.batches(&wanted(columns)).map_err(LogFault::named)? {
             let batch = batch.map_err(LogFault::named)?;
             survey.rows += batch.rows() as u64;
-            if columns.time.is_some() {
-                survey.take_time(&batch, table, columns)?;
+            survey.take_time(&batch, table, columns)?;
+            let sensors = columns.sensors.iter().zip(places(columns));
+            for (plausible, (sensor, place)) in plausible.iter_mut().zip(sensors) {
+                let rates = &batch.columns[place + 1..=place + sensor.rates.len()];
+                plausible.take(sensor, &batch.columns[place], rates);
+            }
+            if let Some(line) = batch.cut_line {
+                let text = format!(
+                    "the file ends in the middle of line {line}, or without its line feed: that line was left out, for its \
+                     last number may be cut short"
+                );
+                survey.reasons.push(Reason::new(ReasonKind::Truncated, text));
+            }
+        }
+        for (plausible, sensor) in plausible.iter().zip(&columns.sensors) {
+            if let Some(fault) = plausible.fault(sensor, table) {
+                return Err(table.source().faulty(fault));
             }
         }
         survey.settle_unit(table, columns);
@@ -103,9 +129,10 @@ impl Survey {
         }
         if let (None, Some(unit)) = (columns.time_unit, guessed) {
             let lasts = (self.last_time - self.first_time) * unit.seconds();
-            self.notes.push(format!(
+            let text = format!(
                 "'{name}' names no unit: taken as {unit}, by which the log lasts {lasts:.0} s (`time_unit` says otherwise)"
-            ));
+            );
+            self.reasons.push(Reason::new(ReasonKind::AssumedUnit, text));
         }
     }
 
@@ -120,12 +147,28 @@ impl Survey {
     }
 }
 
-/// The columns that every pass reads: temperature, rates, and time where there is one.
+/// The columns that every pass reads: of each sensor its temperature and its rates, then time where there is one.
 pub(super) fn wanted(columns: &Resolved) -> Vec<usize> {
-    std::iter::once(columns.temperature).chain(columns.rates.iter().copied()).chain(columns.time).collect()
+    let of_sensors = columns
+        .sensors
+        .iter()
+        .flat_map(|sensor| std::iter::once(sensor.temperature).chain(sensor.rates.iter().map(|rate| rate.column)));
+    of_sensors.chain(columns.time).collect()
+}
+
+/// Where each sensor's temperature lies among the wanted columns; its rates follow.
+pub(super) fn places(columns: &Resolved) -> impl Iterator<Item = usize> {
+    columns.sensors.iter().scan(0, |next, sensor| {
+        let place = *next;
+        *next += 1 + sensor.rates.len();
+        Some(place)
+    })
 }
 
 /// The times of a batch of the wanted columns; empty without a time column.
 pub(super) fn times<'a>(batch: &'a Batch, columns: &Resolved) -> &'a [f64] {
-    if columns.time.is_some() { &batch.columns[1 + columns.rates.len()] } else { &[] }
+    match columns.time {
+        Some(_) => batch.columns.last().map_or(&[], Vec::as_slice),
+        None => &[],
+    }
 }

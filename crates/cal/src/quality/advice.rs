@@ -48,6 +48,12 @@ impl ReasonKind {
             Self::NoSensor => {
                 "Switch on the logging of the raw gyro and accelerometer with their temperatures, and log again."
             }
+            Self::GuessedUnit => {
+                "Say the unit of the rates with `rate_unit`, or in the columns’ names: gyro_x_dps, gyro_x_rad_s."
+            }
+            Self::AssumedUnit => {
+                "Say the units that the columns do not name with `temperature_unit` and `time_unit`, if they are others."
+            }
             Self::Step => {
                 "Look for what changed when the rate stepped: a supply, a restart, a connector. The curve holds for the \
                  level before it."

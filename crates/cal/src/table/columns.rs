@@ -1,7 +1,16 @@
 //! Which column is which, and in what unit: as asked for, or by the names where they make it plain.
 
+mod gyros;
+
+use imu_logs::{Sensor, SensorKind};
+
+use super::words::{
+    Said, is_rate, is_temperature, is_time, names_axis, numbers, rate_unit, temperature_unit, time_unit, words,
+};
 use super::{Table, TableError, TableFault};
-use crate::units::{RateUnit, TemperatureUnit, TimeUnit};
+use crate::quality::{Reason, ReasonKind};
+use crate::units::{RateUnit, TimeUnit, WrittenRate, WrittenTemperature};
+use gyros::Gyro;
 
 /// What was asked for; whatever is left open is guessed.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -14,8 +23,12 @@ pub struct Columns {
     pub rates: Vec<String>,
     /// The time column's unit.
     pub time_unit: Option<TimeUnit>,
-    /// The rate columns' unit.
-    pub rate_unit: Option<RateUnit>,
+    /// The temperature columns' unit.
+    pub temperature_unit: Option<WrittenTemperature>,
+    /// The rate columns' unit, whatever their names say.
+    pub rate_unit: Option<WrittenRate>,
+    /// The rate columns' unit where no name says one.
+    pub else_rate_unit: Option<WrittenRate>,
 }
 
 /// Which column is which.
@@ -23,20 +36,42 @@ pub struct Columns {
 pub struct Resolved {
     /// The place of the time column; a log may have none.
     pub time: Option<usize>,
+    /// The time's unit where it was given or the table says it; otherwise [`TimeUnit::by_duration`] decides.
+    pub time_unit: Option<TimeUnit>,
+    /// The sensors, at least one.
+    pub sensors: Vec<ResolvedSensor>,
+    /// What to know about how columns were taken, a sentence each.
+    pub notes: Vec<String>,
+    /// The units that were guessed.
+    pub guesses: Vec<Reason>,
+}
+
+/// The columns of one sensor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResolvedSensor {
+    /// Which gyro it is, where the table has several.
+    pub sensor: Option<Sensor>,
     /// The place of the temperature column.
     pub temperature: usize,
-    /// The places of the rate columns, at least one.
-    pub rates: Vec<usize>,
-    /// The rate columns' names.
-    pub rate_names: Vec<String>,
-    /// The time's unit where it was given or the name says it; otherwise [`TimeUnit::by_duration`] decides.
-    pub time_unit: Option<TimeUnit>,
-    /// The rates' unit.
+    /// The unit in which that is written.
+    pub written_temperature: WrittenTemperature,
+    /// The rate columns, at least one.
+    pub rates: Vec<ResolvedRate>,
+    /// The unit of all rates once they are read.
     pub rate_unit: RateUnit,
-    /// The temperature's unit: counts where the name says so, else degrees C.
-    pub temperature_unit: TemperatureUnit,
-    /// A sentence for everything that was guessed and not plain from a name.
-    pub notes: Vec<String>,
+    /// Whether nothing says that unit: then the numbers may speak against it.
+    pub is_guessed: bool,
+}
+
+/// A rate column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResolvedRate {
+    /// Its place.
+    pub column: usize,
+    /// Its name.
+    pub name: String,
+    /// One of what is written in it, in the sensor's unit of rates.
+    pub factor: f64,
 }
 
 impl Columns {
@@ -46,180 +81,174 @@ impl Columns {
     /// When a column asked for is not there, or the names do not make it plain: the error lists the columns and the
     /// option that says which.
     pub fn resolve(&self, table: &Table) -> Result<Resolved, TableError> {
-        let words: Vec<Vec<String>> = table.names().iter().map(|name| words(name)).collect();
-        let places = |is: fn(&[String]) -> bool| -> Vec<usize> {
-            (0..words.len()).filter(|&column| is(&words[column])).collect()
+        Names::of(table).resolve(self)
+    }
+}
+
+/// A table's columns by what their names say.
+struct Names<'a> {
+    table: &'a Table,
+    /// The words of each name.
+    words: Vec<Vec<String>>,
+    /// Those, and the words of the unit that stands below it.
+    with_units: Vec<Vec<String>>,
+}
+
+impl<'a> Names<'a> {
+    fn of(table: &'a Table) -> Self {
+        let all: Vec<Vec<String>> = table.names().iter().map(|name| words(name)).collect();
+        let units = table.units.iter().map(|unit| words(unit));
+        let with_units = all.iter().zip(units).map(|(name, unit)| [name.clone(), unit].concat()).collect();
+        Self { table, words: all, with_units }
+    }
+
+    fn resolve(&self, asked: &Columns) -> Result<Resolved, TableError> {
+        let (table, units) = (self.table, &self.with_units);
+        let temperatures = match &asked.temperature {
+            Some(name) => vec![table.column(name)?],
+            None => self.places(is_temperature),
         };
-        let temperature = match &self.temperature {
-            Some(name) => table.column(name)?,
-            None => match places(is_temperature)[..] {
-                [only] => only,
-                ref several => return Err(unclear(table, "temperature", several)),
-            },
-        };
-        let rates = if self.rates.is_empty() {
-            match guess_rates(&words) {
-                Ok(rates) => rates,
-                Err(several) => return Err(unclear(table, "rate", &several)),
-            }
-        } else {
-            self.rates.iter().map(|name| table.column(name)).collect::<Result<_, _>>()?
-        };
-        let time = match &self.time {
+        let gyros = self.gyros(asked)?;
+        let time = match &asked.time {
             Some(name) => Some(table.column(name)?),
             // Of `timestamp` and `timestamp_sample` the one with fewer words; a log may also have none.
-            None => places(is_time).into_iter().min_by_key(|&column| words[column].len()),
+            None => {
+                let named = self.places(is_time).into_iter().min_by_key(|&column| self.words[column].len());
+                named.or_else(|| (0..units.len()).find(|&column| table.clocks[column].is_some()))
+            }
         };
-        refuse_other_units(table, &words, temperature, &rates, self.rate_unit)?;
-        let mut notes = Vec::new();
-        let rate_unit = self.rate_unit.or_else(|| rate_unit(&words[rates[0]])).unwrap_or_else(|| {
-            let name = &table.names()[rates[0]];
-            notes.push(format!("'{name}' names no unit: taken as rad/s (`rate_unit` says otherwise)"));
-            RateUnit::RadPerS
-        });
-        Ok(Resolved {
+        let of_column = |time: usize| table.clocks[time].or_else(|| time_unit(&units[time]));
+        let mut resolved = Resolved {
             time,
-            temperature,
-            rate_names: rates.iter().map(|&rate| table.names()[rate].clone()).collect(),
-            rates,
-            time_unit: self.time_unit.or_else(|| time.and_then(|time| time_unit(&words[time]))),
-            rate_unit,
-            temperature_unit: if has(&words[temperature], &COUNTS_WORDS) {
-                TemperatureUnit::Counts
-            } else {
-                TemperatureUnit::C
-            },
-            notes,
-        })
+            time_unit: asked.time_unit.or_else(|| time.and_then(of_column)),
+            sensors: Vec::new(),
+            notes: Vec::new(),
+            guesses: Vec::new(),
+        };
+        for gyro in &gyros {
+            let temperature = self.temperature_of(gyro, &temperatures)?;
+            let sensor = self.sensor(gyro, temperature, asked, &mut resolved)?;
+            resolved.sensors.push(sensor);
+        }
+        Ok(resolved)
     }
-}
 
-fn unclear(table: &Table, what: &'static str, found: &[usize]) -> TableError {
-    let found = if found.is_empty() { "no column" } else { "more than one column" };
-    table.source().faulty(TableFault::Unclear { what, found, columns: table.names().join(", ") })
-}
-
-/// Units of temperature by the words that say them, and none of them is degrees C.
-const OTHER_TEMPERATURES: [(&str, &[&str]); 2] =
-    [("degrees Fahrenheit", &["f", "degf", "fahrenheit"]), ("kelvin", &["k", "kelvin"])];
-
-/// Units of rates by the words that say them, all of which must be there.
-const OTHER_RATES: [(&str, &[&str]); 7] = [
-    ("mdps", &["mdps"]),
-    ("mdps", &["mdeg"]),
-    ("mrad/s", &["mrad"]),
-    ("deg/h", &["dph"]),
-    ("deg/h", &["deg", "h"]),
-    ("deg/h", &["deg", "hr"]),
-    ("deg/h", &["deg", "hour"]),
-];
-
-/// Refuses names that say a unit which would be taken for another. A unit of the rates that was given is believed.
-fn refuse_other_units(
-    table: &Table,
-    words: &[Vec<String>],
-    temperature: usize,
-    rates: &[usize],
-    given: Option<RateUnit>,
-) -> Result<(), TableError> {
-    let refused = |column: usize, unit, instead| {
-        Err(table.source().faulty(TableFault::OtherUnit { column: table.names()[column].clone(), unit, instead }))
-    };
-    if let Some((unit, _)) = OTHER_TEMPERATURES.iter().find(|(_, said)| has(&words[temperature], said)) {
-        return refused(temperature, unit, "degrees C");
+    fn places(&self, is: fn(&[String]) -> bool) -> Vec<usize> {
+        (0..self.with_units.len()).filter(|&column| is(&self.with_units[column])).collect()
     }
-    for &rate in rates.iter().filter(|_| given.is_none()) {
-        if let Some(unit) = other_rate_unit(&words[rate]) {
-            return refused(rate, unit, "dps or rad/s, or say its unit (`rate_unit`)");
+
+    fn gyros(&self, asked: &Columns) -> Result<Vec<Gyro>, TableError> {
+        if asked.rates.is_empty() {
+            let found = self.guess_rates();
+            let gyros = if found.is_empty() { None } else { gyros::split(&found, &self.words) };
+            return gyros.ok_or_else(|| self.unclear("rate", &found));
+        }
+        let columns: Vec<usize> =
+            asked.rates.iter().map(|name| self.table.column(name)).collect::<Result<_, TableError>>()?;
+        Ok(gyros::split(&columns, &self.words).unwrap_or_else(|| vec![Gyro { instance: None, columns }]))
+    }
+
+    /// The rate columns, by their names.
+    fn guess_rates(&self) -> Vec<usize> {
+        let all = self.places(is_rate);
+        // `gyro_status` is beside `gyro_x`, not of its kind.
+        let with_axis: Vec<usize> = all.iter().copied().filter(|&column| names_axis(&self.words[column])).collect();
+        // PX4's own topics name them x, y, z and nothing else.
+        let is_bare = |column: &usize| {
+            let words = &self.words[*column];
+            words.len() == 1 && ["x", "y", "z"].contains(&words[0].as_str())
+        };
+        let bare: Vec<usize> = (0..self.words.len()).filter(is_bare).collect();
+        [with_axis, all, bare].into_iter().find(|columns| !columns.is_empty()).unwrap_or_default()
+    }
+
+    /// The one temperature there is, or the one with the gyro's number.
+    fn temperature_of(&self, gyro: &Gyro, temperatures: &[usize]) -> Result<usize, TableError> {
+        let own = |column: &usize| gyro.instance.is_some_and(|number| numbers(&self.words[*column]).contains(&number));
+        let mut candidates = temperatures.to_vec();
+        if candidates.len() > 1 && gyro.instance.is_some() {
+            candidates.retain(own);
+        }
+        match candidates[..] {
+            [only] => Ok(only),
+            _ => Err(self.unclear("temperature", if candidates.is_empty() { temperatures } else { &candidates })),
         }
     }
-    Ok(())
-}
 
-/// The unit of a rate that a name says and that is not read.
-fn other_rate_unit(words: &[String]) -> Option<&'static str> {
-    let says = |said: &[&str]| said.iter().all(|word| has(words, &[word]));
-    OTHER_RATES.iter().find(|(_, said)| says(said)).map(|(unit, _)| *unit)
-}
-
-const COUNTS_WORDS: [&str; 5] = ["count", "counts", "lsb", "adc", "raw"];
-
-/// A name's words in lower case: `imu.gyro.x`, `x_rad_s`, `GyrX`, `gyro_rad[0]`; the sign of degrees is the word `deg`.
-fn words(name: &str) -> Vec<String> {
-    let mut words = vec![String::new()];
-    let mut was_lower = false;
-    for letter in name.replace('°', " deg ").chars() {
-        if !letter.is_alphanumeric() || (was_lower && letter.is_uppercase()) {
-            words.push(String::new());
+    /// A gyro's columns with their units.
+    fn sensor(
+        &self,
+        gyro: &Gyro,
+        temperature: usize,
+        asked: &Columns,
+        resolved: &mut Resolved,
+    ) -> Result<ResolvedSensor, TableError> {
+        let said = asked.temperature_unit.or_else(|| temperature_unit(&self.with_units[temperature]));
+        let written_temperature = said.unwrap_or_else(|| {
+            let text = format!(
+                "'{}' names no unit: taken as degrees C (`temperature_unit` says otherwise)",
+                self.table.names()[temperature]
+            );
+            resolved.guesses.push(Reason::new(ReasonKind::AssumedUnit, text));
+            WrittenTemperature::Celsius
+        });
+        let written: Vec<Option<WrittenRate>> =
+            gyro.columns.iter().map(|&column| self.written(column, asked, resolved)).collect::<Result<_, _>>()?;
+        let by_name = written.iter().flatten().next().copied();
+        let of_rest = by_name.or(asked.else_rate_unit).unwrap_or(WrittenRate::RadPerS);
+        let is_guessed = by_name.is_none() && asked.else_rate_unit.is_none();
+        if let Some(place) = written.iter().position(Option::is_none)
+            && (is_guessed || by_name.is_some())
+        {
+            let name = &self.table.names()[gyro.columns[place]];
+            let why = if is_guessed { "" } else { ", as the columns beside it" };
+            let text = format!("'{name}' names no unit: taken as {of_rest}{why} (`rate_unit` says otherwise)");
+            resolved.guesses.push(Reason::new(ReasonKind::GuessedUnit, text));
         }
-        if letter.is_alphanumeric() {
-            words.last_mut().expect("never empty").extend(letter.to_lowercase());
+        let rate_unit = of_rest.unit();
+        let rate = |(&column, written): (&usize, Option<WrittenRate>)| {
+            let name = self.table.names()[column].clone();
+            let written = written.unwrap_or(of_rest);
+            match written.in_unit(rate_unit) {
+                Some(factor) => Ok(ResolvedRate { column, name, factor }),
+                None => Err(self.other_unit(column, written.to_string(), format!("{of_rest} as the other columns"))),
+            }
+        };
+        let rates = gyro.columns.iter().zip(written).map(rate).collect::<Result<_, _>>()?;
+        let sensor = gyro.instance.map(|instance| Sensor { kind: SensorKind::Gyro, instance, device_id: None });
+        Ok(ResolvedSensor { sensor, temperature, written_temperature, rates, rate_unit, is_guessed })
+    }
+
+    /// The unit in which a rate column is written: one that was given is believed against its name.
+    fn written(
+        &self,
+        column: usize,
+        asked: &Columns,
+        resolved: &mut Resolved,
+    ) -> Result<Option<WrittenRate>, TableError> {
+        let name = &self.table.names()[column];
+        match (asked.rate_unit, rate_unit(&self.with_units[column])) {
+            (Some(given), Some(Said::Known(said))) if said != given => {
+                resolved.notes.push(format!("'{name}' says {said}, and is taken as {given}, as asked (`rate_unit`)"));
+                Ok(Some(given))
+            }
+            (Some(given), _) => Ok(Some(given)),
+            (None, Some(Said::Known(said))) => Ok(Some(said)),
+            (None, Some(Said::Other(unit))) => {
+                Err(self.other_unit(column, unit.to_owned(), "dps or rad/s, or say its unit (`rate_unit`)".to_owned()))
+            }
+            (None, None) => Ok(None),
         }
-        was_lower = letter.is_lowercase();
     }
-    words.retain(|word| !word.is_empty());
-    words
-}
 
-fn has(words: &[String], any: &[&str]) -> bool {
-    words.iter().any(|word| any.contains(&word.as_str()))
-}
-
-fn is_time(words: &[String]) -> bool {
-    words.first().is_some_and(|word| ["t", "time", "timestamp", "seconds"].contains(&word.as_str()))
-        && !is_temperature(words)
-}
-
-fn is_temperature(words: &[String]) -> bool {
-    words.iter().any(|word| word.starts_with("temp")) || words == ["t", "c"]
-}
-
-/// Names a rate by the sensor's name or by its unit, and no other sensor.
-fn is_rate(words: &[String]) -> bool {
-    let sensor = words.iter().any(|word| word.starts_with("gyr"))
-        || has(words, &["rate", "omega", "zro", "angular", "gx", "gy", "gz"]);
-    let unit = has(words, &["dps", "rad"])
-        || (has(words, &["deg"]) && has(words, &["s", "sec"]))
-        || other_rate_unit(words).is_some();
-    let other = words.iter().any(|word| word.starts_with("acc") || word.starts_with("mag"));
-    (sensor || unit) && !other && !is_temperature(words) && !is_time(words)
-}
-
-fn names_axis(words: &[String]) -> bool {
-    has(words, &["x", "y", "z", "gx", "gy", "gz", "0", "1", "2"])
-}
-
-/// One to three rate columns, or what was found instead.
-fn guess_rates(words: &[Vec<String>]) -> Result<Vec<usize>, Vec<usize>> {
-    let all: Vec<usize> = (0..words.len()).filter(|&column| is_rate(&words[column])).collect();
-    // `gyro_status` is beside `gyro_x`, not of its kind.
-    let with_axis: Vec<usize> = all.iter().copied().filter(|&column| names_axis(&words[column])).collect();
-    // PX4's own topics name them x, y, z and nothing else.
-    let bare: Vec<usize> = (0..words.len())
-        .filter(|&column| words[column].len() == 1 && ["x", "y", "z"].contains(&words[column][0].as_str()))
-        .collect();
-    let found = [with_axis, all, bare].into_iter().find(|columns| !columns.is_empty()).unwrap_or_default();
-    if (1..=3).contains(&found.len()) { Ok(found) } else { Err(found) }
-}
-
-fn rate_unit(words: &[String]) -> Option<RateUnit> {
-    if has(words, &["rad"]) {
-        Some(RateUnit::RadPerS)
-    } else if has(words, &["dps", "deg"]) {
-        Some(RateUnit::Dps)
-    } else if has(words, &COUNTS_WORDS) {
-        Some(RateUnit::Counts)
-    } else {
-        None
+    fn other_unit(&self, column: usize, unit: String, instead: String) -> TableError {
+        let column = self.table.names()[column].clone();
+        self.table.source().faulty(TableFault::OtherUnit { column, unit, instead })
     }
-}
 
-fn time_unit(words: &[String]) -> Option<TimeUnit> {
-    words.iter().rev().find_map(|word| match word.as_str() {
-        "s" | "sec" | "seconds" => Some(TimeUnit::S),
-        "ms" | "msec" => Some(TimeUnit::Ms),
-        "us" | "usec" => Some(TimeUnit::Us),
-        "ns" | "nsec" => Some(TimeUnit::Ns),
-        _ => None,
-    })
+    fn unclear(&self, what: &'static str, found: &[usize]) -> TableError {
+        let found = if found.is_empty() { "no column" } else { "more than one column" };
+        let columns = self.table.names().join(", ");
+        self.table.source().faulty(TableFault::Unclear { what, found, columns })
+    }
 }

@@ -4,6 +4,7 @@ use std::io;
 
 use thiserror::Error;
 
+use crate::packed::PackedFault;
 use crate::source::Faulty;
 
 /// Why a table cannot be read, with its name.
@@ -15,6 +16,9 @@ pub enum TableFault {
     /// The file cannot be opened or read.
     #[error("cannot be read: {0}")]
     Read(#[from] io::Error),
+    /// The file is packed and cannot be unpacked.
+    #[error(transparent)]
+    Packed(#[from] PackedFault),
     /// The file has no row.
     #[error("the file is empty: give a log with at least one row")]
     Empty,
@@ -31,9 +35,9 @@ pub enum TableFault {
         /// Cells in the first line.
         expected: usize,
     },
-    /// Text stands where a number should.
+    /// Text stands where a number or a time should.
     #[error(
-        "line {line}: column '{column}' holds '{text}' where a number should be: correct it, or leave the cell empty"
+        "line {line}: column '{column}' holds '{text}' where {wanted} should be: correct it, or leave the cell empty"
     )]
     NotANumber {
         /// The line, from 1.
@@ -42,6 +46,14 @@ pub enum TableFault {
         column: String,
         /// The cell.
         text: String,
+        /// What the column's other cells are, as "a number".
+        wanted: &'static str,
+    },
+    /// A line without end.
+    #[error("line {line} is longer than a megabyte: this is no table, or its line feeds are missing")]
+    EndlessLine {
+        /// The line, from 1.
+        line: u64,
     },
     /// A Parquet column is not of a numeric type.
     #[error("column '{column}' is of type {kind}, not numbers: choose another column")]
@@ -81,8 +93,15 @@ pub enum TableFault {
         /// The column's name.
         column: String,
         /// The unit that its name says.
-        unit: &'static str,
+        unit: String,
         /// What it is to be in.
-        instead: &'static str,
+        instead: String,
     },
+}
+
+impl TableFault {
+    /// What is wrong with a file's packing is wrong with its table.
+    pub(super) fn named(error: Faulty<PackedFault>) -> TableError {
+        Faulty { name: error.name, fault: error.fault.into() }
+    }
 }

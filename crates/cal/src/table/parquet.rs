@@ -11,14 +11,27 @@ use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchR
 use super::{BATCH_ROWS, Batch, TableFault};
 use crate::parquet_source::ParquetSource;
 use crate::source::Source;
+use crate::units::TimeUnit;
 
-/// The names of all columns.
-pub(super) fn names(source: &Source) -> Result<Vec<String>, TableFault> {
+/// The names of all columns, and the units of those that are times.
+pub(super) fn columns(source: &Source) -> Result<(Vec<String>, Vec<Option<TimeUnit>>), TableFault> {
     let builder = builder(source)?;
     if builder.metadata().file_metadata().num_rows() == 0 {
         return Err(TableFault::Empty);
     }
-    Ok(builder.schema().fields().iter().map(|field| field.name().clone()).collect())
+    Ok(builder.schema().fields().iter().map(|field| (field.name().clone(), clock(field.data_type()))).unzip())
+}
+
+fn clock(kind: &DataType) -> Option<TimeUnit> {
+    match kind {
+        DataType::Timestamp(unit, _) | DataType::Duration(unit) => Some(match unit {
+            arrow_schema::TimeUnit::Second => TimeUnit::S,
+            arrow_schema::TimeUnit::Millisecond => TimeUnit::Ms,
+            arrow_schema::TimeUnit::Microsecond => TimeUnit::Us,
+            arrow_schema::TimeUnit::Nanosecond => TimeUnit::Ns,
+        }),
+        _ => None,
+    }
 }
 
 fn builder(source: &Source) -> Result<ParquetRecordBatchReaderBuilder<ParquetSource>, TableFault> {
@@ -66,7 +79,7 @@ impl ParquetBatches {
         let cells = if self.cells { cells(record)? } else { Vec::new() };
         let first_row = self.row;
         self.row += record.num_rows() as u64;
-        Ok(Batch { first_row, columns, cells })
+        Ok(Batch { first_row, columns, cells, cut_line: None })
     }
 }
 

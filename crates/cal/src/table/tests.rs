@@ -4,7 +4,8 @@ use ::parquet::arrow::ArrowWriter;
 use arrow_array::{ArrayRef, Float32Array, Float64Array, Int64Array, RecordBatch, StringArray};
 
 use super::*;
-use crate::units::{RateUnit, TemperatureUnit, TimeUnit};
+use crate::quality::ReasonKind;
+use crate::units::{RateUnit, TimeUnit, WrittenRate, WrittenTemperature};
 
 fn table(content: &[u8]) -> Result<Table, TableError> {
     Table::open(&Source::bytes("log", content))
@@ -25,9 +26,14 @@ fn resolve(header: &str, columns: &Columns) -> Result<Resolved, TableError> {
     columns.resolve(&table(format!("{header}\n").as_bytes())?)
 }
 
+/// The places of the first sensor's rates.
+fn places(found: &Resolved) -> Vec<usize> {
+    found.sensors[0].rates.iter().map(|rate| rate.column).collect()
+}
+
 #[test]
 fn every_delimiter_is_found_by_content() {
-    for content in ["t,r\n1,2\n3,4\n", "t;r\n1;2\n3;4", "t\tr\r\n1\t2\r\n3\t4\r\n", "  t   r\n 1 2\n3    4\n"] {
+    for content in ["t,r\n1,2\n3,4\n", "t;r\n1;2\n3;4\n", "t\tr\r\n1\t2\r\n3\t4\r\n", "  t   r\n 1 2\n3    4\n"] {
         let (names, columns) = read(content).unwrap();
         assert_eq!((names, columns), (vec!["t".into(), "r".into()], vec![vec![1.0, 3.0], vec![2.0, 4.0]]));
     }
@@ -115,7 +121,9 @@ fn columns_are_guessed_where_the_names_make_it_plain() {
         ("temp,rate_dps", None, 0, vec![1]),
     ] {
         match resolve(header, &Columns::default()) {
-            Ok(found) => assert_eq!((found.time, found.temperature, found.rates), (time, temperature, rates)),
+            Ok(found) => {
+                assert_eq!((found.time, found.sensors[0].temperature, places(&found)), (time, temperature, rates))
+            }
             Err(error) => {
                 assert_eq!(temperature, usize::MAX, "{error}");
                 assert!(error.to_string().contains("say which (`temperature`); the columns are TimeUS, I,"));
@@ -128,12 +136,14 @@ fn columns_are_guessed_where_the_names_make_it_plain() {
 fn units_come_from_the_names() {
     let named = resolve("TimeUS,temp_counts,GyrX_dps", &Columns::default()).unwrap();
     assert_eq!(named.time_unit, Some(TimeUnit::Us));
-    assert_eq!(named.rate_unit, RateUnit::Dps);
-    assert_eq!(named.temperature_unit, TemperatureUnit::Counts);
-    assert!(named.notes.is_empty());
+    assert_eq!(named.sensors[0].rate_unit, RateUnit::Dps);
+    assert_eq!(named.sensors[0].written_temperature, WrittenTemperature::Counts);
+    assert!(named.notes.is_empty() && named.guesses.is_empty());
     let bare = resolve("timestamp,temperature,gyro.x", &Columns::default()).unwrap();
-    assert_eq!((bare.time_unit, bare.rate_unit), (None, RateUnit::RadPerS));
-    assert!(bare.notes[0].contains("taken as rad/s"));
+    assert_eq!((bare.time_unit, bare.sensors[0].rate_unit), (None, RateUnit::RadPerS));
+    let kinds: Vec<ReasonKind> = bare.guesses.iter().map(|guess| guess.kind).collect();
+    assert_eq!(kinds, [ReasonKind::AssumedUnit, ReasonKind::GuessedUnit]);
+    assert!(bare.guesses[1].text.contains("'gyro.x' names no unit: taken as rad/s"));
 }
 
 #[test]
@@ -147,7 +157,7 @@ fn a_time_without_a_unit_is_read_by_how_long_the_log_lasts() {
 fn a_column_asked_for_wins_and_a_wrong_one_lists_those_there_are() {
     let asked = Columns { rates: vec!["b".into()], temperature: Some("a".into()), ..Columns::default() };
     let found = resolve("a,b,gyro_x", &asked).unwrap();
-    assert_eq!((found.temperature, found.rates), (0, vec![1]));
+    assert_eq!((found.sensors[0].temperature, places(&found)), (0, vec![1]));
     let wrong = Columns { temperature: Some("heat".into()), ..Columns::default() };
     let error = resolve("a,b", &wrong).unwrap_err().to_string();
     assert!(error.ends_with("there is no column 'heat'; the columns are a, b"), "{error}");
@@ -156,27 +166,151 @@ fn a_column_asked_for_wins_and_a_wrong_one_lists_those_there_are() {
 }
 
 #[test]
-fn a_unit_that_a_name_says_is_taken_or_refused_and_never_mistaken() {
+fn a_unit_that_a_name_says_is_read_or_refused_and_never_mistaken() {
+    use WrittenTemperature::{Celsius, Fahrenheit, Kelvin};
     let guessed = Columns::default();
-    for (head, unit) in [
-        ("time_s,temp_F,gyro_x_dps,gyro_y_dps", "degrees Fahrenheit"),
-        ("time_s,Temp [°F],gyro_x_dps,gyro_y_dps", "degrees Fahrenheit"),
-        ("time_s,temperature_k,gyro_x_dps,gyro_y_dps", "kelvin"),
-        ("time_s,temp_c,gyro_x_mdps,gyro_y_mdps", "mdps"),
-        ("time_s,temp_c,x_deg_h,y_deg_h", "deg/h"),
-        ("time_s,temp_c,x [°/h],y [°/h]", "deg/h"),
-        ("time_s,temp_c,gyro_x_mrad_s,gyro_y_mrad_s", "mrad/s"),
+    for (head, temperature, unit, factor) in [
+        ("time_s,temp_F,gyro_x_dps", Fahrenheit, RateUnit::Dps, 1.0),
+        ("time_s,Temp [°F],gyro_x_dps", Fahrenheit, RateUnit::Dps, 1.0),
+        ("time_s,temperature_k,gyro_x_mDPS", Kelvin, RateUnit::Dps, 1e-3),
+        ("time_s,temp [K],x [°/s]", Kelvin, RateUnit::Dps, 1.0),
+        ("time_s,Temperature [°C],x_deg_s", Celsius, RateUnit::Dps, 1.0),
+        ("time_s,temp_c,gyro_x_mdps", Celsius, RateUnit::Dps, 1e-3),
+        ("time_s,temp_c,x [m°/s]", Celsius, RateUnit::Dps, 1e-3),
+        ("time_s,temp_c,x_deg_h", Celsius, RateUnit::Dps, 1.0 / 3600.0),
+        ("time_s,temp_c,x [°/h]", Celsius, RateUnit::Dps, 1.0 / 3600.0),
+        ("time_s,temp_c,gyro_x_mrad_s", Celsius, RateUnit::RadPerS, 1e-3),
+        ("time_s,temp_c,gyro_x_rad/s", Celsius, RateUnit::RadPerS, 1.0),
     ] {
+        let found = resolve(head, &guessed).unwrap();
+        let sensor = &found.sensors[0];
+        assert_eq!((sensor.written_temperature, sensor.rate_unit), (temperature, unit), "{head}");
+        assert!((sensor.rates[0].factor / factor - 1.0).abs() < 1e-12 && found.guesses.is_empty(), "{head}");
+    }
+    for (head, unit) in [("time_s,temp_c,x_deg_min", "deg/min"), ("time_s,temp_c,gyro_x_rpm", "turns a minute")] {
         let refused = resolve(head, &guessed).unwrap_err().to_string();
         assert!(refused.contains(unit) && refused.contains("unit is not read"), "{head}: {refused}");
     }
-    for (head, unit) in [
-        ("time_s,temp_c,x [°/s],y [°/s]", RateUnit::Dps),
-        ("time_s,Temperature [°C],x_deg_s,y_deg_s", RateUnit::Dps),
-        ("time_s,temp_c,gx,gy", RateUnit::RadPerS),
+    let given = Columns { rate_unit: Some(WrittenRate::Dps), ..Columns::default() };
+    let found = resolve("time_s,temp_c,gyro_x_mdps", &given).unwrap();
+    assert!((found.sensors[0].rates[0].factor - 1.0).abs() < 1e-12);
+    assert_eq!(found.notes, ["'gyro_x_mdps' says mdps, and is taken as dps, as asked (`rate_unit`)"]);
+}
+
+#[test]
+fn columns_of_one_gyro_in_two_units_are_read_in_one() {
+    let found = resolve("t_s,temp_c,x_dps,y_rad_s,gyro_z", &Columns::default()).unwrap();
+    let factors: Vec<f64> = found.sensors[0].rates.iter().map(|rate| rate.factor).collect();
+    assert_eq!(found.sensors[0].rate_unit, RateUnit::Dps);
+    assert!((factors[0] - 1.0).abs() < 1e-12 && (factors[1] - 57.295_779_513).abs() < 1e-6);
+    assert!(found.guesses[0].text.contains("'gyro_z' names no unit: taken as dps, as the columns beside it"));
+    let mixed = resolve("t_s,temp_c,x_dps,gyro_y_counts", &Columns::default()).unwrap_err().to_string();
+    assert!(mixed.contains("'gyro_y_counts' is in counts"), "{mixed}");
+}
+
+#[test]
+fn several_gyros_are_told_apart_by_their_numbers() {
+    let gyro = |instance, temperature, rates: [usize; 3]| (Some(instance), temperature, rates.to_vec());
+    for (head, expected) in [
+        ("t_s,temp_c,gyro0_x,gyro0_y,gyro0_z,gyro1_x,gyro1_y,gyro1_z", [gyro(0, 1, [2, 3, 4]), gyro(1, 1, [5, 6, 7])]),
+        (
+            "t_s,gyro1_x,gyro1_y,gyro1_z,temp1,gyro2_x,gyro2_y,gyro2_z,temp2",
+            [gyro(1, 4, [1, 2, 3]), gyro(2, 8, [5, 6, 7])],
+        ),
+        (
+            "t_s,imu0.gyro.x,imu0.gyro.y,imu0.gyro.z,imu0.temperature,imu1.gyro.x,imu1.gyro.y,imu1.gyro.z,imu1.temperature",
+            [gyro(0, 4, [1, 2, 3]), gyro(1, 8, [5, 6, 7])],
+        ),
     ] {
-        assert_eq!(resolve(head, &guessed).unwrap().rate_unit, unit, "{head}");
+        let found = resolve(head, &Columns::default()).unwrap();
+        let sensors: Vec<(Option<u8>, usize, Vec<usize>)> = found
+            .sensors
+            .iter()
+            .map(|own| {
+                let rates = own.rates.iter().map(|rate| rate.column).collect();
+                (own.sensor.map(|sensor| sensor.instance), own.temperature, rates)
+            })
+            .collect();
+        assert_eq!(sensors, expected, "{head}");
     }
-    let given = Columns { rate_unit: Some(RateUnit::Dps), ..Columns::default() };
-    assert_eq!(resolve("time_s,temp_c,gyro_x_mdps,gyro_y_mdps", &given).unwrap().rate_unit, RateUnit::Dps);
+    let filtered = "t_s,temp_c,gyro_x,gyro_y,gyro_z,gyro_filtered_x,gyro_filtered_y,gyro_filtered_z";
+    let unclear = resolve(filtered, &Columns::default()).unwrap_err().to_string();
+    assert!(unclear.contains("more than one column could be the rate: say which (`rate`)"), "{unclear}");
+}
+
+#[test]
+fn decimal_commas_are_read_where_cells_are_not_delimited_by_commas() {
+    let (names, columns) = read("t;temp;x\n0,5;20;-1,25e-3\n1,0;20,5;2\n").unwrap();
+    assert_eq!(names, ["t", "temp", "x"]);
+    assert_eq!(columns, [[0.5, 1.0], [20.0, 20.5], [-1.25e-3, 2.0]]);
+    let both = read("t;x\n0,5;1.5\n1,0;2.5\n").unwrap_err().to_string();
+    assert!(both.contains("line 2: column 't' holds '0,5' where a number should be"), "{both}");
+}
+
+#[test]
+fn comments_are_no_rows_and_may_hold_the_names() {
+    let (names, columns) = read("# a chamber, by hand\n# in May\nt,x\n1,2\n# the door was opened\n3,4\n").unwrap();
+    assert_eq!((names, columns), (vec!["t".into(), "x".into()], vec![vec![1.0, 3.0], vec![2.0, 4.0]]));
+    // As numpy.savetxt writes a header.
+    assert_eq!(read("# t x\n1.0 2.0\n3.0 4.0\n").unwrap().0, ["t", "x"]);
+    assert_eq!(read("# only, a, remark\n1.0,2.0\n").unwrap().0, ["column_1", "column_2"]);
+}
+
+#[test]
+fn a_row_of_units_below_the_names_is_no_row_and_its_units_are_taken() {
+    let content = "time,temperature,x,y,z,status\nms,°F,mdps,mdps,mdps,-\n0,50,1,2,3,0\n1000,51,1,2,3,0\n";
+    let found = Columns::default().resolve(&table(content.as_bytes()).unwrap()).unwrap();
+    assert_eq!((found.time, found.time_unit, places(&found)), (Some(0), Some(TimeUnit::Ms), vec![2, 3, 4]));
+    assert_eq!(found.sensors[0].written_temperature, WrittenTemperature::Fahrenheit);
+    assert!((found.sensors[0].rates[0].factor - 1e-3).abs() < 1e-12 && found.guesses.is_empty());
+    let (names, columns) = read(content).unwrap();
+    assert_eq!((names[2].as_str(), &columns[1][..]), ("x", &[50.0, 51.0][..]));
+    // An older program's degree sign, one byte.
+    let latin = table(b"t_s,Temp [\xB0F],x_dps\n1,50,2\n").unwrap();
+    assert_eq!(latin.names()[1], "Temp [°F]");
+}
+
+#[test]
+fn iso_times_are_seconds() {
+    let content = "date,temp_c,x_dps\n2026-03-01T08:00:00.250+02:00,20,1\n2026-03-01T06:00:01Z,21,2\n,22,3\n";
+    let (_, columns) = read(content).unwrap();
+    // By `date -u -d 2026-03-01T06:00:00.25 +%s.%N`.
+    assert!((columns[0][0] - 1_772_344_800.25).abs() < 1e-6 && (columns[0][1] - 1_772_344_801.0).abs() < 1e-6);
+    assert!(columns[0][2].is_nan());
+    let found = Columns::default().resolve(&table(content.as_bytes()).unwrap()).unwrap();
+    assert_eq!((found.time, found.time_unit), (Some(0), Some(TimeUnit::S)));
+    let wrong = read(&content.replace("2026-03-01T06:00:01Z", "later")).unwrap_err().to_string();
+    assert!(wrong.contains("line 3: column 'date' holds 'later' where a time like 2026-03-01T08:00:00"), "{wrong}");
+}
+
+#[test]
+fn a_last_line_without_its_line_feed_is_left_out_and_told() {
+    for (content, cut_line) in [("a,b\n1,2\n3,4.5\n", None), ("a,b\n1,2\n3,4.", Some(3)), ("a,b\n1,2\n3", Some(3))] {
+        let batches: Vec<Batch> =
+            table(content.as_bytes()).unwrap().batches(&[0, 1]).unwrap().collect::<Result<_, _>>().unwrap();
+        let rows: usize = batches.iter().map(Batch::rows).sum();
+        assert_eq!((batches[batches.len() - 1].cut_line, rows), (cut_line, if cut_line.is_some() { 1 } else { 2 }));
+    }
+}
+
+#[test]
+fn a_line_without_end_is_refused_before_it_takes_the_memory() {
+    let content = ["a,b\n1,", &"2".repeat(3 << 20)].concat();
+    let endless = read(&content).unwrap_err().to_string();
+    assert!(endless.contains("line 2 is longer than a megabyte"), "{endless}");
+    // A quote that is never closed does not swallow the rows after it.
+    let open = read("a,b\n1,\"2\n3,4\n").unwrap();
+    assert_eq!(open.1[0], [1.0, 3.0]);
+}
+
+#[test]
+fn a_time_stamp_of_parquet_says_its_unit() {
+    let times: ArrayRef = Arc::new(arrow_array::TimestampMillisecondArray::from(vec![1000, 2500]));
+    let values: ArrayRef = Arc::new(Float64Array::from(vec![20.0, 21.0]));
+    let batch =
+        RecordBatch::try_from_iter([("time", times), ("temp_c", values.clone()), ("gyro_x_dps", values)]).unwrap();
+    let mut writer = ArrowWriter::try_new(Vec::new(), batch.schema(), None).unwrap();
+    writer.write(&batch).unwrap();
+    let table = table(&writer.into_inner().unwrap()).unwrap();
+    assert_eq!(Columns::default().resolve(&table).unwrap().time_unit, Some(TimeUnit::Ms));
 }

@@ -1,21 +1,26 @@
 //! Delimited text as batches.
 
-use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord};
+use std::io::BufReader;
 
-use super::dialect::{self, Dialect};
+use super::cells::{Splitter, text};
+use super::dialect::Dialect;
+use super::lines::Lines;
+use super::value::Notation;
 use super::{BATCH_ROWS, Batch, TableFault};
 use crate::source::ReadSeek;
 
 /// A stream of batches from a text file.
 pub(super) struct TextBatches {
-    reader: Reader<Box<dyn ReadSeek>>,
-    /// Several spaces are one delimiter.
-    joined_delimiters: bool,
+    lines: Lines<BufReader<Box<dyn ReadSeek>>>,
+    /// Lines of the heading that are still to come.
+    heading: u64,
+    splitter: Splitter,
+    notations: Vec<Notation>,
     names: Vec<String>,
     columns: Vec<usize>,
     cells: bool,
     row: u64,
-    failed: bool,
+    ended: bool,
 }
 
 impl TextBatches {
@@ -26,20 +31,16 @@ impl TextBatches {
         columns: &[usize],
         cells: bool,
     ) -> Self {
-        let reader = ReaderBuilder::new()
-            .delimiter(dialect.delimiter)
-            .has_headers(dialect.header)
-            // The length is checked here, where the line is known and joined delimiters are taken out.
-            .flexible(true)
-            .from_reader(file);
         Self {
-            reader,
-            joined_delimiters: dialect.delimiter == b' ',
+            lines: Lines::new(BufReader::new(file)),
+            heading: dialect.heading,
+            splitter: Splitter::new(dialect.delimiter),
+            notations: dialect.notations.clone(),
             names: names.to_vec(),
             columns: columns.to_vec(),
             cells,
             row: 0,
-            failed: false,
+            ended: false,
         }
     }
 
@@ -48,51 +49,48 @@ impl TextBatches {
             first_row: self.row,
             columns: vec![Vec::with_capacity(BATCH_ROWS); self.columns.len()],
             cells: Vec::new(),
+            cut_line: None,
         };
-        let mut record = StringRecord::new();
         let mut rows = 0;
-        while rows < BATCH_ROWS && self.reader.read_record(&mut record).map_err(|error| self.fault(error))? {
-            if self.joined_delimiters {
-                let position = record.position().cloned();
-                record = record.iter().filter(|cell| !cell.is_empty()).collect();
-                record.set_position(position);
+        while rows < BATCH_ROWS {
+            let Some(line) = self.lines.next()? else {
+                self.ended = true;
+                break;
+            };
+            if line.is_comment() {
+                continue;
             }
-            self.append(&record, &mut batch)?;
+            if self.heading > 0 {
+                self.heading -= 1;
+                continue;
+            }
+            if !line.is_whole {
+                // Of `0.01234` may be left `0.01`, and nothing in the line tells.
+                batch.cut_line = Some(line.number);
+                self.ended = true;
+                break;
+            }
+            let found = self.splitter.split(line.text);
+            if found != self.names.len() {
+                return Err(TableFault::Ragged { line: line.number, found, expected: self.names.len() });
+            }
+            for (&column, numbers) in self.columns.iter().zip(&mut batch.columns) {
+                let cell = text(self.splitter.cell(column));
+                let number = self.notations[column].number(&cell).ok_or_else(|| TableFault::NotANumber {
+                    line: line.number,
+                    column: self.names[column].clone(),
+                    text: cell.trim().to_owned(),
+                    wanted: self.notations[column].name(),
+                })?;
+                numbers.push(number);
+            }
+            if self.cells {
+                batch.cells.push((0..found).map(|place| text(self.splitter.cell(place)).into_owned()).collect());
+            }
             rows += 1;
         }
         self.row += rows as u64;
-        Ok((rows > 0).then_some(batch))
-    }
-
-    fn append(&self, record: &StringRecord, batch: &mut Batch) -> Result<(), TableFault> {
-        let line = || record.position().map_or(0, csv::Position::line);
-        if record.len() != self.names.len() {
-            return Err(TableFault::Ragged { line: line(), found: record.len(), expected: self.names.len() });
-        }
-        for (&column, numbers) in self.columns.iter().zip(&mut batch.columns) {
-            let number = dialect::number(&record[column]).ok_or_else(|| TableFault::NotANumber {
-                line: line(),
-                column: self.names[column].clone(),
-                text: record[column].to_owned(),
-            })?;
-            numbers.push(number);
-        }
-        if self.cells {
-            batch.cells.push(record.iter().map(str::to_owned).collect());
-        }
-        Ok(())
-    }
-
-    fn fault(&self, error: csv::Error) -> TableFault {
-        match error.into_kind() {
-            ErrorKind::Io(error) => error.into(),
-            ErrorKind::Utf8 { pos, .. } => TableFault::NotANumber {
-                line: pos.map_or(0, |pos| pos.line()),
-                column: self.names[0].clone(),
-                text: "bytes that are not text".to_owned(),
-            },
-            other => std::io::Error::other(format!("{other:?}")).into(),
-        }
+        Ok((rows > 0 || batch.cut_line.is_some()).then_some(batch))
     }
 }
 
@@ -100,11 +98,11 @@ impl Iterator for TextBatches {
     type Item = Result<Batch, TableFault>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.failed {
+        if self.ended {
             return None;
         }
         let result = self.read().transpose();
-        self.failed = matches!(result, Some(Err(_)));
+        self.ended |= matches!(result, Some(Err(_)));
         result
     }
 }

@@ -1,5 +1,6 @@
 use super::*;
 use crate::calibration::Origin;
+use crate::units::WrittenRate;
 
 /// A log of a parabola with a second-run offset, noise by `seed`, and a sine of size `extra`.
 fn log(seed: i32, offset: f64, extra: f64) -> String {
@@ -93,7 +94,7 @@ fn another_log_is_refused_with_what_it_has() {
     let columns = Columns { rates: vec!["gyro_p".to_owned(), "gyro_q".to_owned()], ..Columns::default() };
     let named = refused(text.replace("gyro_x_rad_s,gyro_y_rad_s", "gyro_p,gyro_q"), &columns);
     assert!(named.contains("it has gyro_p, gyro_q, and the calibration is for gyro_x_rad_s"), "{named}");
-    let columns = Columns { rate_unit: Some(RateUnit::Dps), ..Columns::default() };
+    let columns = Columns { rate_unit: Some(WrittenRate::Dps), ..Columns::default() };
     let in_dps = refused(text + "4000,50.0,0.1,0.2\n", &columns);
     assert!(in_dps.contains("is in dps, and the calibration's in rad/s"), "{in_dps}");
 }

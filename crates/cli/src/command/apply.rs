@@ -9,11 +9,12 @@ use serde::Serialize;
 use zerorate_cal::apply::{AppliedModel, AppliedTo, ApplyError, apply};
 use zerorate_cal::calibration::{Calibration, Kind};
 use zerorate_cal::table::{Columns, Table};
-use zerorate_cal::units::TimeUnit;
+use zerorate_cal::units::{TimeUnit, WrittenRate};
 use zerorate_cal::whole_file::WholeFile;
 use zerorate_fit::predict::Start;
 
 use super::Outcome;
+use crate::log_arguments::UnitArguments;
 use crate::progress::Busy;
 use crate::screen::{Page, thousands};
 use crate::{output, screen};
@@ -33,7 +34,7 @@ pub struct Apply {
     /// The calibration that `zerorate fit --out` wrote
     calibration: PathBuf,
 
-    /// The log: CSV, TSV or Parquet, its rate columns named as in the log that was fitted
+    /// The log: text in columns or Parquet, also packed by gzip or zip, its rate columns named as in the log that was fitted
     #[arg(value_name = "FILE")]
     log: PathBuf,
 
@@ -49,10 +50,6 @@ pub struct Apply {
     #[arg(long, value_name = "COL")]
     time: Option<String>,
 
-    /// The time's unit: s, ms, us or ns
-    #[arg(long, value_name = "UNIT")]
-    time_unit: Option<TimeUnit>,
-
     /// The log is the recording that the calibration came from: add the slow drift in time that was found in it, and
     /// believe the history from the first row on, as the fit did
     #[arg(long)]
@@ -61,6 +58,10 @@ pub struct Apply {
     /// Print JSON on standard output, and nothing else there
     #[arg(long)]
     json: bool,
+
+    // The last: its heading would stand over what follows.
+    #[command(flatten)]
+    units: UnitArguments,
 }
 
 const EXAMPLES: &str = "\
@@ -81,6 +82,9 @@ struct Done<'a> {
     rows_without_temperature: u64,
     rows_outside_calibrated_range: u64,
     rows_with_unknown_history: u64,
+    /// The last line, where the file ends without a line feed; it was left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cut_line: Option<u64>,
     calibrated_temperature: [f64; 2],
     temperature_unit: &'static str,
 }
@@ -88,7 +92,6 @@ struct Done<'a> {
 /// What was found of the log's columns.
 struct Found {
     table: Table,
-    temperature: String,
     time: Option<String>,
     time_unit: Option<TimeUnit>,
     models: Vec<AppliedModel>,
@@ -98,10 +101,9 @@ impl Apply {
     pub fn run(&self) -> Result<Outcome> {
         output::check("--out", &self.out, &[&self.log, &self.calibration])?;
         let calibration = Calibration::read(&(&self.calibration).into())?;
-        let Found { table, temperature, time, time_unit, models } = self.columns(&calibration)?;
+        let Found { table, time, time_unit, models } = self.columns(&calibration)?;
         let busy = Busy::reading(&self.log);
         let to = AppliedTo {
-            temperature: &temperature,
             time: time.as_deref(),
             time_unit,
             start: if self.with_time_drift { Start::OwnRecording } else { Start::Unknown },
@@ -128,6 +130,7 @@ impl Apply {
                 rows_without_temperature: applied.without_temperature,
                 rows_outside_calibrated_range: applied.outside,
                 rows_with_unknown_history: applied.uncertain,
+                cut_line: applied.cut_line,
                 calibrated_temperature: [min, max],
                 temperature_unit: unit,
             })?;
@@ -157,6 +160,10 @@ impl Apply {
             let rows = thousands(applied.without_temperature);
             page.sentence("  - ", &format!("{rows} rows have no temperature: they were kept, without a correction"));
         }
+        if let Some(line) = applied.cut_line {
+            let text = format!("the file ends without a line feed: line {line} may be cut, and was left out");
+            page.sentence("  - ", &text);
+        }
         page.print()?;
         Ok(Outcome::Done)
     }
@@ -167,9 +174,11 @@ impl Apply {
         let asked = Columns {
             temperature: self.temperature.clone(),
             time: self.time.clone(),
-            time_unit: self.time_unit,
             rates: calibration.axes.keys().cloned().collect(),
-            ..Columns::default()
+            time_unit: self.units.time_unit,
+            temperature_unit: self.units.temperature_unit,
+            rate_unit: self.units.rate_unit,
+            else_rate_unit: calibration.axes.values().find_map(|axis| WrittenRate::of(axis.rate_unit)),
         };
         let found = asked.resolve(&table).with_context(|| {
             let whose = match calibration.kind {
@@ -178,26 +187,41 @@ impl Apply {
             };
             format!("{} is for the rate columns of {whose}", self.calibration.display())
         })?;
-        let temperature = table.names()[found.temperature].clone();
-        let (own, of_log) = (calibration.temperature_unit, found.temperature_unit);
-        ensure!(
-            own == of_log,
-            "{}: column '{temperature}' is in {}, and the calibration's temperatures are in {}: give the column in {2} with --temperature",
-            self.log.display(),
-            of_log.name(),
-            own.name()
-        );
-        let mut models: Vec<(usize, AppliedModel)> = calibration
-            .axes
-            .iter()
-            .zip(&found.rates)
-            .map(|((column, axis), &place)| {
-                (place, AppliedModel { column: column.clone(), model: axis.fit.model.clone() })
-            })
-            .collect();
+        let mut models: Vec<(usize, AppliedModel)> = Vec::new();
+        for sensor in &found.sensors {
+            let temperature = &table.names()[sensor.temperature];
+            let (own, of_log) = (calibration.temperature_unit, sensor.written_temperature.unit());
+            ensure!(
+                own == of_log,
+                "{}: column '{temperature}' is in {}, and the calibration's temperatures are in {}: give the column in {2} with --temperature",
+                self.log.display(),
+                of_log.name(),
+                own.name()
+            );
+            for rate in &sensor.rates {
+                let axis = &calibration.axes[&rate.name];
+                let to_own = WrittenRate::of(sensor.rate_unit).and_then(|unit| unit.in_unit(axis.rate_unit));
+                let to_own = to_own.with_context(|| {
+                    format!(
+                        "{}: column '{}' is in {}, and the calibration's in {}: say which it is (--rate-unit)",
+                        self.log.display(),
+                        rate.name,
+                        sensor.rate_unit,
+                        axis.rate_unit
+                    )
+                })?;
+                let model = AppliedModel {
+                    column: rate.name.clone(),
+                    temperature: temperature.clone(),
+                    written_temperature: sensor.written_temperature,
+                    model: axis.fit.model.clone(),
+                    factor: rate.factor * to_own,
+                };
+                models.push((rate.column, model));
+            }
+        }
         models.sort_by_key(|(place, _)| *place);
         Ok(Found {
-            temperature,
             time: found.time.map(|place| table.names()[place].clone()),
             time_unit: found.time_unit,
             models: models.into_iter().map(|(_, model)| model).collect(),

@@ -12,12 +12,13 @@ use zerorate_cal::log::{Sensor, SensorChoice};
 use zerorate_cal::log_fit::FitOptions;
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
-use zerorate_cal::units::TimeUnit;
+use zerorate_cal::units::WrittenRate;
 use zerorate_fit::drift_fit::{FitStatistics, ResidualOver};
 use zerorate_fit::model::Model;
 use zerorate_report::board_page;
 
 use super::Outcome;
+use crate::log_arguments::UnitArguments;
 use crate::progress::Busy;
 use crate::screen::Page;
 use crate::{output, screen};
@@ -46,10 +47,6 @@ pub struct Report {
     #[arg(long, value_name = "COL")]
     time: Option<String>,
 
-    /// The time's unit: s, ms, us or ns
-    #[arg(long, value_name = "UNIT")]
-    time_unit: Option<TimeUnit>,
-
     /// Write the report here; without this it is report.html beside the calibration
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -57,6 +54,10 @@ pub struct Report {
     /// Print JSON on standard output, and nothing else there
     #[arg(long)]
     json: bool,
+
+    // The last: its heading would stand over what follows.
+    #[command(flatten)]
+    units: UnitArguments,
 }
 
 const EXAMPLES: &str = "\
@@ -105,10 +106,10 @@ impl Report {
 
     /// The report of a board's run, from the files beside its calibration.
     fn of_run(&self, calibration: &Path, out: &Path) -> Result<Outcome> {
-        let about_a_log = self.log.is_some() || self.temperature.is_some() || self.time.is_some();
+        let columns = self.temperature.is_some() || self.time.is_some();
         ensure!(
-            !about_a_log && self.time_unit.is_none(),
-            "{}: a board's run has no log: leave --log, --temperature, --time and --time-unit out",
+            self.log.is_none() && !columns && self.units == UnitArguments::default(),
+            "{}: a board's run has no log: leave --log, --temperature, --time and their units out",
             calibration.display()
         );
         ensure!(
@@ -160,10 +161,12 @@ impl Report {
         FitOptions {
             columns: Columns {
                 time: self.time.clone(),
-                time_unit: self.time_unit,
                 temperature: self.temperature.clone(),
                 rates: if is_log { calibration.axes.keys().cloned().collect() } else { Vec::new() },
-                rate_unit: axes().next().map(|axis| axis.rate_unit).filter(|_| is_log),
+                time_unit: self.units.time_unit,
+                temperature_unit: self.units.temperature_unit,
+                rate_unit: self.units.rate_unit,
+                else_rate_unit: axes().next().and_then(|axis| WrittenRate::of(axis.rate_unit)).filter(|_| is_log),
             },
             model: if chosen { Model::Auto } else { axes().next().map_or(Model::Auto, AxisCalibration::model) },
             plain: fits().any(|fit| fit.residual_over == ResidualOver::Rows),

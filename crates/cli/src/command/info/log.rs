@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde::Serialize;
-use zerorate_cal::table::{Columns, Resolved, Table};
+use zerorate_cal::table::{Columns, Resolved, ResolvedSensor, Table};
 use zerorate_cal::units::{RateUnit, TimeUnit};
 
 use super::recording::duration;
@@ -29,11 +29,17 @@ enum TakenFor {
 #[derive(Debug, Serialize)]
 struct Plain {
     time: Option<Time>,
+    sensors: Vec<Sensor>,
+    notes: Vec<String>,
+}
+
+/// One gyro, in the units in which it is read.
+#[derive(Debug, Serialize)]
+struct Sensor {
     temperature: Column,
     temperature_unit: &'static str,
     rates: Vec<Column>,
     rate_unit: RateUnit,
-    notes: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -74,7 +80,7 @@ impl Facts {
                 let (rows, plain) = plain(&table, &found)?;
                 (rows, TakenFor::Plain(plain))
             }
-            Err(unclear) => (run(&table, &[])?.0, TakenFor::Unclear { unclear: unclear.to_string() }),
+            Err(unclear) => (run(&table, &[])?.rows, TakenFor::Unclear { unclear: unclear.to_string() }),
         };
         Ok(Self { column_names, rows, taken_for })
     }
@@ -96,18 +102,10 @@ impl Plain {
             page.facts(&[("time", format!("{}, {lasts}", time.column))]);
         }
         page.gap();
-        let largest: Vec<f64> = self.rates.iter().flat_map(|rate| [rate.min, rate.max]).collect();
-        let scale = RateScale::of(self.rate_unit, &largest);
         let mut grid = Grid::new("lllrrrr");
         grid.head(["column", "taken for", "unit", "least", "mean", "most", "missing"]);
-        let mut row = |what: &str, unit: &str, column: &Column, values: [f64; 3]| {
-            let [min, mean, max] = <[String; 3]>::try_from(aligned(&values)).unwrap_or_default();
-            grid.row([&column.column, what, unit, &min, &mean, &max, &thousands(column.missing)]);
-        };
-        let temperature = &self.temperature;
-        row("temperature", self.temperature_unit, temperature, [temperature.min, temperature.mean, temperature.max]);
-        for rate in &self.rates {
-            row("rate", &scale.unit(), rate, [rate.min, rate.mean, rate.max].map(|value| scale.of_rate(value)));
+        for sensor in &self.sensors {
+            sensor.show(&mut grid);
         }
         page.grid(&grid);
         if !self.notes.is_empty() {
@@ -117,42 +115,74 @@ impl Plain {
     }
 }
 
+impl Sensor {
+    fn show(&self, grid: &mut Grid) {
+        let largest: Vec<f64> = self.rates.iter().flat_map(|rate| [rate.min, rate.max]).collect();
+        let scale = RateScale::of(self.rate_unit, &largest);
+        let mut row = |what: &str, unit: &str, column: &Column, values: [f64; 3]| {
+            let [min, mean, max] = <[String; 3]>::try_from(aligned(&values)).unwrap_or_default();
+            grid.row([&column.column, what, unit, &min, &mean, &max, &thousands(column.missing)]);
+        };
+        let temperature = &self.temperature;
+        row("temperature", self.temperature_unit, temperature, [temperature.min, temperature.mean, temperature.max]);
+        for rate in &self.rates {
+            row("rate", &scale.unit(), rate, [rate.min, rate.mean, rate.max].map(|value| scale.of_rate(value)));
+        }
+    }
+}
+
 fn plain(table: &Table, found: &Resolved) -> Result<(u64, Plain)> {
-    let wanted: Vec<usize> =
-        std::iter::once(found.temperature).chain(found.rates.iter().copied()).chain(found.time).collect();
-    let (rows, columns) = run(table, &wanted)?;
+    let of_sensor = |sensor: &ResolvedSensor| {
+        std::iter::once(sensor.temperature).chain(sensor.rates.iter().map(|rate| rate.column)).collect::<Vec<_>>()
+    };
+    let wanted: Vec<usize> = found.sensors.iter().flat_map(of_sensor).chain(found.time).collect();
+    let Looked { rows, columns, cut_line } = run(table, &wanted)?;
     let name = |place: usize| table.names()[place].clone();
-    let column = |place: usize| columns[place].column(name(wanted[place]));
     let time = found.time.zip(columns.last()).map(|(place, running)| {
         let duration = running.last - running.first;
         let unit = found.time_unit.or_else(|| TimeUnit::by_duration(duration));
         Time { column: name(place), seconds: unit.map(|unit| duration * unit.seconds()) }
     });
-    let plain = Plain {
-        time,
-        temperature: column(0),
-        temperature_unit: found.temperature_unit.name(),
-        rates: (1..=found.rates.len()).map(column).collect(),
-        rate_unit: found.rate_unit,
-        notes: found.notes.clone(),
-    };
-    Ok((rows, plain))
+    let mut columns = columns.into_iter();
+    let mut sensors = Vec::new();
+    for sensor in &found.sensors {
+        let read = |written: f64| sensor.written_temperature.read(written);
+        let mut column = |name: String, read: &dyn Fn(f64) -> f64| columns.next().map(|own| own.column(name, read));
+        let temperature = column(name(sensor.temperature), &read);
+        let rates = sensor.rates.iter().map_while(|rate| column(rate.name.clone(), &|written| written * rate.factor));
+        let rates = rates.collect();
+        let (temperature_unit, rate_unit) = (sensor.written_temperature.unit().name(), sensor.rate_unit);
+        sensors.extend(temperature.map(|temperature| Sensor { temperature, temperature_unit, rates, rate_unit }));
+    }
+    let mut notes = found.notes.clone();
+    notes.extend(found.guesses.iter().map(|guess| guess.text.clone()));
+    notes.extend(
+        cut_line.map(|line| format!("the file ends without a line feed: line {line} may be cut, and was left out")),
+    );
+    Ok((rows, Plain { time, sensors, notes }))
+}
+
+/// What one pass found.
+struct Looked {
+    rows: u64,
+    columns: Vec<Running>,
+    cut_line: Option<u64>,
 }
 
 /// One pass: the number of rows, and each wanted column.
-fn run(table: &Table, wanted: &[usize]) -> Result<(u64, Vec<Running>)> {
-    let mut rows = 0;
-    let mut columns = vec![Running::EMPTY; wanted.len()];
+fn run(table: &Table, wanted: &[usize]) -> Result<Looked> {
+    let mut looked = Looked { rows: 0, columns: vec![Running::EMPTY; wanted.len()], cut_line: None };
     // Without a column to read, the cells tell the rows.
     let batches = if wanted.is_empty() { table.batches_with_cells(wanted)? } else { table.batches(wanted)? };
     for batch in batches {
         let batch = batch?;
-        rows += batch.rows() as u64;
-        for (column, values) in columns.iter_mut().zip(&batch.columns) {
+        looked.rows += batch.rows() as u64;
+        looked.cut_line = batch.cut_line;
+        for (column, values) in looked.columns.iter_mut().zip(&batch.columns) {
             values.iter().for_each(|value| column.push(*value));
         }
     }
-    Ok((rows, columns))
+    Ok(looked)
 }
 
 impl Running {
@@ -174,8 +204,9 @@ impl Running {
         self.max = self.max.max(value);
     }
 
-    fn column(&self, column: String) -> Column {
-        let mean = self.sum / self.numbers as f64;
-        Column { column, min: self.min, max: self.max, mean, missing: self.missing }
+    /// The column in the unit in which it is read.
+    fn column(&self, column: String, read: &dyn Fn(f64) -> f64) -> Column {
+        let mean = read(self.sum / self.numbers as f64);
+        Column { column, min: read(self.min), max: read(self.max), mean, missing: self.missing }
     }
 }

@@ -1,0 +1,78 @@
+//! A cell's number: with a point or a comma, or a time of day and date.
+
+use arrow_cast::parse::string_to_timestamp_nanos;
+
+/// How the numbers of a column are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Notation {
+    /// With a decimal point.
+    Point,
+    /// With a decimal comma; a point in one is none of a number's signs.
+    Comma,
+    /// As ISO 8601 and RFC 3339 write times: `2026-03-01T08:00:00.5Z`, also with a space for the T, an offset, or neither.
+    Stamp,
+}
+
+impl Notation {
+    /// What a cell should be.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Point => "a number",
+            Self::Comma => "a number with a decimal comma",
+            Self::Stamp => "a time like 2026-03-01T08:00:00",
+        }
+    }
+
+    /// A cell's number, of a time its seconds since 1970: NaN for one that is empty or says so in words, `None` for other
+    /// text.
+    pub(super) fn number(self, cell: &str) -> Option<f64> {
+        let cell = cell.trim();
+        let number = match self {
+            Self::Point => cell.parse().ok(),
+            Self::Comma if cell.contains('.') => None,
+            Self::Comma => cell.replacen(',', ".", 1).parse().ok(),
+            Self::Stamp => stamp(cell),
+        };
+        number.or_else(|| is_missing(cell).then_some(f64::NAN))
+    }
+}
+
+fn is_missing(cell: &str) -> bool {
+    ["", "nan", "na", "n/a", "null", "none"].iter().any(|missing| cell.eq_ignore_ascii_case(missing))
+}
+
+/// Seconds since 1970. A time without an offset is taken as one of UTC: only differences are used.
+fn stamp(cell: &str) -> Option<f64> {
+    // ISO 8601 knows the comma too.
+    let nanoseconds = string_to_timestamp_nanos(&cell.replacen(',', ".", 1)).ok()?;
+    Some(nanoseconds as f64 * 1e-9)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_as_they_are_written_and_not_otherwise() {
+        for (notation, cell, number) in [
+            (Notation::Point, " -1.5e-3 ", Some(-1.5e-3)),
+            (Notation::Point, "1,5", None),
+            (Notation::Comma, "1,5", Some(1.5)),
+            (Notation::Comma, "-2,5e-3", Some(-2.5e-3)),
+            (Notation::Comma, "7", Some(7.0)),
+            // A thousand and a half, and not one and a bit.
+            (Notation::Comma, "1.000,5", None),
+            (Notation::Comma, "1.000", None),
+            // By `date -u -d ... +%s`.
+            (Notation::Stamp, "2026-03-01T08:00:00Z", Some(1_772_352_000.0)),
+            (Notation::Stamp, "2026-03-01T08:00:00.250+02:00", Some(1_772_344_800.25)),
+            (Notation::Stamp, "2026-03-01 08:00:00,5", Some(1_772_352_000.5)),
+            (Notation::Stamp, "1772352000", None),
+        ] {
+            let read = notation.number(cell);
+            assert_eq!(read.is_some(), number.is_some(), "{cell}: {read:?}");
+            assert!(read.zip(number).is_none_or(|(a, b)| (a - b).abs() < 1e-6), "{cell}: {read:?}");
+        }
+        assert!(Notation::Comma.number("n/a").is_some_and(f64::is_nan));
+    }
+}

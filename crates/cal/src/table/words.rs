@@ -1,0 +1,149 @@
+//! What a column's name says: what it holds, of which sensor and axis, in what unit.
+
+use crate::units::{TimeUnit, WrittenRate, WrittenTemperature};
+
+const COUNTS: [&str; 5] = ["count", "counts", "lsb", "adc", "raw"];
+const DEGREES: [&str; 4] = ["deg", "degs", "degree", "degrees"];
+const SECONDS: [&str; 5] = ["s", "sec", "secs", "second", "seconds"];
+const HOURS: [&str; 4] = ["h", "hr", "hour", "hours"];
+
+/// A name's words in lower case: `imu.gyro.x`, `x_rad_s`, `GyrX`, `gyro_rad[0]`; the sign of degrees is the word `deg`.
+pub(super) fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut was_lower = false;
+    let spelled = name.replace(['°', 'º'], " deg ").replace('℃', " deg c ").replace('℉', " deg f ");
+    for letter in spelled.chars() {
+        if !letter.is_alphanumeric() || (was_lower && letter.is_uppercase()) {
+            words.push(String::new());
+        }
+        if letter.is_alphanumeric() {
+            words.last_mut().expect("never empty").extend(letter.to_lowercase());
+        }
+        was_lower = letter.is_lowercase();
+    }
+    words.retain(|word| !word.is_empty());
+    // `mDPS` and `m°/s` are thousandths, and no metre beside a degree.
+    while let Some(place) = words.windows(2).position(|pair| pair[0] == "m" && is_angle(&pair[1])) {
+        let angle = words.remove(place + 1);
+        words[place].push_str(&angle);
+    }
+    words
+}
+
+fn is_angle(word: &str) -> bool {
+    ["dps", "deg", "rad"].contains(&word)
+}
+
+fn has(words: &[String], any: &[&str]) -> bool {
+    words.iter().any(|word| any.contains(&word.as_str()))
+}
+
+pub(super) fn is_time(words: &[String]) -> bool {
+    words.first().is_some_and(|word| ["t", "time", "timestamp", "seconds", "date", "datetime"].contains(&word.as_str()))
+        && !is_temperature(words)
+}
+
+pub(super) fn is_temperature(words: &[String]) -> bool {
+    words.iter().any(|word| word.starts_with("temp")) || words == ["t", "c"]
+}
+
+/// Names a rate by the sensor's name or by its unit, and no other sensor.
+pub(super) fn is_rate(words: &[String]) -> bool {
+    let sensor = words.iter().any(|word| word.starts_with("gyr"))
+        || has(words, &["rate", "omega", "zro", "angular", "gx", "gy", "gz"]);
+    let unit = match rate_unit(words) {
+        // Degrees alone are an angle, and counts anybody's.
+        Some(Said::Known(unit)) => unit != WrittenRate::Counts && (unit != WrittenRate::Dps || is_per_second(words)),
+        Some(Said::Other(_)) => true,
+        None => false,
+    };
+    let other = words.iter().any(|word| word.starts_with("acc") || word.starts_with("mag"));
+    (sensor || unit) && !other && !is_temperature(words) && !is_time(words)
+}
+
+fn is_per_second(words: &[String]) -> bool {
+    has(words, &["dps"]) || has(words, &SECONDS)
+}
+
+/// The axis that a name says, x, y and z as 0, 1 and 2.
+pub(super) fn axis(words: &[String]) -> Option<usize> {
+    let place = |word: &String| match word.as_str() {
+        "x" | "gx" => Some(0),
+        "y" | "gy" => Some(1),
+        "z" | "gz" => Some(2),
+        _ => None,
+    };
+    words.iter().find_map(place)
+}
+
+/// Whether a name says an axis, by a letter or a place.
+pub(super) fn names_axis(words: &[String]) -> bool {
+    axis(words).is_some() || has(words, &["0", "1", "2"])
+}
+
+/// The numbers in a name: at the end of a word, `gyro1`, or one by itself.
+pub(super) fn numbers(words: &[String]) -> Vec<u8> {
+    let number = |word: &String| word.trim_start_matches(|c: char| !c.is_ascii_digit()).parse().ok();
+    words.iter().filter_map(number).collect()
+}
+
+/// A unit of rates that a name says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Said {
+    /// One that can be read.
+    Known(WrittenRate),
+    /// Another, and it must not be taken for one of those.
+    Other(&'static str),
+}
+
+/// The unit of rates that a name says, if it says one.
+pub(super) fn rate_unit(words: &[String]) -> Option<Said> {
+    use WrittenRate::{Counts, DegPerHour, Dps, MilliDps, MilliRadPerS, RadPerS};
+    let degrees = has(words, &DEGREES);
+    let radians = has(words, &["rad", "rads", "radps"]);
+    let per_hour = has(words, &HOURS);
+    let per_minute = has(words, &["min", "minute"]);
+    Some(match () {
+        () if has(words, &["rpm"]) => Said::Other("turns a minute"),
+        () if has(words, &["urad", "µrad"]) => Said::Other("millionths of a radian"),
+        () if has(words, &["mdps"]) => Said::Known(MilliDps),
+        () if has(words, &["mdeg"]) && (per_hour || per_minute) => Said::Other("mdeg/h"),
+        () if has(words, &["mdeg"]) => Said::Known(MilliDps),
+        () if has(words, &["mrad"]) => Said::Known(MilliRadPerS),
+        () if has(words, &["dph"]) => Said::Known(DegPerHour),
+        () if degrees && per_hour => Said::Known(DegPerHour),
+        () if degrees && per_minute => Said::Other("deg/min"),
+        () if radians && (per_hour || per_minute) => Said::Other("rad/h"),
+        () if radians => Said::Known(RadPerS),
+        () if degrees || has(words, &["dps"]) => Said::Known(Dps),
+        () if has(words, &COUNTS) => Said::Known(Counts),
+        () => return None,
+    })
+}
+
+/// The unit of temperatures that a name says, if it says one.
+pub(super) fn temperature_unit(words: &[String]) -> Option<WrittenTemperature> {
+    Some(match () {
+        () if has(words, &COUNTS) => WrittenTemperature::Counts,
+        () if has(words, &["c", "degc", "celsius", "centigrade"]) => WrittenTemperature::Celsius,
+        () if has(words, &["f", "degf", "fahrenheit"]) => WrittenTemperature::Fahrenheit,
+        () if has(words, &["k", "degk", "kelvin"]) => WrittenTemperature::Kelvin,
+        () => return None,
+    })
+}
+
+/// The unit of times that a name says, if it says one.
+pub(super) fn time_unit(words: &[String]) -> Option<TimeUnit> {
+    words.iter().rev().find_map(|word| match word.as_str() {
+        "ms" | "msec" => Some(TimeUnit::Ms),
+        "us" | "usec" | "µs" | "μs" => Some(TimeUnit::Us),
+        "ns" | "nsec" => Some(TimeUnit::Ns),
+        word => SECONDS.contains(&word).then_some(TimeUnit::S),
+    })
+}
+
+/// Whether a cell below a name says a unit.
+pub(super) fn says_a_unit(cell: &str) -> bool {
+    let words = words(cell);
+    time_unit(&words).is_some() || temperature_unit(&words).is_some() || rate_unit(&words).is_some()
+}
