@@ -9,6 +9,7 @@ mod error;
 mod parquet;
 mod text;
 
+pub(crate) use columns::words;
 pub use columns::{Columns, Resolved};
 use dialect::Dialect;
 pub use error::{TableError, TableFault};

@@ -1,7 +1,7 @@
 //! One axis of a calibration, and how it stands in the file.
 
 use serde::{Deserialize, Serialize};
-use zerorate_core::drift::Drift;
+use zerorate_core::drift::{Drift, ValidRange};
 use zerorate_fit::drift_fit::{BandPoint, DriftFit, FitStatistics};
 use zerorate_fit::model::Model;
 use zerorate_fit::predict::{DriftModel, TimeDrift};
@@ -41,6 +41,17 @@ impl AxisCalibration {
     #[must_use]
     pub fn drift(&self) -> &Drift {
         &self.fit.model.drift
+    }
+
+    /// The temperatures that were measured for it. The curve is believed further (`drift().valid`), and beyond these it
+    /// rests on nothing.
+    #[must_use]
+    pub fn measured_range(&self) -> ValidRange {
+        let believed = self.drift().valid;
+        // The static cubic is held where the measurement ended; without one, the curve is.
+        let measured = self.fit.static_cubic.as_ref().map_or(believed, |cubic| cubic.drift.valid);
+        let (min, max) = (measured.min().max(believed.min()), measured.max().min(believed.max()));
+        ValidRange::new(min, max).unwrap_or(believed)
     }
 
     /// The drift's shape and size.

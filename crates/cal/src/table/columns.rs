@@ -145,7 +145,7 @@ fn other_rate_unit(words: &[String]) -> Option<&'static str> {
 const COUNTS_WORDS: [&str; 5] = ["count", "counts", "lsb", "adc", "raw"];
 
 /// A name's words in lower case: `imu.gyro.x`, `x_rad_s`, `GyrX`, `gyro_rad[0]`; the sign of degrees is the word `deg`.
-fn words(name: &str) -> Vec<String> {
+pub(crate) fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut was_lower = false;
     for letter in name.replace('°', " deg ").chars() {

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use zerorate_core::drift::Drift;
 
-use super::score::BOOT_S;
 use super::thinned::Thinned;
 use super::{Made, Prepared, in_recording, predict};
+use crate::boot::take_zero_off;
 use crate::drift_fit::{HeldOut, StaticCubic};
 use crate::folds::{FOLDS, rows_of_fold};
 use crate::model::Model;
@@ -20,6 +20,8 @@ pub(super) struct Outer {
     /// Within the recording: with the drift in time.
     pub residuals: Vec<f64>,
     warm: Vec<f64>,
+    /// As `warm`, and the zero taken once, where each log begins: not anew with each fold.
+    whole: Vec<f64>,
     cold: Vec<f64>,
     cubic: Vec<f64>,
     cubic_deployed: Vec<f64>,
@@ -31,6 +33,12 @@ pub(super) struct Outer {
 impl Outer {
     pub(super) fn complete(&self) -> bool {
         !self.failed && self.residuals.iter().any(|residual| residual.is_finite())
+    }
+
+    /// What a deployed device has left over whole logs like these.
+    pub(super) fn deployed(&self) -> Option<ResidualStatistics> {
+        let left = ResidualStatistics::of(self.whole.iter().copied());
+        (self.complete() && left.rms.is_finite()).then_some(left)
     }
 
     pub(super) fn figures(&self) -> HeldOut {
@@ -56,6 +64,7 @@ pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinn
     let mut outer = Outer {
         residuals: nothing(),
         warm: nothing(),
+        whole: nothing(),
         cold: nothing(),
         cubic: nothing(),
         cubic_deployed: nothing(),
@@ -82,6 +91,7 @@ pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinn
         outer.predict(series, &made, &out, &used);
         outer.cubics.push(made.cubic);
     }
+    outer.take_zeros_of_logs(series);
     outer
 }
 
@@ -93,6 +103,7 @@ impl Outer {
         for &group in used {
             self.residuals[group] = known[group];
             self.warm[group] = warm[group];
+            self.whole[group] = warm[group];
             self.cold[group] = cold[group - out.start];
             if let Some(cubic) = &made.cubic {
                 self.cubic[group] = series.rate[group] - cubic.evaluate(series.temperature[group]).0;
@@ -100,19 +111,16 @@ impl Outer {
         }
         self.cubic_deployed[out.clone()].copy_from_slice(&self.cubic[out.clone()]);
         for residuals in [&mut self.warm, &mut self.cold, &mut self.cubic_deployed] {
-            take_zero_off(residuals, series, used);
+            take_zero_off(residuals, series.time_s, used);
         }
     }
-}
 
-/// Takes off the mean of the first half minute, and leaves that out.
-fn take_zero_off(residuals: &mut [f64], series: &Series<'_>, used: &[usize]) {
-    let first = used[0];
-    let within = |&&group: &&usize| series.time_s[group] - series.time_s[first] < BOOT_S;
-    let booted = used.iter().take_while(within).count().clamp(1, (used.len() / 2).max(1));
-    let zero = used[..booted].iter().map(|&group| residuals[group]).sum::<f64>() / booted as f64;
-    for (place, &group) in used.iter().enumerate() {
-        residuals[group] = if place < booted { f64::NAN } else { residuals[group] - zero };
+    /// A device is switched on once a log, and takes its zero then.
+    fn take_zeros_of_logs(&mut self, series: &Series<'_>) {
+        let predicted: Vec<usize> = (0..self.whole.len()).filter(|&group| self.whole[group].is_finite()).collect();
+        for log in predicted.chunk_by(|&a, &b| series.log[a] == series.log[b]) {
+            take_zero_off(&mut self.whole, series.time_s, log);
+        }
     }
 }
 
