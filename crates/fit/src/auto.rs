@@ -84,6 +84,7 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
         candidates: chosen.candidates,
         nested: Some(outer.figures()),
         deployed: outer.deployed(),
+        uncorrected: outer.uncorrected(),
         ..FitStatistics::new(ResidualOver::Groups, made.solution.rows, in_sample, held_out, covariance)
     };
     let band = band::band(series, measured, seen);

@@ -32,10 +32,10 @@ mod tests {
 
     #[test]
     fn the_mean_of_the_first_half_minute_goes_and_the_half_minute_with_it() {
-        // 1, 2, 3 until 20 s: a zero of 2. Then 2 + 3 and 2 - 4.
-        let times = [0.0, 10.0, 20.0, 30.0, 40.0];
-        let left = left_after_zero(vec![1.0, 2.0, 3.0, 5.0, -2.0], &times);
-        assert!((left.rms - 12.5_f64.sqrt()).abs() < 1e-12 && (left.pp - 7.0).abs() < 1e-12, "{left:?}");
+        // 1, 2, 3 until 20 s: a zero of 2. Then 2 + 3, 2 - 4 and 2.
+        let times = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0];
+        let left = left_after_zero(vec![1.0, 2.0, 3.0, 5.0, -2.0, 2.0], &times);
+        assert!((left.rms - (25.0_f64 / 3.0).sqrt()).abs() < 1e-12 && (left.pp - 7.0).abs() < 1e-12, "{left:?}");
     }
 
     #[test]

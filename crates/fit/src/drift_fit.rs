@@ -101,6 +101,9 @@ pub struct FitStatistics {
     /// `nested` take it anew with each fold. `None` where there are no such folds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub deployed: Option<ResidualStatistics>,
+    /// The same without any model: what a device has left that takes its zero and corrects nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncorrected: Option<ResidualStatistics>,
 }
 
 impl FitStatistics {
@@ -130,6 +133,7 @@ impl FitStatistics {
             candidates: Vec::new(),
             nested: None,
             deployed: None,
+            uncorrected: None,
         }
     }
 }

@@ -12,6 +12,9 @@ use crate::log_fit::AxisFit;
 use crate::trace::TracePoint;
 use crate::units::{RateUnit, TemperatureUnit};
 
+/// A rate that never changes is left as it is but for its last digits, and those are nobody's drift.
+const ROUNDING: f64 = 1e-9;
+
 /// How an axis of the log did.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VerifiedAxis {
@@ -30,6 +33,8 @@ pub struct VerifiedAxis {
     /// What a device has left that takes its zero in the run's first half minute and corrects from then on: what a fit
     /// tells by the same name ([`zerorate_fit::drift_fit::FitStatistics::deployed`]).
     pub deployed: ResidualStatistics,
+    /// The same without the calibration: what a device has left that takes its zero and corrects nothing.
+    pub uncorrected: ResidualStatistics,
     /// Whether more is left than was recorded, by the root mean square about the mean: no correction would be better.
     pub worse: bool,
     /// The least and the greatest temperature in the log.
@@ -80,6 +85,7 @@ pub(super) fn verify(
     let temperatures = || points.iter().map(|point| point.temperature);
     let measured = own.measured_range();
     let outside = temperatures().filter(|t| *t < measured.min() || *t > measured.max()).count();
+    let uncorrected = left_after_zero(raw.clone(), &times);
     let (raw, _) = ResidualStatistics::about_mean(&raw);
     let (corrected, offset) = ResidualStatistics::about_mean(&left);
     Ok(VerifiedAxis {
@@ -90,7 +96,8 @@ pub(super) fn verify(
         corrected,
         offset,
         deployed: left_after_zero(left, &times),
-        worse: corrected.rms > raw.rms,
+        uncorrected,
+        worse: corrected.rms > raw.rms + ROUNDING * raw.rms.max(offset.abs()),
         temperature: [temperatures().fold(f64::INFINITY, f64::min), temperatures().fold(f64::NEG_INFINITY, f64::max)],
         calibrated_temperature: [measured.min(), measured.max()],
         outside: outside as f64 / points.len().max(1) as f64,

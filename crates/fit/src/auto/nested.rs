@@ -22,6 +22,8 @@ pub(super) struct Outer {
     warm: Vec<f64>,
     /// As `warm`, and the zero taken once, where each log begins: not anew with each fold.
     whole: Vec<f64>,
+    /// The rates themselves, less that zero.
+    uncorrected: Vec<f64>,
     cold: Vec<f64>,
     cubic: Vec<f64>,
     cubic_deployed: Vec<f64>,
@@ -37,7 +39,16 @@ impl Outer {
 
     /// What a deployed device has left over whole logs like these.
     pub(super) fn deployed(&self) -> Option<ResidualStatistics> {
-        let left = ResidualStatistics::of(self.whole.iter().copied());
+        self.of_whole_logs(&self.whole)
+    }
+
+    /// What it has left without a model.
+    pub(super) fn uncorrected(&self) -> Option<ResidualStatistics> {
+        self.of_whole_logs(&self.uncorrected)
+    }
+
+    fn of_whole_logs(&self, left: &[f64]) -> Option<ResidualStatistics> {
+        let left = ResidualStatistics::of(left.iter().copied());
         (self.complete() && left.rms.is_finite()).then_some(left)
     }
 
@@ -65,6 +76,7 @@ pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinn
         residuals: nothing(),
         warm: nothing(),
         whole: nothing(),
+        uncorrected: nothing(),
         cold: nothing(),
         cubic: nothing(),
         cubic_deployed: nothing(),
@@ -104,6 +116,7 @@ impl Outer {
             self.residuals[group] = known[group];
             self.warm[group] = warm[group];
             self.whole[group] = warm[group];
+            self.uncorrected[group] = series.rate[group];
             self.cold[group] = cold[group - out.start];
             if let Some(cubic) = &made.cubic {
                 self.cubic[group] = series.rate[group] - cubic.evaluate(series.temperature[group]).0;
@@ -120,6 +133,7 @@ impl Outer {
         let predicted: Vec<usize> = (0..self.whole.len()).filter(|&group| self.whole[group].is_finite()).collect();
         for log in predicted.chunk_by(|&a, &b| series.log[a] == series.log[b]) {
             take_zero_off(&mut self.whole, series.time_s, log);
+            take_zero_off(&mut self.uncorrected, series.time_s, log);
         }
     }
 }

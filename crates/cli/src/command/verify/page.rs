@@ -77,12 +77,12 @@ fn grid(axes: &[&VerifiedAxis], scale: RateScale) -> Grid {
         column(&|axis| axis.corrected.pp),
         column(&|axis| axis.offset),
         aligned(&axes.iter().map(|axis| axis.raw.rms / axis.corrected.rms).collect::<Vec<_>>()),
+        column(&|axis| axis.uncorrected.rms),
         column(&|axis| axis.deployed.rms),
-        column(&|axis| axis.deployed.pp),
     ];
     let mut grid = Grid::new("lrrrrrrrr");
-    grid.head(["", "recorded", "", "corrected", "", "", "rms, times", "deployed", ""]);
-    grid.head(["axis", "rms", "pp", "rms", "pp", "mean", "smaller", "rms", "pp"]);
+    grid.head(["", "recorded", "", "corrected", "", "", "rms, times", "uncorrected", "deployed"]);
+    grid.head(["axis", "rms", "pp", "rms", "pp", "mean", "smaller", "rms", "rms"]);
     for (place, axis) in axes.iter().enumerate() {
         grid.row([axis.name.clone()].into_iter().chain(columns.iter().map(|column| column[place].clone())));
     }
@@ -97,7 +97,7 @@ fn terms(verified: &Verified) -> String {
     format!(
         "{averages} Recorded and corrected: rms about the mean, which the start of another run sets anew; the mean that is \
          left stands under mean. Times smaller: recorded rms over corrected rms, so below 1 the correction is worse than \
-         none. Deployed: corrected, less the mean of the run's first half minute, as a device's zero at the start takes \
-         it off; that is the number that fit tells first."
+         none. Uncorrected and deployed: the rate, and the rate corrected, less the mean of the run's first half \
+         minute, as a device's zero at the start takes it off; fit tells both first."
     )
 }
