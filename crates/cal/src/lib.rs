@@ -11,6 +11,7 @@ pub mod export;
 pub mod fit;
 pub mod log;
 pub mod log_fit;
+mod matching;
 mod named;
 pub mod packed;
 mod parquet_source;

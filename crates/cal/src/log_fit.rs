@@ -7,6 +7,7 @@
 mod gather;
 mod grouped;
 mod json;
+mod one_way;
 mod plain;
 mod words;
 
@@ -95,7 +96,7 @@ pub struct AxisFit {
     pub calibration: AxisCalibration,
     /// Rows that were not fitted, by reason.
     pub samples_rejected: Vec<Rejected>,
-    /// Points for figures, in order of time.
+    /// The groups fitted, in order of time; of a plain fit means over successive rows.
     pub trace: Vec<TracePoint>,
 }
 

@@ -83,6 +83,12 @@ pub enum ReasonKind {
     CoarseTemperature,
     /// Warning: the file was cut off or is damaged; what is whole of it was read.
     Truncated,
+    /// Warning: the temperature went one way over most of its span, so that hysteresis was not seen.
+    OneDirection,
+    /// Warning, of a verification: more is left of an axis than was recorded.
+    WorseThanUncorrected,
+    /// Warning, of a verification: temperatures that were not measured for the calibration.
+    OutsideRange,
     /// Rejected: no sensor of the log is one of those wanted.
     NoSensor,
     /// Warning: nothing says the unit of the rates, and one was guessed.
@@ -118,6 +124,9 @@ impl ReasonKind {
             | Self::Gap
             | Self::FrozenTemperature
             | Self::CoarseTemperature
+            | Self::OneDirection
+            | Self::WorseThanUncorrected
+            | Self::OutsideRange
             | Self::Truncated
             | Self::GuessedUnit => Verdict::Warning,
             Self::AssumedUnit => Verdict::Good,

@@ -24,7 +24,7 @@ use crate::log_fit::{AxisFit, AxisVerdict, FitOptions, LogFit};
 use crate::quality::{Judgement, Reason, ReasonKind, Verdict};
 use crate::recording::{GroupRow, Recording, flags};
 use crate::source::Source;
-use crate::trace::{Trace, TracePoint};
+use crate::trace::{self, TracePoint};
 use crate::units::{RateUnit, TemperatureUnit};
 
 /// The order of the polynomial whose residuals are searched for outliers.
@@ -233,7 +233,7 @@ fn of_fit(name: &str, means: &RampMeans, fit: DriftFit, residuals: &[f64]) -> Ax
         temperature_unit: TemperatureUnit::Counts,
         calibration,
         samples_rejected: Vec::new(),
-        trace: Trace::of(residuals.iter().enumerate().map(point)),
+        trace: trace::of_groups(residuals.iter().enumerate().map(point)),
     }
 }
 

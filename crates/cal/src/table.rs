@@ -18,6 +18,7 @@ pub use columns::{Columns, Resolved, ResolvedRate, ResolvedSensor};
 use dialect::{Dialect, Heading};
 pub use error::{TableError, TableFault};
 use value::Notation;
+pub(crate) use words::words;
 
 use crate::packed::unpacked;
 use crate::source::Source;

@@ -1,9 +1,9 @@
-//! What a figure shows of a fit: the rows, thinned.
+//! What was fitted, point by point: for figures, and for what is told of the whole.
 
-/// Points in a trace, at most: more than a figure can show.
-const POINTS: u64 = 2000;
+/// Points in the trace of a fit of rows, at most: rows can be without number.
+const BINS: u64 = 2000;
 
-/// A point for figures: the mean over some successive rows or groups.
+/// A group, or the mean over some successive rows of a fit of rows.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct TracePoint {
     /// Seconds from the log's first row; NaN if not known.
@@ -16,7 +16,12 @@ pub struct TracePoint {
     pub residual: f64,
 }
 
-/// A trace on its way: successive rows gathered in equal bins.
+/// The groups that were fitted, each as it is: what is told of groups must not be told of means of them.
+pub(crate) fn of_groups(groups: impl Iterator<Item = TracePoint>) -> Vec<TracePoint> {
+    groups.filter(|point| point.residual.is_finite()).collect()
+}
+
+/// A trace of rows on its way: successive rows gathered in equal bins.
 #[derive(Debug, Clone)]
 pub(crate) struct Trace {
     rows: u64,
@@ -24,11 +29,11 @@ pub(crate) struct Trace {
 }
 
 impl Trace {
-    /// Of a record of so many rows or groups.
+    /// Of a record of so many rows.
     // At most 2000.
     #[allow(clippy::cast_possible_truncation)]
     pub(crate) fn new(rows: u64) -> Self {
-        Self { rows, bins: vec![(0, TracePoint::default()); rows.clamp(1, POINTS) as usize] }
+        Self { rows, bins: vec![(0, TracePoint::default()); rows.clamp(1, BINS) as usize] }
     }
 
     /// Takes in a row of the record; one whose residual is NaN was not fitted, and is left out.
@@ -59,12 +64,5 @@ impl Trace {
             }
         };
         self.bins.into_iter().filter(|(count, _)| *count > 0).map(mean).collect()
-    }
-
-    /// The trace of some groups.
-    pub(crate) fn of(groups: impl ExactSizeIterator<Item = TracePoint>) -> Vec<TracePoint> {
-        let mut trace = Self::new(groups.len() as u64);
-        (0..).zip(groups).for_each(|(row, point)| trace.push(row, &point));
-        trace.finish()
     }
 }

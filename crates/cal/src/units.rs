@@ -107,6 +107,20 @@ impl fmt::Display for RateUnit {
     }
 }
 
+impl RateUnit {
+    /// How many of another unit one of this is; `None` where they are of different quantities, or nobody knows, as of an
+    /// A/D's counts.
+    #[must_use]
+    pub fn in_unit(self, other: Self) -> Option<f64> {
+        match (self, other) {
+            (own, other) if own == other => Some(1.0),
+            (Self::Dps, Self::RadPerS) => Some(1.0_f64.to_radians()),
+            (Self::RadPerS, Self::Dps) => Some(1.0_f64.to_degrees()),
+            _ => None,
+        }
+    }
+}
+
 /// The unit of temperatures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TemperatureUnit {

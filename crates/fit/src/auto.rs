@@ -121,6 +121,8 @@ impl Attempt {
         let statistics = FitStatistics {
             candidates: chosen.candidates,
             nested: Some(outer.figures()),
+            deployed: outer.deployed(),
+            uncorrected: outer.uncorrected(),
             ..FitStatistics::new(ResidualOver::Groups, made.solution.rows, in_sample, held_out, covariance)
         };
         let static_cubic = nested::static_cubic(whole, &made, &outer);

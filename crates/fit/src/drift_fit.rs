@@ -98,6 +98,15 @@ pub struct FitStatistics {
     /// residual within the recording by the same folds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nested: Option<HeldOut>,
+    /// What a deployed device has left over a whole log like those fitted: the folds of `nested`, less no drift in time, the
+    /// history known from the log's start on and no sooner, less the mean of the log's first half minute
+    /// ([`crate::boot`]). The zero is taken once, so that this is what a verification of another run finds; the figures in
+    /// `nested` take it anew with each fold. `None` where there are no such folds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deployed: Option<ResidualStatistics>,
+    /// The same without any model: what a device has left that takes its zero and corrects nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncorrected: Option<ResidualStatistics>,
 }
 
 impl FitStatistics {
@@ -126,6 +135,8 @@ impl FitStatistics {
             covariance,
             candidates: Vec::new(),
             nested: None,
+            deployed: None,
+            uncorrected: None,
         }
     }
 }

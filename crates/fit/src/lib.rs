@@ -2,6 +2,7 @@
 
 pub mod allan;
 pub mod auto;
+pub mod boot;
 pub mod choose;
 pub mod direction;
 pub mod drift_fit;

@@ -11,6 +11,7 @@ use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::units::{RateUnit, TemperatureUnit};
 use zerorate_core::drift::Shape;
+use zerorate_fit::drift_fit::FitStatistics;
 use zerorate_fit::least_squares::raw_coefficients;
 use zerorate_fit::residual::ResidualStatistics;
 
@@ -95,7 +96,9 @@ fn lead(fit: &LogFit) -> Markup {
         (Verdict::Rejected, _) | (_, 0) => html! { "No calibration comes of this log." },
         (_, axes) => html! {
             (axes) @if axes == 1 { " axis was" } @else { " axes were" }
-            " fitted. What counts is the held-out residual: what the model leaves of data it has not seen."
+            " fitted. What counts is "
+            @if is_deployed(fit) { "what a deployed device has left" } @else { "the held-out residual" }
+            ", of data that the model has not seen."
         },
     }
 }
@@ -111,8 +114,11 @@ fn units(fit: &LogFit) -> Vec<RateUnit> {
     units
 }
 
-/// What was recorded of an axis, about its mean.
+/// What a device has left of an axis without a model; where nobody knows, what was recorded, about its mean.
 fn before(axis: &AxisFit) -> ResidualStatistics {
+    if let Some(uncorrected) = axis.calibration.fit.statistics.uncorrected {
+        return uncorrected;
+    }
     let rates: Vec<f64> = axis.trace.iter().map(|point| point.rate).filter(|rate| rate.is_finite()).collect();
     ResidualStatistics::about_mean(&rates).0
 }
@@ -126,41 +132,64 @@ fn summary(fit: &LogFit, unit: RateUnit) -> Markup {
     let in_sample = |axis: &AxisFit| axis.calibration.fit.statistics.in_sample.rms;
     let smallest = axes.iter().map(|axis| in_sample(axis)).fold(f64::INFINITY, f64::min);
     let scaled = |value: f64| html! { (fixed(value / factor, decimals_for(smallest / factor))) };
+    let none = ResidualStatistics::NONE;
     let row = |axis: &&AxisFit| {
         let (before, statistics) = (before(axis), &axis.calibration.fit.statistics);
-        let held_out = statistics.held_out.unwrap_or(ResidualStatistics::NONE);
+        let left = left(statistics).unwrap_or(none);
         vec![
             html! { (axis.name) },
             html! { (axis.calibration.fit.chosen_model()) },
             scaled(before.rms),
-            scaled(held_out.rms),
-            html! { (fixed(before.rms / held_out.rms, 1)) },
-            scaled(statistics.in_sample.rms),
+            scaled(left.rms),
+            html! { (fixed(before.rms / left.rms, 1)) },
             scaled(before.pp),
-            scaled(held_out.pp),
+            scaled(left.pp),
             html! { (whole(statistics.samples_used)) },
         ]
     };
-    Table {
-        caption: html! {
-            "Before and after, in " (rate) ". Before is about its own mean; held out is each fold, less the prediction of a "
-            "model that was fitted to the others."
-        },
-        heads: &[
-            "Axis",
-            "Model",
-            "Before, rms",
-            "Held out, rms",
-            "Times smaller",
-            "In-sample, rms",
-            "Before, pp",
-            "Held out, pp",
-            "Samples",
-        ],
-        rows: axes.iter().map(row).collect(),
-        numbers_from: 2,
+    let within = |axis: &&AxisFit| {
+        let statistics = &axis.calibration.fit.statistics;
+        let held_out = statistics.held_out.unwrap_or(none);
+        let figures = [statistics.in_sample.rms, statistics.in_sample.pp, held_out.rms, held_out.pp];
+        std::iter::once(html! { (axis.name) }).chain(figures.map(scaled)).collect()
+    };
+    let [left_rms, left_pp] = match is_deployed(fit) {
+        true => ["Deployed, rms", "Deployed, pp"],
+        false => ["Held out, rms", "Held out, pp"],
+    };
+    html! {
+        (Table {
+            caption: html! {
+                "Before and after, in " (rate) ". "
+                @if is_deployed(fit) {
+                    "Deployed is what a device has left of a whole log like this one that takes its zero in the first half "
+                    "minute: held out, and without the log’s own drift in time. Before is the same without a model."
+                } @else { "Before is about its own mean." }
+            },
+            heads: &["Axis", "Model", "Before, rms", left_rms, "Times smaller, by rms", "Before, pp", left_pp, "Samples"],
+            rows: axes.iter().map(row).collect(),
+            numbers_from: 2,
+        }.markup())
+        (Table {
+            caption: html! {
+                "Within the recording, in " (rate) ": how well the model describes this log, its own drift in time and its "
+                "history from the start on taken as known. No device knows those."
+            },
+            heads: &["Axis", "In-sample, rms", "In-sample, pp", "Held out, rms", "Held out, pp"],
+            rows: axes.iter().map(within).collect(),
+            numbers_from: 1,
+        }.markup())
     }
-    .markup()
+}
+
+/// Whether it is known what a deployed device has left; of a plain fit it is not.
+fn is_deployed(fit: &LogFit) -> bool {
+    fit.axes.iter().any(|axis| axis.calibration.fit.statistics.deployed.is_some())
+}
+
+/// What counts: what a deployed device has left, else what was held out.
+fn left(statistics: &FitStatistics) -> Option<ResidualStatistics> {
+    statistics.deployed.or(statistics.held_out)
 }
 
 fn before_and_after(fit: &LogFit) -> Markup {
@@ -257,6 +286,14 @@ fn in_full(axis: &AxisFit) -> String {
 
 fn definitions() -> Markup {
     page::terms(&[
+        (
+            "Deployed",
+            html! {
+                "What a device has left of a whole log like this one, in averages over about 10 s: it takes its zero in the "
+                "first half minute, and the prediction off from then on. Held out, and without the log’s own drift in time. "
+                code { "zerorate verify" } " finds the same number in another run."
+            },
+        ),
         ("In-sample", html! { "Measured on the data that the model was fitted to: always a little too good." }),
         (
             "Held out",

@@ -17,6 +17,9 @@ pub const MIN_GROUPS: u64 = 64;
 /// Groups in a log, at most, so that memory stays bounded: a long log has longer groups instead.
 const MAX_GROUPS: u64 = 20_000;
 
+/// The same where a length was asked for: of ten seconds, three weeks.
+const MAX_ASKED_GROUPS: u64 = 200_000;
+
 /// Rows in a group, at most, whatever their times, so that memory stays bounded.
 const MAX_GROUP_ROWS: u64 = 1 << 16;
 
@@ -82,17 +85,17 @@ pub enum Length {
 
 impl Length {
     /// Groups of a log whose extent is known: so many rows, `step_s` seconds apart on average (NaN if not known).
-    /// `asked_s` is the time that was asked for a group, if any.
+    /// `asked_s` is the time that was asked for a group, if any; without times nobody can keep to it.
     #[must_use]
     // A count of rows far below 2^53, and above zero.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub fn of_extent(rows: u64, step_s: f64, asked_s: Option<f64>) -> Self {
         let by_time = |seconds: f64| if step_s > 0.0 { (seconds / step_s).ceil() as u64 } else { 0 };
-        let wanted = match asked_s {
-            Some(seconds) => by_time(seconds),
-            None => by_time(GROUP_S).max(MIN_GROUP_ROWS).min(rows / MIN_GROUPS),
+        let (wanted, most) = match asked_s {
+            Some(seconds) if step_s > 0.0 => (by_time(seconds), MAX_ASKED_GROUPS),
+            _ => (by_time(GROUP_S).max(MIN_GROUP_ROWS).min(rows / MIN_GROUPS), MAX_GROUPS),
         };
-        Self::Rows(wanted.max(rows.div_ceil(MAX_GROUPS)).max(1))
+        Self::Rows(wanted.max(rows.div_ceil(most)).max(1))
     }
 }
 

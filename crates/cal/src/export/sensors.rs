@@ -8,6 +8,7 @@ use super::cubic::{Cubic, Loss};
 use super::{ExportError, ExportOptions, Format};
 use crate::calibration::Calibration;
 use crate::log::{Sensor, SensorKind};
+use crate::matching::direction;
 use crate::units::{RateUnit, TemperatureUnit};
 
 /// One sensor with up to three axes, in the autopilots' units: rad/s or m/s^2, degrees C.
@@ -74,7 +75,7 @@ pub(super) fn sensors(
         let (kind, instance, device_id) = whose(name, axis.sensor, options);
         let not_a_rate = || ExportError::NotARate { axis: name.clone(), unit: axis.rate_unit, format };
         let factor = factor(axis.rate_unit, kind).ok_or_else(not_a_rate)?;
-        let place = letter(name).ok_or_else(|| ExportError::NoLetter { axis: name.clone(), format })?;
+        let place = direction(name).ok_or_else(|| ExportError::NoLetter { axis: name.clone(), format })?;
         let cubic = Cubic::of(axis);
         let loss = Loss::of(axis, &cubic).times(factor);
         let model = super::code::model_of(axis);
@@ -202,38 +203,9 @@ fn factor(unit: RateUnit, kind: SensorKind) -> Option<f64> {
     }
 }
 
-/// The place of an axis by its name: a word of its own (`gyro.x`, `x_rad_s`, `gyro[0]`) or a capital at a word's end
-/// (`GyrX`).
-fn letter(name: &str) -> Option<usize> {
-    let words = || name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-    let place = |word: &str| match word {
-        "x" | "X" | "0" => Some(0),
-        "y" | "Y" | "1" => Some(1),
-        "z" | "Z" | "2" => Some(2),
-        _ => None,
-    };
-    let at_end = |word: &str| match word.chars().last()? {
-        'X' => Some(0),
-        'Y' => Some(1),
-        'Z' => Some(2),
-        _ => None,
-    };
-    words().filter_map(place).next_back().or_else(|| words().filter_map(at_end).next_back())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn axes_are_told_by_the_names_that_logs_have() {
-        let letters: Vec<Option<usize>> =
-            ["gyro0.x", "imu.gyro.y", "z_rad_s", "GyrX", "gyro[1]", "gyro_rad[2]", "rate"]
-                .into_iter()
-                .map(letter)
-                .collect();
-        assert_eq!(letters, [Some(0), Some(1), Some(2), Some(0), Some(1), Some(2), None]);
-    }
 
     #[test]
     fn sensors_are_told_by_the_names_that_imports_give() {

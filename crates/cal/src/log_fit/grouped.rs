@@ -6,14 +6,14 @@ use zerorate_fit::least_squares::{Basis, Fit};
 use zerorate_fit::series::Series;
 
 use super::gather::{Gathered, gather, is_accelerometer};
-use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, words};
+use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, one_way, words};
 use crate::calibration::AxisCalibration;
 use crate::condition::{
     DropReason, Excluded, Group, Levels, dequantise, extend_to_the_start, leave_out_times, level, weigh,
 };
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::source::Source;
-use crate::trace::{Trace, TracePoint};
+use crate::trace::{self, TracePoint};
 use crate::units::RateUnit;
 
 /// The order of the polynomial that tells what an accelerometer shows at its reference temperature.
@@ -130,6 +130,10 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
         (min.min(group.temperature), max.max(group.temperature))
     });
     let (_, valid) = admit(judgement, options, stream, axis, used().count() as u64, span)?;
+    let whole_logs = groups.chunk_by(|a, b| a.log == b.log);
+    let temperatures: Vec<Vec<f64>> =
+        whole_logs.map(|log| log.iter().map(|group| group.temperature).collect()).collect();
+    one_way::reason(&temperatures).into_iter().for_each(|reason| judgement.add(reason));
     let columns = Columns::of(groups, axis);
     let fitted = match auto::fit(&columns.series(), valid, options.model) {
         Ok(fitted) => fitted,
@@ -154,7 +158,7 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
         temperature_unit: stream.temperature_unit,
         calibration,
         samples_rejected: sensor.tallies[axis].rejected(),
-        trace: Trace::of(groups.iter().zip(&fitted.residuals).map(point)),
+        trace: trace::of_groups(groups.iter().zip(&fitted.residuals).map(point)),
     })
 }
 

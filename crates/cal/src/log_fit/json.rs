@@ -52,7 +52,7 @@ impl Serialize for AxisFit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let axis = &self.calibration;
         let (model, statistics) = (&axis.fit.model, &axis.fit.statistics);
-        let mut fields = serializer.serialize_struct("AxisFit", 15)?;
+        let mut fields = serializer.serialize_struct("AxisFit", 17)?;
         if let Some(sensor) = &axis.sensor {
             fields.serialize_field("sensor", sensor)?;
         }
@@ -68,6 +68,12 @@ impl Serialize for AxisFit {
         fields.serialize_field("believed", &[believed.min(), believed.max()])?;
         fields.serialize_field("in_sample", &statistics.in_sample)?;
         fields.serialize_field("held_out", &statistics.held_out)?;
+        if let Some(deployed) = &statistics.deployed {
+            fields.serialize_field("deployed", deployed)?;
+        }
+        if let Some(uncorrected) = &statistics.uncorrected {
+            fields.serialize_field("uncorrected", uncorrected)?;
+        }
         if let Some(nested) = &statistics.nested {
             fields.serialize_field("nested", nested)?;
         }

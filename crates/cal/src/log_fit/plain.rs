@@ -5,7 +5,7 @@ use zerorate_fit::choose::{Choice, FoldFits, FoldResiduals};
 use zerorate_fit::drift_fit::{DriftFit, ResidualOver};
 
 use super::gather::is_accelerometer;
-use super::{AxisFit, AxisVerdict, FitOptions, LogFit, LogFitError, admit};
+use super::{AxisFit, AxisVerdict, FitOptions, LogFit, LogFitError, admit, one_way};
 use crate::calibration::AxisCalibration;
 use crate::condition::{DropReason, Tally};
 use crate::log::{AxisSurvey, LogError, LogFile, Rows, Sink, Stream};
@@ -143,6 +143,9 @@ impl Axis {
         let name = self.name().to_owned();
         let missing = missing_temperature + missing_rate;
         self.judgement.dropped(ReasonKind::MissingValues, &name, what, missing, self.all_rows);
+        let trace = trace.finish();
+        let temperatures = vec![trace.iter().map(|point| point.temperature).collect()];
+        one_way::reason(&temperatures).into_iter().for_each(|reason| self.judgement.add(reason));
         let mut tally = Tally::default();
         tally.add(DropReason::MissingTemperature, missing_temperature);
         tally.add(DropReason::MissingRate, missing_rate);
@@ -156,7 +159,7 @@ impl Axis {
             temperature_unit: self.stream.temperature_unit,
             calibration,
             samples_rejected: tally.rejected(),
-            trace: trace.finish(),
+            trace,
         }
     }
 }

@@ -45,6 +45,14 @@ impl ReasonKind {
                  or warm slowly."
             }
             Self::Truncated => "Stop the log before the power goes, and copy the whole file.",
+            Self::OneDirection => {
+                "Log on until the unit has cooled again, or log a second run that cools and fit both: only a temperature that \
+                 was passed both ways shows hysteresis."
+            }
+            Self::WorseThanUncorrected => {
+                "Fit a log that goes the way of this one too: a curve of one direction can be wrong by the whole hysteresis."
+            }
+            Self::OutsideRange => "Calibrate over all temperatures that the unit will meet.",
             Self::NoSensor => {
                 "Switch on the logging of the raw gyro and accelerometer with their temperatures, and log again."
             }

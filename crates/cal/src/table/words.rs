@@ -8,7 +8,7 @@ const SECONDS: [&str; 5] = ["s", "sec", "secs", "second", "seconds"];
 const HOURS: [&str; 4] = ["h", "hr", "hour", "hours"];
 
 /// A name's words in lower case: `imu.gyro.x`, `x_rad_s`, `GyrX`, `gyro_rad[0]`; the sign of degrees is the word `deg`.
-pub(super) fn words(name: &str) -> Vec<String> {
+pub(crate) fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut was_lower = false;
     let spelled = name.replace(['°', 'º'], " deg ").replace('℃', " deg c ").replace('℉', " deg f ");

@@ -91,12 +91,8 @@ impl fmt::Display for Limit {
 impl Limit {
     /// The limit in an axis's unit.
     pub(super) fn in_unit(&self, axis: &str, unit: RateUnit) -> Result<f64, LimitError> {
-        match (self.unit, unit) {
-            (own, other) if own == other => Ok(self.value),
-            (RateUnit::Dps, RateUnit::RadPerS) => Ok(self.value.to_radians()),
-            (RateUnit::RadPerS, RateUnit::Dps) => Ok(self.value.to_degrees()),
-            _ => Err(LimitError::OtherQuantity { text: self.text.clone(), axis: axis.to_owned(), unit }),
-        }
+        let other = || LimitError::OtherQuantity { text: self.text.clone(), axis: axis.to_owned(), unit };
+        self.unit.in_unit(unit).map(|factor| self.value * factor).ok_or_else(other)
     }
 }
 

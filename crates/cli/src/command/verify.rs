@@ -1,28 +1,34 @@
 //! `zerorate verify`.
 
+mod page;
+
 use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use console::Style;
 use serde::Serialize;
 use zerorate_cal::calibration::{Calibration, Kind};
+use zerorate_cal::log::SensorChoice;
 use zerorate_cal::source::{Source, in_quotes};
 use zerorate_cal::table::Table;
-use zerorate_cal::units::RateUnit;
-use zerorate_cal::verify::{Limit, Limits, Verified, VerifiedAxis, verify};
+use zerorate_cal::verify::{Limit, Limits, Verified, VerifyOptions, verify};
 
 use super::Outcome;
 use crate::log_arguments::ColumnArguments;
 use crate::progress::Busy;
-use crate::screen::{self, Grid, Page, RateScale, aligned, style};
+use crate::screen;
 
 /// See what a calibration leaves of a log that it has not seen
 ///
 /// Applies a calibration to the log of a second run and tells, for each axis, what was recorded and what is left, over
-/// averages of about 10 s. With limits it passes or fails: exit code 1 says that the unit failed. The log that the
-/// calibration was fitted on is refused, for it is no test.
+/// averages of 10 s. With limits it passes or fails: exit code 1 says that the unit failed. An axis of which more is left
+/// than was recorded is told as worse, and so is a log of which more than 2 % is outside the temperatures that were
+/// measured for the calibration; neither is a limit. The log that the calibration was fitted on is refused, for it is no
+/// test.
+///
+/// The log may be of another kind than the one that was fitted, as a CSV of an autopilot's gyro: axes of other names are
+/// matched by what they measure and along which direction, where that is plain. rad/s and deg/s are converted.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Verify {
@@ -58,6 +64,11 @@ pub struct Verify {
     #[arg(long)]
     json: bool,
 
+    /// Verify these sensors alone, of the calibration and of the log: gyro, accel, gyro0 or another number, or a part's
+    /// device id
+    #[arg(long, value_name = "SENSOR")]
+    sensor: Option<SensorChoice>,
+
     #[command(flatten)]
     columns: ColumnArguments,
 }
@@ -67,8 +78,11 @@ Examples:
   zerorate verify second.csv --with calibration.json
   zerorate verify second.ulg --with calibration.json --max-rms 1mrad/s --max-pp 5mrad/s
   zerorate verify second.bin --with calibration.json --limits limits.toml --json
+  zerorate verify chamber.csv --with flight.calibration.json --sensor gyro0
+      a table, by the calibration of an autopilot's log that has several gyros
 
-Exit codes: 0 within the limits, or none were given; 1 a limit is missed, or the log is no good; 2 error.";
+Exit codes: 0 within the limits, or none were given (then \"worse\" is a warning); 1 a limit is missed, or an axis is not
+there; 2 error.";
 
 /// What was found, as JSON has it.
 #[derive(Serialize)]
@@ -95,12 +109,14 @@ impl Verify {
         if columns.rates.is_empty() {
             columns.rates = self.known_columns(&calibration);
         }
-        let verified = verify(&log, &calibration, &columns, &limits, self.in_sample)?;
+        let options = VerifyOptions { columns, sensor: self.sensor, limits, in_sample: self.in_sample };
+        let verified = verify(&log, &calibration, &options)?;
         drop(busy);
         if self.json {
+            verified.notes.iter().for_each(|note| screen::note(note));
             screen::print_json(&Found { schema: 1, verified: &verified })?;
         } else {
-            page(&verified).print()?;
+            page::page(&verified).print()?;
         }
         Ok(if verified.passed == Some(false) { Outcome::Rejected } else { Outcome::Done })
     }
@@ -123,74 +139,4 @@ impl Verify {
         let has_all = table.is_some_and(|table| names.iter().all(|name| table.names().contains(name)));
         if has_all { names } else { Vec::new() }
     }
-}
-
-fn page(verified: &Verified) -> Page {
-    let mut page = Page::default();
-    let (colour, word, meaning) = match verified.passed {
-        None => (Style::new(), "measured", "no limits were given (--max-rms, --max-pp)"),
-        Some(true) => (Style::new().green(), "passed", "all axes are within their limits"),
-        Some(false) if !verified.missing.is_empty() => (Style::new().red(), "failed", "not all axes are there"),
-        Some(false) => (Style::new().red(), "failed", "not all axes are within their limits"),
-    };
-    page.sentence("", &format!("{}: {}: {meaning}", verified.log, style(colour.bold(), word)));
-    verified.missing.iter().for_each(|missing| page.sentence("  - ", missing));
-    verified.axes.iter().flat_map(|axis| &axis.missed).for_each(|missed| page.sentence("  - ", missed));
-    if verified.in_sample {
-        page.sentence(
-            "  - ",
-            "this is the log that the calibration was fitted on: what is left is in-sample, and no test",
-        );
-    }
-    verified.warnings.iter().for_each(|warning| page.sentence("  - ", warning));
-    let mut units: Vec<RateUnit> = Vec::new();
-    for axis in &verified.axes {
-        if !units.contains(&axis.rate_unit) {
-            units.push(axis.rate_unit);
-        }
-    }
-    // Rates and accelerations are told apart: they have no scale in common.
-    for rate_unit in units {
-        let axes: Vec<&VerifiedAxis> = verified.axes.iter().filter(|axis| axis.rate_unit == rate_unit).collect();
-        let sizes: Vec<f64> = axes.iter().map(|axis| axis.raw.pp).collect();
-        let scale = RateScale::of(rate_unit, &sizes);
-        page.heading(&format!(
-            "Over {:.1} to {:.1} {}, in {}",
-            axes.iter().map(|axis| axis.temperature[0]).fold(f64::INFINITY, f64::min),
-            axes.iter().map(|axis| axis.temperature[1]).fold(f64::NEG_INFINITY, f64::max),
-            verified.temperature_unit.name(),
-            scale.unit()
-        ));
-        page.grid(&grid(&axes, scale));
-    }
-    if !verified.axes.is_empty() {
-        page.gap();
-        page.sentence(
-            "  ",
-            "Averages over about 10 s. rms is about the mean, which the start of another run sets anew; the mean that is \
-             left stands under mean.",
-        );
-    }
-    page
-}
-
-fn grid(axes: &[&VerifiedAxis], scale: RateScale) -> Grid {
-    let column = |of: &dyn Fn(&VerifiedAxis) -> f64| {
-        aligned(&axes.iter().map(|axis| scale.of_rate(of(axis))).collect::<Vec<_>>())
-    };
-    let columns = [
-        column(&|axis| axis.raw.rms),
-        column(&|axis| axis.raw.pp),
-        column(&|axis| axis.corrected.rms),
-        column(&|axis| axis.corrected.pp),
-        column(&|axis| axis.offset),
-        aligned(&axes.iter().map(|axis| axis.raw.rms / axis.corrected.rms).collect::<Vec<_>>()),
-    ];
-    let mut grid = Grid::new("lrrrrrr");
-    grid.head(["", "recorded", "", "corrected", "", "", "times"]);
-    grid.head(["axis", "rms", "pp", "rms", "pp", "mean", "better"]);
-    for (place, axis) in axes.iter().enumerate() {
-        grid.row([axis.name.clone()].into_iter().chain(columns.iter().map(|column| column[place].clone())));
-    }
-    grid
 }

@@ -2,7 +2,7 @@ use std::fs;
 
 use tempfile::TempDir;
 
-use crate::log::Log;
+use crate::log::{Log, real_file};
 use crate::{folder_with, zerorate};
 
 /// A calibration, its own log, and a second run with another noise.
@@ -55,4 +55,63 @@ fn limits_come_from_a_file_and_its_mistakes_are_named_by_line() {
     zerorate(folder.path(), &verify).is_error(&["limits.toml:2", "'3' is no limit"]);
     fs::write(&limits, "[axes.roll]\nmax_pp = \"3 dps\"\n").unwrap();
     zerorate(folder.path(), &verify).is_error(&["'roll'"]);
+}
+
+#[test]
+fn a_table_is_verified_by_the_calibration_of_an_autopilots_log_and_the_other_way_round() {
+    let mut log = Log::cycle();
+    let folder = folder_with("flight.ulg", log.ulg());
+    assert_eq!(zerorate(folder.path(), &["fit", "flight.ulg", "--out", "flight.json"]).code, 0);
+    log.rates.push(vec![0.0; log.time_s.len()]);
+    log.rates.iter_mut().flatten().for_each(|rate| *rate += 0.002);
+    fs::write(folder.path().join("table.csv"), log.csv()).unwrap();
+    fs::write(folder.path().join("other.ulg"), log.ulg()).unwrap();
+    assert_eq!(zerorate(folder.path(), &["fit", "table.csv", "--out", "table.json"]).code, 0);
+    for (calibration, other, taken) in [
+        ("flight.json", "table.csv", "'x_rad_s' of the log is taken for gyro0.x"),
+        ("table.json", "flight.ulg", "'gyro0.x'"),
+    ] {
+        let ran = zerorate(folder.path(), &["verify", other, "--with", calibration, "--max-rms", "0.5mrad/s"]);
+        assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
+        ran.says(&["passed: all axes", taken]);
+    }
+    // By name it is what it is by role.
+    let json = |log: &str| zerorate(folder.path(), &["verify", log, "--with", "flight.json", "--json"]).json();
+    let (by_role, by_name) = (json("table.csv"), json("other.ulg"));
+    for axis in 0..3 {
+        let rms = |json: &serde_json::Value| json["axes"][axis]["corrected"]["rms"].as_f64().unwrap();
+        assert!((rms(&by_role) - rms(&by_name)).abs() < 2e-6, "{axis}: {by_role} {by_name}");
+    }
+}
+
+/// The way back of the shared recording: a curve of the way up alone is worse than none there.
+#[test]
+fn a_curve_of_one_direction_is_told_and_so_is_what_it_does_on_the_way_back() {
+    if real_file().is_none() {
+        return;
+    }
+    let log = Log::real().unwrap();
+    let place = |better: fn(f64, f64) -> bool| {
+        let t = &log.temperature_c;
+        (0..t.len()).reduce(|a, b| if better(t[b], t[a]) { b } else { a }).unwrap()
+    };
+    let (coldest, hottest) = (place(|a, b| a < b), place(|a, b| a > b));
+    let folder = folder_with("heat.csv", log.rows(coldest..hottest).csv());
+    fs::write(folder.path().join("cool.csv"), log.rows(hottest..log.time_s.len()).csv()).unwrap();
+    let fit = zerorate(folder.path(), &["fit", "heat.csv", "--out", "calibration.json", "--report", "report.html"]);
+    assert_eq!(fit.code, 0);
+    fit.says(&["heat.csv: warning", "the temperature only rises: the log says nothing of hysteresis"]);
+    let page = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("the temperature only rises: the log says nothing of hysteresis"));
+    let ran = zerorate(folder.path(), &["verify", "cool.csv", "--with", "calibration.json"]);
+    assert_eq!(ran.code, 0);
+    ran.says(&["cool.csv: worse: of x_rad_s", "x_rad_s: worse than uncorrected: "]);
+    let json = zerorate(folder.path(), &["verify", "cool.csv", "--with", "calibration.json", "--json"]).json();
+    assert_eq!((&json["verdict"], &json["passed"]), (&"warning".into(), &serde_json::Value::Null));
+    assert!(json["reasons"].as_array().unwrap().iter().any(|reason| reason["kind"] == "worse-than-uncorrected"));
+    assert_eq!(json["axes"][0]["worse"], true);
+    let limited =
+        zerorate(folder.path(), &["verify", "cool.csv", "--with", "calibration.json", "--max-rms", "1mrad/s"]);
+    assert_eq!(limited.code, 1);
+    limited.says(&["failed", "worse than uncorrected"]);
 }

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use zerorate_core::drift::Drift;
 
-use super::score::BOOT_S;
 use super::thinned::Thinned;
 use super::{Made, Prepared, in_recording, predict};
+use crate::boot::take_zero_off;
 use crate::drift_fit::{HeldOut, StaticCubic};
 use crate::folds::{FOLDS, rows_of_fold};
 use crate::model::Model;
@@ -23,6 +23,10 @@ pub(super) struct Outer {
     pub deployed: Vec<f64>,
     /// The same, and a zero taken off.
     warm: Vec<f64>,
+    /// As `warm`, and the zero taken once, where each log begins: not anew with each fold.
+    whole: Vec<f64>,
+    /// The rates themselves, less that zero.
+    uncorrected: Vec<f64>,
     cold: Vec<f64>,
     cubic: Vec<f64>,
     cubic_deployed: Vec<f64>,
@@ -40,6 +44,21 @@ impl Outer {
     pub(super) fn is_worse_than_the_cubic(&self) -> bool {
         let figures = self.figures();
         figures.deployed_warm.zip(figures.cubic_deployed).is_some_and(|(chosen, cubic)| chosen > cubic)
+    }
+
+    /// What a deployed device has left over whole logs like these.
+    pub(super) fn deployed(&self) -> Option<ResidualStatistics> {
+        self.of_whole_logs(&self.whole)
+    }
+
+    /// What it has left without a model.
+    pub(super) fn uncorrected(&self) -> Option<ResidualStatistics> {
+        self.of_whole_logs(&self.uncorrected)
+    }
+
+    fn of_whole_logs(&self, left: &[f64]) -> Option<ResidualStatistics> {
+        let left = ResidualStatistics::of(left.iter().copied());
+        (self.complete() && left.rms.is_finite()).then_some(left)
     }
 
     pub(super) fn figures(&self) -> HeldOut {
@@ -66,6 +85,8 @@ pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinn
         residuals: nothing(),
         deployed: nothing(),
         warm: nothing(),
+        whole: nothing(),
+        uncorrected: nothing(),
         cold: nothing(),
         cubic: nothing(),
         cubic_deployed: nothing(),
@@ -91,6 +112,7 @@ pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinn
         outer.predict(series, &made, &out, &used);
         outer.cubics.push(made.cubic);
     }
+    outer.take_zeros_of_logs(series);
     outer
 }
 
@@ -103,6 +125,8 @@ impl Outer {
             self.residuals[group] = known[group];
             self.deployed[group] = warm[group];
             self.warm[group] = warm[group];
+            self.whole[group] = warm[group];
+            self.uncorrected[group] = series.rate[group];
             self.cold[group] = cold[group - out.start];
             if let Some(cubic) = &made.cubic {
                 self.cubic[group] = series.rate[group] - cubic.evaluate(series.temperature[group]).0;
@@ -110,19 +134,17 @@ impl Outer {
         }
         self.cubic_deployed[out.clone()].copy_from_slice(&self.cubic[out.clone()]);
         for residuals in [&mut self.warm, &mut self.cold, &mut self.cubic_deployed] {
-            take_zero_off(residuals, series, used);
+            take_zero_off(residuals, series.time_s, used);
         }
     }
-}
 
-/// Takes off the mean of the first half minute, and leaves that out.
-fn take_zero_off(residuals: &mut [f64], series: &Series<'_>, used: &[usize]) {
-    let first = used[0];
-    let within = |&&group: &&usize| series.time_s[group] - series.time_s[first] < BOOT_S;
-    let booted = used.iter().take_while(within).count().clamp(1, (used.len() / 2).max(1));
-    let zero = used[..booted].iter().map(|&group| residuals[group]).sum::<f64>() / booted as f64;
-    for (place, &group) in used.iter().enumerate() {
-        residuals[group] = if place < booted { f64::NAN } else { residuals[group] - zero };
+    /// A device is switched on once a log, and takes its zero then.
+    fn take_zeros_of_logs(&mut self, series: &Series<'_>) {
+        let predicted: Vec<usize> = (0..self.whole.len()).filter(|&group| self.whole[group].is_finite()).collect();
+        for log in predicted.chunk_by(|&a, &b| series.log[a] == series.log[b]) {
+            take_zero_off(&mut self.whole, series.time_s, log);
+            take_zero_off(&mut self.uncorrected, series.time_s, log);
+        }
     }
 }
 

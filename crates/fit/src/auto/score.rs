@@ -4,15 +4,12 @@ use super::candidates::Spec;
 use super::features::Features;
 use super::gram::Gram;
 use super::sample::Sample;
+use crate::boot::BOOT_S;
 use crate::choose::standard_error;
 use crate::folds::{FOLDS, rows_of_fold};
 
 /// The ends of temperature that are held out: as many groups each as a fold.
 const ENDS: usize = 2;
-
-/// The time over which a zero is taken at start-up, seconds: what autopilots do at boot takes a few; half a minute is
-/// long against a group.
-pub(super) const BOOT_S: f64 = 30.0;
 
 /// Groups further apart than this are of two visits: a few that were left out do not end one.
 const VISIT_GAP: usize = 8;

@@ -13,7 +13,7 @@ pub fn models(page: &mut Page, fit: &LogFit) {
     let cubic = |axis: &&AxisFit| nested(axis).and_then(|nested| nested.cubic_deployed).unwrap_or(0.0);
     let unit = first.calibration.rate_unit;
     let scale = RateScale::of(unit, &axes.iter().map(cubic).collect::<Vec<_>>());
-    page.heading(&format!("Model, and what it leaves of data it has not seen (rms, {})", scale.unit()));
+    page.heading(&format!("Model, and what it leaves of an eighth of the log (rms, {})", scale.unit()));
     let mut grid = Grid::new("llrrrr");
     grid.head(["", "", "in the", "deployed,", "deployed,", "cubic,"]);
     grid.head(["", "model", "recording", "warm", "cold", "deployed"]);
@@ -27,9 +27,8 @@ pub fn models(page: &mut Page, fit: &LogFit) {
     page.gap();
     page.sentence(
         "  ",
-        "Blocked cross-validation: each of eight folds of the log was predicted by a model chosen and fitted on the other \
-         seven. Deployed: without the log's own drift in time, less the mean of the fold's first half minute, as a zero at \
-         boot takes it off; warm: the history is known from the log's start; cold: it begins with the fold.",
+        "Each of eight folds as above. Deployed: as a run of one fold's length, its zero taken in the fold's first half \
+         minute; warm: the history is known from the log's start; cold: it begins with the fold.",
     );
 }
 

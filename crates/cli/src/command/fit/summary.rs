@@ -31,7 +31,9 @@ pub fn page(
             }
         }
         units.iter().for_each(|unit| curves(&mut page, fit, *unit));
-        terms(&mut page, fit, over);
+        terms(&mut page, fit);
+        units.iter().for_each(|unit| in_recording(&mut page, fit, *unit));
+        terms_in_recording(&mut page, fit, over);
         models::models(&mut page, fit);
         if explained {
             models::explain(&mut page, fit);
@@ -86,35 +88,31 @@ fn verdict(page: &mut Page, fit: &LogFit) {
     fit.judgement.reasons.iter().for_each(|reason| page.sentence("  - ", &reason.text));
 }
 
-/// One row an axis of a unit: what drifts, and what the curve leaves of it.
+/// One row an axis of a unit: what drifts, and what a deployed device has left of it. Of a plain fit nobody knows that: what
+/// was held out stands in its place.
 fn curves(page: &mut Page, fit: &LogFit, unit: RateUnit) {
     let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| axis.calibration.rate_unit == unit).collect();
     let drifts: Vec<f64> = axes.iter().map(|axis| axis.calibration.measured_drift().peak_to_peak()).collect();
     let scale = RateScale::of(unit, &drifts);
     page.heading(&format!("Drift over {}, in {}", measured(&axes), scale.unit()));
-    let statistics = || axes.iter().map(|axis| &axis.calibration.fit.statistics);
-    let column = |of: &dyn Fn(&FitStatistics) -> f64| {
-        aligned(&statistics().map(|statistics| scale.of_rate(of(statistics))).collect::<Vec<_>>())
+    let (left_head, left): (_, Figure) = match deployed(&axes) {
+        true => ("deployed", |fit| fit.deployed),
+        false => ("held out", |fit| fit.held_out),
     };
-    let held_out = |fit: &FitStatistics| fit.held_out.unwrap_or(ResidualStatistics::NONE);
-    let columns = [
-        aligned(&drifts.iter().map(|drift| scale.of_rate(*drift)).collect::<Vec<_>>()),
-        column(&|fit| fit.in_sample.rms),
-        column(&|fit| fit.in_sample.pp),
-        column(&|fit| held_out(fit).rms),
-        column(&|fit| held_out(fit).pp),
-    ];
+    let [before_rms, before_pp] = figures(&axes, scale, |fit| fit.uncorrected);
+    let [rms, pp] = figures(&axes, scale, left);
+    let drifts = aligned(&drifts.iter().map(|drift| scale.of_rate(*drift)).collect::<Vec<_>>());
     let mut grid = Grid::new("lllrrrrrr");
     let what = if axes[0].calibration.sensor.is_some() { "axis" } else { "rate column" };
-    grid.head(["", "", "", "drift", "in-sample", "", "held out", "", "rows"]);
+    grid.head(["", "", "", "drift", left_head, "", "uncorrected", "", "rows"]);
     grid.head([what, "verdict", "model", "pp", "rms", "pp", "rms", "pp", "used"]);
     for (place, axis) in axes.iter().enumerate() {
-        let cells = columns.iter().map(|column| column[place].clone());
         let own = &axis.calibration.fit.model;
         let beside = if own.history.is_some() || own.time_drift.is_some() { "+" } else { "" };
         let model = format!("{}{beside}", axis.calibration.model());
-        let named = [axis.name.clone(), word(axis.verdict).to_owned(), model];
-        grid.row(named.into_iter().chain(cells).chain([thousands(axis.calibration.fit.statistics.samples_used)]));
+        let used = thousands(axis.calibration.fit.statistics.samples_used);
+        let cells = [&drifts, &rms, &pp, &before_rms, &before_pp].map(|column| column[place].clone());
+        grid.row([axis.name.clone(), word(axis.verdict).to_owned(), model].into_iter().chain(cells).chain([used]));
     }
     page.grid(&grid);
     if believed(&axes) != measured(&axes) {
@@ -126,21 +124,54 @@ fn curves(page: &mut Page, fit: &LogFit, unit: RateUnit) {
     }
 }
 
-/// What the numbers of the tables mean.
-fn terms(page: &mut Page, fit: &LogFit, over: ResidualOver) {
-    let of_what = match over {
-        ResidualOver::Rows => "single rows",
-        ResidualOver::Groups => "averages over about 10 s",
+/// What is left within the recording: smaller than what a device gets, and below it.
+fn in_recording(page: &mut Page, fit: &LogFit, unit: RateUnit) {
+    let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| axis.calibration.rate_unit == unit).collect();
+    let drifts: Vec<f64> = axes.iter().map(|axis| axis.calibration.measured_drift().peak_to_peak()).collect();
+    let scale = RateScale::of(unit, &drifts);
+    page.heading(&format!("Within the recording, in {}", scale.unit()));
+    let columns =
+        [figures(&axes, scale, |fit| Some(fit.in_sample)), figures(&axes, scale, |fit| fit.held_out)].concat();
+    let mut grid = Grid::new("lrrrr");
+    grid.head(["", "in-sample", "", "held out", ""]);
+    grid.head(["", "rms", "pp", "rms", "pp"]);
+    for (place, axis) in axes.iter().enumerate() {
+        grid.row([axis.name.clone()].into_iter().chain(columns.iter().map(|column| column[place].clone())));
+    }
+    page.grid(&grid);
+}
+
+/// One figure of a fit.
+type Figure = fn(&FitStatistics) -> Option<ResidualStatistics>;
+
+/// The rms and the peak to peak of a figure, an entry an axis.
+fn figures(axes: &[&AxisFit], scale: RateScale, figure: Figure) -> [Vec<String>; 2] {
+    let of = |axis: &&AxisFit| figure(&axis.calibration.fit.statistics).unwrap_or(ResidualStatistics::NONE);
+    let column = |part: fn(ResidualStatistics) -> f64| {
+        aligned(&axes.iter().map(|axis| scale.of_rate(part(of(axis)))).collect::<Vec<_>>())
     };
+    [column(|left| left.rms), column(|left| left.pp)]
+}
+
+/// Whether it is known what a deployed device has left.
+fn deployed(axes: &[&AxisFit]) -> bool {
+    axes.iter().any(|axis| axis.calibration.fit.statistics.deployed.is_some())
+}
+
+/// What the numbers of the first table mean.
+fn terms(page: &mut Page, fit: &LogFit) {
     page.gap();
-    page.sentence(
-        "  ",
-        &format!(
-            "pp is peak to peak. In-sample and held out are residual statistics of {of_what}: in-sample, of the rows that \
-             the curve was fitted to; held out, by blocked cross-validation: of each of eight folds of the log, predicted \
-             by a fit of the other seven. That is what to expect of new data."
-        ),
-    );
+    let axes: Vec<&AxisFit> = fit.axes.iter().collect();
+    if deployed(&axes) {
+        page.sentence(
+            "  ",
+            "Deployed is what a device has left of a whole log like this one, in averages over about 10 s, if it takes its \
+             zero in the first half minute and the prediction off from then on: each eighth of the log as a model predicts it \
+             that was chosen and fitted on the other seven, and without the log's own drift in time, which no device knows. \
+             Uncorrected is the same without a model. zerorate verify finds the same two numbers in another run. pp is \
+             peak to peak.",
+        );
+    }
     if fit.axes.iter().any(|axis| axis.calibration.reference_temperature.is_some()) {
         page.sentence(
             "  ",
@@ -148,6 +179,28 @@ fn terms(page: &mut Page, fit: &LogFit, over: ResidualOver) {
              gravity are one.",
         );
     }
+}
+
+/// What the numbers within the recording mean.
+fn terms_in_recording(page: &mut Page, fit: &LogFit, over: ResidualOver) {
+    let of_what = match over {
+        ResidualOver::Rows => "single rows",
+        ResidualOver::Groups => "averages over about 10 s",
+    };
+    let believed = if fit.axes.iter().any(|axis| axis.calibration.fit.model.time_drift.is_some()) {
+        " Both take the log's own drift in time off, and its history as known from the start: that shows how well the model \
+         describes this log, and is no promise for the next."
+    } else {
+        ""
+    };
+    page.gap();
+    page.sentence(
+        "  ",
+        &format!(
+            "Residuals of {of_what}: in-sample, of the rows that the curve was fitted to; held out, by blocked \
+             cross-validation: of each of eight folds of the log, predicted by a fit of the other seven.{believed}"
+        ),
+    );
 }
 
 /// A verdict in a table.

@@ -1,0 +1,122 @@
+//! Whether a log's temperature went both ways, without which nobody has seen hysteresis.
+
+use zerorate_fit::direction::warming;
+
+use crate::quality::{Reason, ReasonKind};
+
+/// Less than this share of the span passed both ways, and most of the curve is of one direction.
+const BOTH_WAYS: f64 = 0.5;
+
+/// A reason, where a log's temperatures went one way over most of their span; those of a log each, in the order of time.
+pub(super) fn reason(logs: &[Vec<f64>]) -> Option<Reason> {
+    let (mut up, mut down) = (Vec::new(), Vec::new());
+    for temperatures in logs {
+        let warming = warming(temperatures);
+        let mut start = 0;
+        for leg in warming.chunk_by(|a, b| a == b) {
+            // Where it turns belongs to both ways.
+            let end = start + leg.len();
+            let passed = temperatures[start..(end + 1).min(temperatures.len())].iter().filter(|t| t.is_finite());
+            let ends = passed.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (min.min(*t), max.max(*t)));
+            if leg[0] {
+                up.push(ends)
+            } else {
+                down.push(ends)
+            }
+            start = end;
+        }
+    }
+    let (up, down) = (joined(up), joined(down));
+    let span = length(&joined([&up[..], &down[..]].concat()));
+    let share = length(&common(&up, &down)) / span;
+    // Without a span there is nothing to say of it; that is another reason's.
+    if span <= 0.0 || share >= BOTH_WAYS {
+        return None;
+    }
+    let way = if length(&up) >= length(&down) { "rises" } else { "falls" };
+    let how_much = if share < 0.005 {
+        format!("the temperature only {way}")
+    } else {
+        format!("the temperature {way}, and only {:.0} % of its span was passed both ways", 100.0 * share)
+    };
+    let text = format!(
+        "{how_much}: the log says nothing of hysteresis, and on the way back the drift may be another by more than the held-out residual tells"
+    );
+    Some(Reason::new(ReasonKind::OneDirection, text))
+}
+
+/// An interval of temperature.
+type Interval = (f64, f64);
+
+/// Intervals without overlap, in order.
+fn joined(mut intervals: Vec<Interval>) -> Vec<Interval> {
+    intervals.retain(|(from, to)| from <= to);
+    intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut joined: Vec<Interval> = Vec::new();
+    for (from, to) in intervals {
+        match joined.last_mut() {
+            Some(last) if from <= last.1 => last.1 = last.1.max(to),
+            _ => joined.push((from, to)),
+        }
+    }
+    joined
+}
+
+/// What two sets of joined intervals have in common.
+fn common(a: &[Interval], b: &[Interval]) -> Vec<Interval> {
+    let both = |a: &Interval, b: &Interval| (a.0.max(b.0), a.1.min(b.1));
+    a.iter().flat_map(|a| b.iter().map(move |b| both(a, b))).filter(|(from, to)| from < to).collect()
+}
+
+fn length(intervals: &[Interval]) -> f64 {
+    intervals.iter().map(|(from, to)| to - from).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Through some temperatures one after the other, 50 steps each.
+    fn through(stations: &[f64]) -> Vec<f64> {
+        let between = |pair: &[f64]| -> Vec<f64> {
+            (0..50).map(|i| pair[0] + (pair[1] - pair[0]) * f64::from(i) / 50.0).collect()
+        };
+        stations.windows(2).flat_map(between).chain(stations.last().copied()).collect()
+    }
+
+    fn told(logs: &[Vec<f64>]) -> Option<String> {
+        reason(logs).map(|reason| reason.text)
+    }
+
+    #[test]
+    fn a_ramp_up_or_down_is_of_one_direction_and_a_cycle_is_not() {
+        assert!(told(&[through(&[-20.0, 60.0])]).unwrap().starts_with("the temperature only rises:"));
+        assert!(told(&[through(&[60.0, -20.0])]).unwrap().starts_with("the temperature only falls:"));
+        for cycle in [&[-20.0, 60.0, -20.0][..], &[20.0, -20.0, 60.0, 20.0], &[60.0, -20.0, 61.0]] {
+            assert_eq!(told(&[through(cycle)]), None, "{cycle:?}");
+        }
+    }
+
+    #[test]
+    fn the_share_that_was_passed_both_ways_decides() {
+        // Of 80 degrees 20 were passed back, and 48.
+        let told_of = told(&[through(&[-20.0, 60.0, 40.0])]).unwrap();
+        assert!(told_of.contains("rises, and only 25 % of its span"), "{told_of}");
+        assert_eq!(told(&[through(&[-20.0, 60.0, 12.0])]), None);
+        // Two short returns add up to what one would be.
+        assert_eq!(told(&[through(&[0.0, 30.0, 10.0, 80.0, 50.0])]), None);
+    }
+
+    #[test]
+    fn noise_and_a_jump_from_one_log_to_the_next_are_no_way_back() {
+        let noisy: Vec<f64> = (0..2000_i32).map(|i| f64::from(i) * 0.04 + f64::from(i * 7919 % 100) / 100.0).collect();
+        assert!(told(&[noisy]).is_some());
+        assert!(told(&[through(&[-20.0, 20.0]), through(&[0.0, 60.0])]).is_some());
+        assert_eq!(told(&[through(&[-20.0, 60.0]), through(&[60.0, -20.0])]), None);
+    }
+
+    #[test]
+    fn a_log_that_stands_still_or_is_empty_says_nothing() {
+        assert_eq!((told(&[vec![25.0; 9]]), told(&[Vec::new()]), told(&[])), (None, None, None));
+    }
+}

@@ -1,0 +1,126 @@
+//! One axis of a log, with a calibration's bias taken off.
+
+use serde::Serialize;
+use zerorate_fit::boot::left_after_zero;
+use zerorate_fit::predict::{Predictor, Start};
+use zerorate_fit::residual::ResidualStatistics;
+use zerorate_fit::robust::median;
+
+use super::NoTest;
+use crate::calibration::AxisCalibration;
+use crate::log_fit::AxisFit;
+use crate::trace::TracePoint;
+use crate::units::{RateUnit, TemperatureUnit};
+
+/// A rate that never changes is left as it is but for its last digits, and those are nobody's drift.
+const ROUNDING: f64 = 1e-9;
+
+/// How an axis of the log did.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VerifiedAxis {
+    /// The calibration's name of it.
+    pub name: String,
+    /// The log's.
+    pub log_axis: String,
+    /// The unit of all rates: the calibration's.
+    pub rate_unit: RateUnit,
+    /// What was recorded, about its mean, over averages of 10 s.
+    pub raw: ResidualStatistics,
+    /// What the calibration leaves, about its mean.
+    pub corrected: ResidualStatistics,
+    /// The mean that the calibration leaves: the zero of this run against that of the calibration's.
+    pub offset: f64,
+    /// What a device has left that takes its zero in the run's first half minute and corrects from then on: what a fit
+    /// tells by the same name ([`zerorate_fit::drift_fit::FitStatistics::deployed`]).
+    pub deployed: ResidualStatistics,
+    /// The same without the calibration: what a device has left that takes its zero and corrects nothing.
+    pub uncorrected: ResidualStatistics,
+    /// Whether more is left than was recorded, by the root mean square about the mean: no correction would be better.
+    pub worse: bool,
+    /// The least and the greatest temperature in the log.
+    pub temperature: [f64; 2],
+    /// The least and the greatest temperature that were measured for the calibration.
+    pub calibrated_temperature: [f64; 2],
+    /// The share of the log outside those, 0 to 1: there nothing was measured that the curve could rest on.
+    pub outside: f64,
+    /// The limits that it misses, a sentence each; none where it passed.
+    pub missed: Vec<String>,
+    /// What was recorded and what is left, for figures.
+    #[serde(skip)]
+    pub points: Vec<VerifiedPoint>,
+}
+
+/// An average of the log.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VerifiedPoint {
+    /// Seconds from the log's first row; NaN if not known.
+    pub time_s: f64,
+    /// Temperature, in the log's unit.
+    pub temperature: f64,
+    /// As recorded, in the calibration's unit.
+    pub raw: f64,
+    /// Less the calibration's bias.
+    pub corrected: f64,
+}
+
+/// Takes the bias off an axis and says what is left. Limits are not looked at.
+pub(super) fn verify(
+    name: &str,
+    own: &AxisCalibration,
+    axis: &AxisFit,
+    temperature_unit: TemperatureUnit,
+) -> Result<VerifiedAxis, NoTest> {
+    let other_unit = |found: String, expected: String| NoTest::Unit { axis: axis.name.clone(), found, expected };
+    let logged = axis.calibration.rate_unit;
+    let Some(factor) = logged.in_unit(own.rate_unit) else {
+        return Err(other_unit(logged.to_string(), own.rate_unit.to_string()));
+    };
+    if axis.temperature_unit != temperature_unit {
+        return Err(other_unit(axis.temperature_unit.name().to_owned(), temperature_unit.name().to_owned()));
+    }
+    let points = corrected(own, &axis.trace, factor);
+    let raw: Vec<f64> = points.iter().map(|point| point.raw).collect();
+    let left: Vec<f64> = points.iter().map(|point| point.corrected).collect();
+    let times: Vec<f64> = points.iter().map(|point| point.time_s).collect();
+    let temperatures = || points.iter().map(|point| point.temperature);
+    let measured = own.fit.measured;
+    let outside = temperatures().filter(|t| *t < measured.min() || *t > measured.max()).count();
+    let uncorrected = left_after_zero(raw.clone(), &times);
+    let (raw, _) = ResidualStatistics::about_mean(&raw);
+    let (corrected, offset) = ResidualStatistics::about_mean(&left);
+    Ok(VerifiedAxis {
+        name: name.to_owned(),
+        log_axis: axis.name.clone(),
+        rate_unit: own.rate_unit,
+        raw,
+        corrected,
+        offset,
+        deployed: left_after_zero(left, &times),
+        uncorrected,
+        worse: corrected.rms > raw.rms + ROUNDING * raw.rms.max(offset.abs()),
+        temperature: [temperatures().fold(f64::INFINITY, f64::min), temperatures().fold(f64::NEG_INFINITY, f64::max)],
+        calibrated_temperature: [measured.min(), measured.max()],
+        outside: outside as f64 / points.len().max(1) as f64,
+        missed: Vec::new(),
+        points,
+    })
+}
+
+/// The points of a log, `factor` of the calibration's unit to one of its own, with the bias taken off.
+fn corrected(own: &AxisCalibration, trace: &[TracePoint], factor: f64) -> Vec<VerifiedPoint> {
+    let finite = |point: &&TracePoint| point.temperature.is_finite() && point.rate.is_finite();
+    // The history begins with the log, as it does on a device that is switched on.
+    let mut predictor = Predictor::new(&own.fit.model, Start::Unknown);
+    let correct = |point: &TracePoint| {
+        let raw = factor * point.rate;
+        let bias = predictor.predict(point.time_s, point.temperature).bias;
+        VerifiedPoint { time_s: point.time_s, temperature: point.temperature, raw, corrected: raw - bias }
+    };
+    trace.iter().filter(finite).map(correct).collect()
+}
+
+/// The time from one point to the next, seconds, as a rule; `None` without times.
+pub(super) fn period_s(trace: &[TracePoint]) -> Option<f64> {
+    let mut steps: Vec<f64> = trace.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    Some(median(&mut steps)).filter(|period| period.is_finite())
+}

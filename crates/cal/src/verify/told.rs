@@ -1,0 +1,58 @@
+//! What is to be known of a verification, in words.
+
+use super::VerifiedAxis;
+use crate::log_fit::LogFit;
+use crate::quality::{Judgement, Reason, ReasonKind};
+use crate::units::TemperatureUnit;
+
+/// A larger share of the log outside what was measured is told: two averages of a hundred are a ramp's two ends.
+const TOLD_OUTSIDE: f64 = 0.02;
+
+/// The reasons: what is wrong with the log, then what the calibration does to it.
+pub(super) fn reasons(fit: &LogFit, axes: &[VerifiedAxis], unit: TemperatureUnit) -> Vec<Reason> {
+    let of_log = fit.judgement.reasons.iter().filter(|reason| !is_of_a_fit_alone(reason)).cloned();
+    let mut judgement = Judgement::default();
+    of_log.chain(worse(axes)).chain(outside(axes, unit)).for_each(|reason| judgement.add(reason));
+    judgement.reasons
+}
+
+/// A narrow span, and one direction, are no faults of a log that is not fitted.
+fn is_of_a_fit_alone(reason: &Reason) -> bool {
+    matches!(reason.kind, ReasonKind::NarrowSpan | ReasonKind::OneDirection)
+}
+
+fn worse(axes: &[VerifiedAxis]) -> impl Iterator<Item = Reason> {
+    axes.iter().filter(|axis| axis.worse).map(|axis| {
+        let text = format!(
+            "{}: worse than uncorrected: {:.3e} {} rms is left of {:.3e} that were recorded",
+            axis.name, axis.corrected.rms, axis.rate_unit, axis.raw.rms
+        );
+        Reason::new(ReasonKind::WorseThanUncorrected, text)
+    })
+}
+
+/// Axes of one range are told together, by the largest share.
+fn outside(axes: &[VerifiedAxis], unit: TemperatureUnit) -> impl Iterator<Item = Reason> {
+    let mut told: Vec<(Vec<&str>, &VerifiedAxis)> = Vec::new();
+    for axis in axes.iter().filter(|axis| axis.outside > TOLD_OUTSIDE) {
+        match told.iter_mut().find(|(_, first)| first.calibrated_temperature == axis.calibrated_temperature) {
+            Some((names, first)) => {
+                names.push(&axis.name);
+                if axis.outside > first.outside {
+                    *first = axis;
+                }
+            }
+            None => told.push((vec![&axis.name], axis)),
+        }
+    }
+    told.into_iter().map(move |(names, axis)| {
+        let [min, max] = axis.calibrated_temperature;
+        let text = format!(
+            "{}: {:.0} % of the log is outside the {min:.1} to {max:.1} {} that were measured for the calibration: there the curve rests on nothing",
+            names.join(", "),
+            100.0 * axis.outside,
+            unit.name()
+        );
+        Reason::new(ReasonKind::OutsideRange, text)
+    })
+}

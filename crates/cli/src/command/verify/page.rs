@@ -1,0 +1,103 @@
+//! The page that `zerorate verify` prints.
+
+use console::Style;
+use zerorate_cal::units::RateUnit;
+use zerorate_cal::verify::{Verified, VerifiedAxis};
+
+use crate::screen::{Grid, Page, RateScale, aligned, style};
+
+/// The page: verdict, why, and what is left of each axis.
+pub fn page(verified: &Verified) -> Page {
+    let mut page = Page::default();
+    verdict(&mut page, verified);
+    let mut units: Vec<RateUnit> = Vec::new();
+    for axis in &verified.axes {
+        if !units.contains(&axis.rate_unit) {
+            units.push(axis.rate_unit);
+        }
+    }
+    // Rates and accelerations are told apart: they have no scale in common.
+    for rate_unit in units {
+        let axes: Vec<&VerifiedAxis> = verified.axes.iter().filter(|axis| axis.rate_unit == rate_unit).collect();
+        let sizes: Vec<f64> = axes.iter().map(|axis| axis.raw.pp).collect();
+        let scale = RateScale::of(rate_unit, &sizes);
+        page.heading(&format!(
+            "Over {:.1} to {:.1} {}, in {}",
+            axes.iter().map(|axis| axis.temperature[0]).fold(f64::INFINITY, f64::min),
+            axes.iter().map(|axis| axis.temperature[1]).fold(f64::NEG_INFINITY, f64::max),
+            verified.temperature_unit.name(),
+            scale.unit()
+        ));
+        page.grid(&grid(&axes, scale));
+    }
+    if !verified.axes.is_empty() {
+        page.gap();
+        page.sentence("  ", &terms(verified));
+    }
+    if !verified.notes.is_empty() {
+        page.heading("What was guessed");
+        verified.notes.iter().for_each(|note| page.sentence("  - ", note));
+    }
+    page
+}
+
+fn verdict(page: &mut Page, verified: &Verified) {
+    let (green, yellow, red) = (Style::new().green(), Style::new().yellow(), Style::new().red());
+    let is_warned = !verified.reasons.is_empty();
+    let worse: Vec<&str> = verified.axes.iter().filter(|axis| axis.worse).map(|axis| axis.name.as_str()).collect();
+    let worse_meaning = format!("of {} more is left than was recorded; no limits were given", worse.join(", "));
+    let (colour, word, meaning) = match verified.passed {
+        None if !worse.is_empty() => (yellow, "worse", worse_meaning.as_str()),
+        None => (Style::new(), "measured", "no limits were given (--max-rms, --max-pp)"),
+        Some(true) if is_warned => (yellow, "passed, with a warning", "all axes are within their limits, but"),
+        Some(true) => (green, "passed", "all axes are within their limits"),
+        Some(false) if !verified.missing.is_empty() => (red, "failed", "not all axes are there"),
+        Some(false) => (red, "failed", "not all axes are within their limits"),
+    };
+    page.sentence("", &format!("{}: {}: {meaning}", verified.log, style(colour.bold(), word)));
+    verified.missing.iter().for_each(|missing| page.sentence("  - ", missing));
+    verified.axes.iter().flat_map(|axis| &axis.missed).for_each(|missed| page.sentence("  - ", missed));
+    if verified.in_sample {
+        page.sentence(
+            "  - ",
+            "this is the log that the calibration was fitted on: what is left is in-sample, and no test",
+        );
+    }
+    verified.reasons.iter().for_each(|reason| page.sentence("  - ", &reason.text));
+}
+
+fn grid(axes: &[&VerifiedAxis], scale: RateScale) -> Grid {
+    let column = |of: &dyn Fn(&VerifiedAxis) -> f64| {
+        aligned(&axes.iter().map(|axis| scale.of_rate(of(axis))).collect::<Vec<_>>())
+    };
+    let columns = [
+        column(&|axis| axis.raw.rms),
+        column(&|axis| axis.raw.pp),
+        column(&|axis| axis.corrected.rms),
+        column(&|axis| axis.corrected.pp),
+        column(&|axis| axis.offset),
+        aligned(&axes.iter().map(|axis| axis.raw.rms / axis.corrected.rms).collect::<Vec<_>>()),
+        column(&|axis| axis.uncorrected.rms),
+        column(&|axis| axis.deployed.rms),
+    ];
+    let mut grid = Grid::new("lrrrrrrrr");
+    grid.head(["", "recorded", "", "corrected", "", "", "rms, times", "uncorrected", "deployed"]);
+    grid.head(["axis", "rms", "pp", "rms", "pp", "mean", "smaller", "rms", "rms"]);
+    for (place, axis) in axes.iter().enumerate() {
+        grid.row([axis.name.clone()].into_iter().chain(columns.iter().map(|column| column[place].clone())));
+    }
+    grid
+}
+
+fn terms(verified: &Verified) -> String {
+    let averages = match verified.averaged_over_s {
+        Some(period) => format!("Averages over {period:.1} s."),
+        None => "Averages over successive rows: the log has no times.".to_owned(),
+    };
+    format!(
+        "{averages} Recorded and corrected: rms about the mean, which the start of another run sets anew; the mean that is \
+         left stands under mean. Times smaller: recorded rms over corrected rms, so below 1 the correction is worse than \
+         none. Uncorrected and deployed: the rate, and the rate corrected, less the mean of the run's first half \
+         minute, as a device's zero at the start takes it off; fit tells both first."
+    )
+}
