@@ -123,7 +123,8 @@ fn run(
             "the line to the device lost {lost_uploads} uploads and damaged {damaged_frames} frames; {sent_again} commands were sent again"
         ));
     }
-    let mut checks = check(&verifications, &setup.limits, setup.board.centre_counts);
+    let results: Vec<_> = verifications.iter().flat_map(|test| &test.results).collect();
+    let mut checks = check(&results, &setup.limits, setup.board.centre_counts);
     checks.extend(soaks.iter().flat_map(|soaks| soak_comparison::check(soaks, &setup.limits)));
     let origin = |(content, file): (&str, &str)| {
         Origin::of(content, &(&output.path(file)).into()).map_err(|error| BenchError::Compose(error.to_string()))

@@ -15,6 +15,9 @@ use zerorate_core::compensate::LowPass;
 use zerorate_core::units::{Celsius, Counts, Seconds, Taps};
 use zerorate_fit::model::Model;
 
+/// The supply of the potentiometer, volts (paper, 2.1): a tap is a 1023rd of it.
+const POTENTIOMETER_SUPPLY_V: f64 = 5.0;
+
 /// A board and its bench.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
@@ -124,9 +127,10 @@ pub struct DriftChoice {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
 pub struct Limits {
-    /// Residual of mode trim, counts peak to peak.
+    /// Residual of mode trim, counts peak to peak. A tap is the least that a potentiometer leaves.
     pub trim_residual_pp_counts: f64,
-    /// Residual of mode hybrid, in multiples of the floor (what no compensation could beat), where that is known.
+    /// Residual of mode hybrid, in multiples of the floor (what no compensation could beat). A real bench knows no floor:
+    /// there it must leave no more than mode trim.
     pub hybrid_residual_floors: f64,
     /// Distance of the compensated mean from the centre, counts.
     pub mean_offset_counts: f64,
@@ -224,6 +228,22 @@ impl SetUp {
     pub fn low_pass(&self) -> LowPass {
         let period = f64::from(self.acquisition.sample_period_us) * 1e-6;
         LowPass::first_order(self.board.low_pass_hz, period, self.board.wiper_delay_us * 1e-6)
+    }
+
+    /// How far one tap moves the reading as the circuit's drawing has it: the supply's 1023rd through the circuit.
+    #[must_use]
+    pub fn nominal_counts_per_tap(&self) -> f64 {
+        POTENTIOMETER_SUPPLY_V / f64::from(Taps::LAST.get()) / self.board.input_volts_per_count
+    }
+
+    /// What a sound set-up asks for that no unit can give, in sentences. A run may be made all the same: it rejects.
+    #[must_use]
+    pub fn unreachable(&self) -> Vec<String> {
+        let (limit, tap) = (self.limits.trim_residual_pp_counts, self.nominal_counts_per_tap());
+        let sentence = format!(
+            "limits.trim_residual_pp_counts {limit} is less than a tap, {tap:.1} counts: a potentiometer moves in whole taps, so mode trim cannot leave less where the drift crosses one"
+        );
+        (limit < tap).then_some(sentence).into_iter().collect()
     }
 
     /// The drift model asked for; `auto` where a set-up was never checked and its model makes no sense.
@@ -345,6 +365,15 @@ mod tests {
             assert_eq!(SetUp::parse(&setup.to_toml(), "x").unwrap(), setup);
         }
         assert!((SetUp::paper().group_period().0 - 1.5).abs() < 1e-12, "40 groups a minute");
+    }
+
+    #[test]
+    fn a_trim_limit_below_a_tap_is_told_and_one_above_is_not() {
+        // READING.md: one tap moves the reading by 31.26 counts.
+        let with = |limit: f64| SetUp::parse(&format!("[limits]\ntrim_residual_pp_counts = {limit}"), "x").unwrap();
+        assert_eq!(with(31.3).unreachable(), Vec::<String>::new());
+        let told = with(31.2).unreachable();
+        assert!(told.len() == 1 && told[0].contains("31.3 counts"), "{told:?}");
     }
 
     #[test]

@@ -161,6 +161,7 @@ impl Calibrate {
         if !self.force {
             results::refuse_others(&self.out, &unit)?;
         }
+        setup.unreachable().iter().for_each(|sentence| bar.note(sentence));
         let result = calibrate(bench, setup, unit, &self.out, &mut bar, keep);
         bar.finish();
         let summary = result.map_err(|error| self.with_what_is_left(error))?;
