@@ -1,7 +1,7 @@
 //! What a compensation test shows, in numbers.
 
 use zerorate_cal::summary::TestResult;
-use zerorate_core::compensate::StaticLaw;
+use zerorate_core::compensate::{Mode, StaticLaw};
 use zerorate_core::units::{Axis, TemperatureCode};
 
 use crate::procedure::compensation_test::TestRun;
@@ -66,7 +66,7 @@ fn one_direction(test: &TestRun, ramp: &[Taken], direction: Phase, law: &StaticL
         control_pp_counts: peak_to_peak(ramp.iter().map(|taken| taken.zro(axis.other()).0)),
         floor_pp_counts: floor(ramp, axis),
         wiper_writes: u32::try_from(moved.iter().filter(|&&moved| moved).count()).unwrap_or(u32::MAX),
-        taps_crossed: taps_crossed(ramp, axis, law),
+        taps_crossed: taps_crossed(ramp, axis, test.mode, law),
         mean_counts,
         largest_step_counts: largest_step(&jumps, &moved),
     }
@@ -90,8 +90,12 @@ fn floor(ramp: &[Taken], axis: Axis) -> Option<f64> {
 
 /// How often the noise-free law changes the tap along the plant's true temperature, from the tap that the ramp's first
 /// group was taken at.
-fn taps_crossed(ramp: &[Taken], axis: Axis, law: &StaticLaw) -> Option<u32> {
-    let mut tap = ramp.first()?.report.axes[axis.index()].tap;
+fn taps_crossed(ramp: &[Taken], axis: Axis, mode: Mode, law: &StaticLaw) -> Option<u32> {
+    let first = ramp.first()?;
+    if first.truth.is_some() && !matches!(mode, Mode::Trim | Mode::Hybrid) {
+        return Some(0);
+    }
+    let mut tap = first.report.axes[axis.index()].tap;
     let mut crossed = 0;
     for taken in ramp {
         let truth = taken.truth.as_ref()?;

@@ -18,6 +18,7 @@ use crate::checkpoint::Checkpoints;
 use crate::error::BenchError;
 use crate::evaluate::{self, drift_pp};
 use crate::instruments::Witness;
+use crate::plan::Part;
 use crate::procedure::{full_temperature, trim_experiment};
 use crate::run::{Phase, Recorder, Session, Taken, row};
 
@@ -100,6 +101,7 @@ pub fn measure_on(
     checkpoints: &Checkpoints,
 ) -> Result<Measured, BenchError> {
     let (ramp, ramp_time) = checkpoints.once(FULL_TEMPERATURE, &mut full, |full| {
+        session.part(Part::FullTemperature);
         let began = session.elapsed;
         let ramp = full_temperature::run(session, full)?;
         // A ramp that is rejected is no checkpoint, so that the run can go on with another.
@@ -111,6 +113,7 @@ pub fn measure_on(
     let drifts = [x?, y?];
 
     let measured = checkpoints.once(TRIM_SWEEP, &mut sweep, |sweep| {
+        session.part(Part::TrimExperiment);
         trim_experiment::run(session, drifts.each_ref().map(|fit| extremes(fit.calibration.drift())), sweep)
     })?;
     sweep.finish()?;

@@ -18,6 +18,11 @@ use zerorate_fit::model::Model;
 /// The supply of the potentiometer, volts (paper, 2.1): a tap is a 1023rd of it.
 const POTENTIOMETER_SUPPLY_V: f64 = 5.0;
 
+/// Chamber time at room temperature before the trim experiment.
+pub(crate) const ROOM_SOAK: Seconds = Seconds(1200.0);
+/// Groups averaged at the end of each soak of the traditional test: one minute of the paper's.
+pub(crate) const GROUPS_A_SOAK: u32 = 40;
+
 /// A board and its bench.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
@@ -55,6 +60,8 @@ pub struct Board {
     pub counts_per_dps: f64,
     /// Counts a degree C of the temperature reading.
     pub counts_per_celsius: f64,
+    /// The temperature reading at 0 C, counts; a part's own is some degrees off.
+    pub counts_at_zero_celsius: f64,
     /// Volts at the rate input that move the reading by one count, without sign.
     pub input_volts_per_count: f64,
     /// Cut-off of the circuit's first-order low-pass, Hz.
@@ -230,6 +237,12 @@ impl SetUp {
         LowPass::first_order(self.board.low_pass_hz, period, self.board.wiper_delay_us * 1e-6)
     }
 
+    /// A temperature reading in degrees C by the board's scale.
+    #[must_use]
+    pub fn celsius(&self, reading: Counts) -> Celsius {
+        Celsius((reading.0 - self.board.counts_at_zero_celsius) / self.board.counts_per_celsius)
+    }
+
     /// How far one tap moves the reading as the circuit's drawing has it: the supply's 1023rd through the circuit.
     #[must_use]
     pub fn nominal_counts_per_tap(&self) -> f64 {
@@ -270,6 +283,7 @@ impl Default for Board {
             counts_per_dps: -38.4,
             // 8500 to 11 900 counts over -40 to +60 C (READING.md, "What the paper leaves open").
             counts_per_celsius: 34.0,
+            counts_at_zero_celsius: 9860.0,
             // 250 uV a count over the gain of 1.599.
             input_volts_per_count: 250e-6 / 1.599,
             low_pass_hz: 40.0,
@@ -365,6 +379,13 @@ mod tests {
             assert_eq!(SetUp::parse(&setup.to_toml(), "x").unwrap(), setup);
         }
         assert!((SetUp::paper().group_period().0 - 1.5).abs() < 1e-12, "40 groups a minute");
+    }
+
+    #[test]
+    fn the_papers_ends_are_minus_40_and_60_degrees() {
+        // READING.md: 8500 to 11 900 counts for -40 to +60 C.
+        let [cold, hot] = [8500.0, 11_900.0].map(|reading| SetUp::paper().celsius(Counts(reading)).0);
+        assert!((cold + 40.0).abs() < 1e-9 && (hot - 60.0).abs() < 1e-9, "{cold} {hot}");
     }
 
     #[test]

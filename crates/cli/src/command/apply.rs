@@ -58,6 +58,9 @@ pub struct Apply {
     #[arg(long)]
     with_time_drift: bool,
 
+    #[command(flatten)]
+    force: output::Force,
+
     /// Print JSON on standard output, and nothing else there
     #[arg(long)]
     json: bool,
@@ -97,6 +100,7 @@ struct Found {
 impl Apply {
     pub fn run(&self) -> Result<Outcome> {
         output::check("--out", &self.out, &[&self.log, &self.calibration])?;
+        self.force.corrected_log("--out", &self.out)?;
         let calibration = Calibration::read(&(&self.calibration).into())?;
         let Found { table, temperature, time, time_unit, models } = self.columns(&calibration)?;
         let busy = Busy::reading(&self.log);
