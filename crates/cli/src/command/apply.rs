@@ -100,9 +100,9 @@ struct Found {
 impl Apply {
     pub fn run(&self) -> Result<Outcome> {
         output::check("--out", &self.out, &[&self.log, &self.calibration])?;
-        self.force.corrected_log("--out", &self.out)?;
         let calibration = Calibration::read(&(&self.calibration).into())?;
         let Found { table, temperature, time, time_unit, models } = self.columns(&calibration)?;
+        self.force.corrected_log("--out", &self.out)?;
         let busy = Busy::reading(&self.log);
         let to = AppliedTo {
             temperature: &temperature,

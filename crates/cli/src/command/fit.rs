@@ -92,15 +92,8 @@ impl Fit {
             }
         }
         let busy = Busy::reading(logs[0]);
-        let origins = self.origins(&places)?;
-        if let Some(out) = &places.out {
-            self.force.calibration("--out", out, &origins, self.serial.as_deref())?;
-        }
-        if let Some(report) = &places.report {
-            self.force.text("--report", report, &origins, None)?;
-        }
         let fit = fit(&self.log.sources(), &self.log.options())?;
-        let written = if fit.judgement.rejected() { Vec::new() } else { self.write(&fit, &places, &origins)? };
+        let written = if fit.judgement.rejected() { Vec::new() } else { self.write(&fit, &places)? };
         drop(busy);
         if self.json {
             fit.notes.iter().for_each(|note| screen::note(note));
@@ -126,10 +119,18 @@ impl Fit {
     }
 
     /// Writes the results and says what was written. The calibration comes last: where it is, all is.
-    fn write(&self, fit: &LogFit, places: &Places, origins: &[Origin]) -> Result<Vec<PathBuf>> {
+    fn write(&self, fit: &LogFit, places: &Places) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
+        let origins = &self.origins(places)?;
         let wanted = places.out.as_ref().or(self.record.as_ref());
         let calibration = wanted.map(|_| self.calibration(fit, origins)).transpose()?;
+        // Before the first is written, all places are known to be free.
+        if let Some(out) = &places.out {
+            self.force.calibration("--out", out, origins, self.serial.as_deref())?;
+        }
+        if let Some(report) = &places.report {
+            self.force.text("--report", report, origins, None)?;
+        }
         if let Some((path, calibration)) = self.record.as_ref().zip(calibration.as_ref()) {
             self.force.record("--record", path, calibration.unit_serial.as_deref().unwrap_or_default())?;
         }

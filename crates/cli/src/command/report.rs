@@ -98,11 +98,11 @@ impl Report {
         let log = &logs[0];
         let inputs: Vec<&Path> = logs.iter().map(PathBuf::as_path).collect();
         output::check("--out", &out, &[&[path.as_path()], &inputs[..]].concat())?;
-        self.force.text("--out", &out, &calibration.sources, None)?;
         let busy = Busy::reading(log);
         let sources: Vec<Source> = logs.iter().map(Source::from).collect();
         let fit = fit(&sources, &self.options(&calibration))?;
         drop(busy);
+        self.force.text("--out", &out, &calibration.sources, None)?;
         output::write(&out, &super::fit::page(&fit, &calibration.sources, None))?;
         self.tell(&out, Some(log), &fit.source(), &fit.notes)
     }
@@ -123,10 +123,10 @@ impl Report {
         let folder = path.parent().unwrap_or(Path::new(""));
         let inputs = FILES.map(|file| folder.join(file));
         output::check("--out", out, &inputs.each_ref().map(PathBuf::as_path))?;
-        self.force.text("--out", out, &calibration.sources, None)?;
         let busy = Busy::reading(folder);
         let page = board_page(&BoardRun::read(folder)?);
         drop(busy);
+        self.force.text("--out", out, &calibration.sources, None)?;
         output::write(out, &page)?;
         self.tell(out, None, &format!("{} and the files beside it", path.display()), &[])
     }
