@@ -163,6 +163,20 @@ impl Board {
         RecordFacts::of(&stored).ok_or(ClientError::ReadBack)
     }
 
+    /// Turns on what a record that was put on the board says, axis by axis; returns the modes, and the group from which
+    /// they hold.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`] with the board's reason.
+    pub fn turn_on(&mut self, record: &DeviceRecord) -> Result<([Mode; 2], u32), ClientError> {
+        let modes = record.axes.each_ref().map(|axis| axis.start_up_mode);
+        let mut from = 0;
+        for (axis, mode) in Axis::BOTH.into_iter().zip(modes) {
+            from = from.max(self.set_mode(&[axis], mode, None)?);
+        }
+        Ok((modes, from))
+    }
+
     /// The stored record as it is, byte for byte; empty where there is none.
     ///
     /// # Errors

@@ -17,18 +17,16 @@ use crate::client::LineCounts;
 use crate::error::BenchError;
 use crate::instruments::Bench;
 use crate::measure::{self, first_time, measure_on};
-use crate::output::OutputFolder;
+use crate::output::{self, OutputFolder};
+use crate::plan::Part;
 use crate::procedure::compensation_test::{self, Extent};
 use crate::procedure::soaks;
-use crate::results;
+use crate::results::{self, SOAKS, TRIM_SWEEP};
 use crate::run::{Progress, Session};
 use crate::setup::SetUp;
 use crate::soak_comparison;
 use crate::summary::summary;
 use crate::verify::{check, deploy, evaluated};
-
-const TRIM_SWEEP: &str = "trim-sweep.parquet";
-const SOAKS: &str = "soaks.parquet";
 
 /// Runs everything on one unit and writes the results into `out`; returns the summary. On a bench that takes
 /// days `keep` has each procedure kept that was carried through, so that a run that was stopped goes on after it.
@@ -43,7 +41,16 @@ pub fn calibrate(
     progress: &mut dyn Progress,
     keep: Keep,
 ) -> Result<Summary, BenchError> {
+    let was_there = out.exists();
     let result = run(bench, setup, unit, out, progress, keep);
+    // A run that has refused to begin leaves what there is for the one that goes on with it.
+    if !matches!(result, Err(BenchError::Unfinished { .. } | BenchError::OtherRun { .. })) {
+        output::tidy(out);
+    }
+    if !was_there {
+        // Only a folder with nothing in it goes.
+        let _ = std::fs::remove_dir(out);
+    }
     if result.as_ref().is_err_and(BenchError::is_interrupted) {
         // The board is left as it was found, if it still answers.
         let _ = bench.device.order(Request::SetAcquisition { run: false });
@@ -77,6 +84,7 @@ fn run(
         labels: setup.labels.clone(),
     };
     let mut session = Session::new(bench, setup, progress);
+    session.plan();
     first_time(&mut session)?;
 
     let full =
@@ -99,6 +107,7 @@ fn run(
             };
             let extent = Extent { cooling, samples: true };
             let run = checkpoints.once(&test_name(mode, axis), &mut recorder, |recorder| {
+                session.part(Part::Test(mode, axis));
                 if !std::mem::replace(&mut deployed, true) {
                     deploy(&mut session, &measured)?;
                 }
@@ -115,7 +124,7 @@ fn run(
     recorder.finish()?;
 
     let warnings = &mut measured.calibration.warnings;
-    warnings.append(&mut session.warnings);
+    warnings.extend(session.warnings.sentences());
     let line = session.bench.device.counts();
     if line != LineCounts::default() {
         let LineCounts { lost_uploads, damaged_frames, sent_again } = line;
@@ -123,7 +132,8 @@ fn run(
             "the line to the device lost {lost_uploads} uploads and damaged {damaged_frames} frames; {sent_again} commands were sent again"
         ));
     }
-    let mut checks = check(&verifications, &setup.limits, setup.board.centre_counts);
+    let results: Vec<_> = verifications.iter().flat_map(|test| &test.results).collect();
+    let mut checks = check(&results, &setup.limits, setup.board.centre_counts);
     checks.extend(soaks.iter().flat_map(|soaks| soak_comparison::check(soaks, &setup.limits)));
     let origin = |(content, file): (&str, &str)| {
         Origin::of(content, &(&output.path(file)).into()).map_err(|error| BenchError::Compose(error.to_string()))

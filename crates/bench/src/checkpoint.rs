@@ -46,13 +46,14 @@ impl Checkpoints {
     /// # Errors
     /// [`BenchError::Unfinished`] and [`BenchError::OtherRun`]; [`BenchError::Write`].
     pub fn open(in_progress: &Path, keep: Keep, whose: &str) -> Result<Self, BenchError> {
-        if keep == Keep::Nothing {
-            return Ok(Self::none());
-        }
         let folder = in_progress.join(FOLDER);
         let file = folder.join(WHOSE);
         match (fs::read_to_string(&file), keep) {
-            (Ok(_), Keep::Anew) => return Err(BenchError::Unfinished { folder: in_progress.display().to_string() }),
+            (Err(_), Keep::Nothing) => return Ok(Self::none()),
+            // A simulated run would take the place of what a real one has finished.
+            (Ok(_), Keep::Anew | Keep::Nothing) => {
+                return Err(BenchError::Unfinished { folder: in_progress.display().to_string() });
+            }
             (Ok(before), _) if before != whose => {
                 return Err(BenchError::OtherRun { folder: in_progress.display().to_string() });
             }
@@ -99,6 +100,16 @@ impl Checkpoints {
     }
 }
 
+/// Removes what is kept where nothing was carried through yet.
+pub(crate) fn forget_nothing(in_progress: &Path) {
+    let folder = in_progress.join(FOLDER);
+    let mut kept = fs::read_dir(&folder).into_iter().flatten().flatten();
+    if kept.all(|file| file.file_name() == WHOSE) {
+        let _ = fs::remove_file(folder.join(WHOSE));
+        let _ = fs::remove_dir(folder);
+    }
+}
+
 /// The run in a folder is whole: nothing is kept of it any more.
 pub(crate) fn forget(in_progress: &Path) {
     // What cannot be removed is in nobody's way but the next run's, which says so.
@@ -140,6 +151,8 @@ mod tests {
         Checkpoints::open(folder.path(), Keep::Anew, "unit 1").unwrap();
         let anew = Checkpoints::open(folder.path(), Keep::Anew, "unit 1").unwrap_err().to_string();
         assert!(anew.contains("`resume`"), "{anew}");
+        let simulated = Checkpoints::open(folder.path(), Keep::Nothing, "unit 1").unwrap_err();
+        assert!(matches!(simulated, BenchError::Unfinished { .. }), "{simulated}");
         let other = Checkpoints::open(folder.path(), Keep::Resume, "unit 2").unwrap_err();
         assert!(matches!(other, BenchError::OtherRun { .. }), "{other}");
     }

@@ -101,6 +101,24 @@ pub enum BenchError {
         /// Whose they are.
         whose: String,
     },
+    /// The folder has the results of a real unit, and those of a simulated one would take their place.
+    #[error(
+        "{folder} holds the results of the real unit {serial}, and simulated ones never take their place: give another folder (`out`)"
+    )]
+    RealResults {
+        /// The folder.
+        folder: String,
+        /// The real unit.
+        serial: String,
+    },
+    /// The folder has a file that no run has left, and it would be gone.
+    #[error(
+        "{file} is there and is no run's, and a run writes a file of that name: give another folder (`out`), or give it up (`force`)"
+    )]
+    NoRuns {
+        /// The file.
+        file: String,
+    },
     /// The run that was stopped is another one.
     #[error(
         "the run in {folder} that was stopped was another unit's or had another set-up: give those, or another folder (`out`)"

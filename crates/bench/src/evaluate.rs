@@ -1,7 +1,7 @@
 //! What a compensation test shows, in numbers.
 
 use zerorate_cal::summary::TestResult;
-use zerorate_core::compensate::StaticLaw;
+use zerorate_core::compensate::{Mode, StaticLaw};
 use zerorate_core::units::{Axis, TemperatureCode};
 
 use crate::procedure::compensation_test::TestRun;
@@ -30,23 +30,26 @@ pub fn mean_and_rms(values: &[f64]) -> (f64, f64) {
     (mean, (squares / n).sqrt())
 }
 
-/// A ramp's zero-rate output without compensation, counts peak to peak.
+/// The zero-rate output of ramps without compensation in one direction, counts peak to peak; `None` where they have none
+/// in it.
 #[must_use]
-pub fn drift_pp(ramp: &[Taken], axis: Axis) -> f64 {
-    peak_to_peak(ramp.iter().map(|taken| taken.zro(axis).0))
+pub fn drift_pp(ramps: &[Taken], axis: Axis, direction: Phase) -> Option<f64> {
+    let mut readings = ramps.iter().filter(|taken| taken.phase == direction).map(|taken| taken.zro(axis).0).peekable();
+    readings.peek().is_some().then(|| peak_to_peak(readings))
 }
 
-/// The results of a test's directions. `law` is the compensated axis's law in f64.
+/// The results of a test's directions. `law` is the compensated axis's law in f64, `full` the ramps of the
+/// full-temperature test.
 #[must_use]
-pub fn evaluate(test: &TestRun, law: &StaticLaw) -> Vec<TestResult> {
+pub fn evaluate(test: &TestRun, law: &StaticLaw, full: &[Taken]) -> Vec<TestResult> {
     [(&test.heating, Phase::Heating), (&test.cooling, Phase::Cooling)]
         .into_iter()
         .filter(|(ramp, _)| !ramp.is_empty())
-        .map(|(ramp, direction)| one_direction(test, ramp, direction, law))
+        .map(|(ramp, direction)| one_direction(test, ramp, direction, law, full))
         .collect()
 }
 
-fn one_direction(test: &TestRun, ramp: &[Taken], direction: Phase, law: &StaticLaw) -> TestResult {
+fn one_direction(test: &TestRun, ramp: &[Taken], direction: Phase, law: &StaticLaw, full: &[Taken]) -> TestResult {
     let axis = test.axis;
     let corrected: Vec<f64> = ramp.iter().map(|taken| taken.corrected(axis).0).collect();
     let (mean_counts, residual_rms_counts) = mean_and_rms(&corrected);
@@ -59,13 +62,20 @@ fn one_direction(test: &TestRun, ramp: &[Taken], direction: Phase, law: &StaticL
         direction,
         residual_pp_counts: peak_to_peak(corrected.iter().copied()),
         residual_rms_counts,
-        control_pp_counts: drift_pp(ramp, axis.other()),
+        uncompensated_pp_counts: drift_pp(full, axis, direction).unwrap_or_else(|| untrimmed_pp(ramp, axis, law)),
+        control_pp_counts: peak_to_peak(ramp.iter().map(|taken| taken.zro(axis.other()).0)),
         floor_pp_counts: floor(ramp, axis),
         wiper_writes: u32::try_from(moved.iter().filter(|&&moved| moved).count()).unwrap_or(u32::MAX),
-        taps_crossed: taps_crossed(ramp, axis, law),
+        taps_crossed: taps_crossed(ramp, axis, test.mode, law),
         mean_counts,
         largest_step_counts: largest_step(&jumps, &moved),
     }
+}
+
+/// What a compensated axis would have read at the middle tap, peak to peak: the effect of its taps taken away.
+fn untrimmed_pp(ramp: &[Taken], axis: Axis, law: &StaticLaw) -> f64 {
+    let effect = |taken: &Taken| law.trim.effect(taken.report.axes[axis.index()].tap).0;
+    peak_to_peak(ramp.iter().map(|taken| taken.zro(axis).0 - effect(taken)))
 }
 
 /// Group means less the plant's own drift and wiper, peak to peak.
@@ -80,8 +90,12 @@ fn floor(ramp: &[Taken], axis: Axis) -> Option<f64> {
 
 /// How often the noise-free law changes the tap along the plant's true temperature, from the tap that the ramp's first
 /// group was taken at.
-fn taps_crossed(ramp: &[Taken], axis: Axis, law: &StaticLaw) -> Option<u32> {
-    let mut tap = ramp.first()?.report.axes[axis.index()].tap;
+fn taps_crossed(ramp: &[Taken], axis: Axis, mode: Mode, law: &StaticLaw) -> Option<u32> {
+    let first = ramp.first()?;
+    if first.truth.is_some() && !matches!(mode, Mode::Trim | Mode::Hybrid) {
+        return Some(0);
+    }
+    let mut tap = first.report.axes[axis.index()].tap;
     let mut crossed = 0;
     for taken in ramp {
         let truth = taken.truth.as_ref()?;

@@ -21,6 +21,7 @@ pub mod link;
 pub mod manual;
 pub mod measure;
 pub mod output;
+pub mod plan;
 pub mod plants;
 pub mod procedure;
 pub mod recorded;

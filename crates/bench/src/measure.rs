@@ -18,8 +18,9 @@ use crate::checkpoint::Checkpoints;
 use crate::error::BenchError;
 use crate::evaluate::{self, drift_pp};
 use crate::instruments::Witness;
+use crate::plan::Part;
 use crate::procedure::{full_temperature, trim_experiment};
-use crate::run::{Recorder, Session, Taken, row};
+use crate::run::{Phase, Recorder, Session, Taken, row};
 
 /// What is known of one axis before it is compensated.
 #[derive(Debug, Clone)]
@@ -32,7 +33,7 @@ pub struct MeasuredAxis {
     pub law: AxisModel,
     /// Set where the wiper cannot follow.
     pub digital_only: Option<DigitalOnly>,
-    /// Zero-rate output over the ramp's hour, counts peak to peak.
+    /// Zero-rate output over the heating ramp's hour, counts peak to peak.
     pub drift_pp_counts: f64,
     /// The plant's truth: the largest distance of the fitted curve from the deterministic drift of this run, counts.
     pub curve_error_counts: Option<f64>,
@@ -100,6 +101,7 @@ pub fn measure_on(
     checkpoints: &Checkpoints,
 ) -> Result<Measured, BenchError> {
     let (ramp, ramp_time) = checkpoints.once(FULL_TEMPERATURE, &mut full, |full| {
+        session.part(Part::FullTemperature);
         let began = session.elapsed;
         let ramp = full_temperature::run(session, full)?;
         // A ramp that is rejected is no checkpoint, so that the run can go on with another.
@@ -111,6 +113,7 @@ pub fn measure_on(
     let drifts = [x?, y?];
 
     let measured = checkpoints.once(TRIM_SWEEP, &mut sweep, |sweep| {
+        session.part(Part::TrimExperiment);
         trim_experiment::run(session, drifts.each_ref().map(|fit| extremes(fit.calibration.drift())), sweep)
     })?;
     sweep.finish()?;
@@ -171,7 +174,7 @@ fn compose(
             calibration.warnings.push(format!("axis {name}: {warning}"));
         }
         measured.push(MeasuredAxis {
-            drift_pp_counts: drift_pp(&ramp, axis),
+            drift_pp_counts: drift_pp(&ramp, axis, Phase::Heating).unwrap_or(f64::NAN),
             curve_error_counts: curve_error(&ramp, axis, &drift),
             plant_slope_taps_per_count: session.bench.witness.as_deref().map(|w| plant_slope(w, axis, &trim)),
             drift,

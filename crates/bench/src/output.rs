@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 use zerorate_cal::recording::{Recording, RecordingInfo, RecordingWriter};
 
+use crate::checkpoint::forget_nothing;
 use crate::error::BenchError;
 use crate::run::{Extent, Recorder};
 
@@ -124,6 +125,22 @@ impl OutputFolder {
     }
 }
 
+/// Removes what a run has left in its own folder that holds nothing: recordings without a group, folders without a file.
+pub fn tidy(folder: &Path) {
+    let in_progress = folder.join(IN_PROGRESS);
+    for entry in fs::read_dir(&in_progress).into_iter().flatten().flatten() {
+        let path = entry.path();
+        let is_stream = path.extension().is_some_and(|end| end == "arrows");
+        if is_stream && Recording::read(&(&path).into()).is_ok_and(|recording| recording.rows.is_empty()) {
+            // What cannot be removed is in nobody's way.
+            let _ = fs::remove_file(path);
+        }
+    }
+    forget_nothing(&in_progress);
+    // A folder with something in it stays.
+    let _ = fs::remove_dir(in_progress);
+}
+
 fn cannot(path: &Path) -> impl FnOnce(std::io::Error) -> BenchError {
     let path = path.display().to_string();
     move |source| BenchError::Write { path, source }
@@ -144,6 +161,22 @@ mod tests {
         output.publish().unwrap();
         assert_eq!(read(), "later");
         assert!(!folder.path().join(IN_PROGRESS).exists());
+    }
+
+    #[test]
+    fn what_a_run_leaves_goes_where_it_holds_nothing() {
+        let parent = tempfile::tempdir().unwrap();
+        let folder = parent.path().join("calibration");
+        let mut output = OutputFolder::open(&folder).unwrap();
+        let recorder = output.record("ramp.parquet", &RecordingInfo::default()).unwrap();
+        drop((recorder, output));
+        assert!(folder.join(IN_PROGRESS).join("ramp.arrows").exists());
+        tidy(&folder);
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
+        OutputFolder::open(&folder).unwrap();
+        fs::write(folder.join(IN_PROGRESS).join("ramp.cut.arrows"), "cut in its head").unwrap();
+        tidy(&folder);
+        assert!(folder.join(IN_PROGRESS).join("ramp.cut.arrows").exists(), "what cannot be read is not thrown away");
     }
 
     #[test]

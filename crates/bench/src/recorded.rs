@@ -16,9 +16,6 @@ use zerorate_core::units::TemperatureScale;
 use crate::error::BenchError;
 use crate::setup::SetUp;
 
-/// The supply of the potentiometer, volts (paper, 2.1): a tap is a 1023rd of it.
-const POTENTIOMETER_SUPPLY_V: f64 = 5.0;
-
 /// What every such calibration says.
 const NO_TRIM: &str =
     "no trim experiment: the trim is the circuit's nominal one, and the device starts in mode digital";
@@ -74,10 +71,9 @@ pub fn device_record(calibration: &Calibration) -> Result<Vec<u8>, BenchError> {
     Ok(made.record.encode(&mut buffer).map_err(|error| composed(&error))?.to_vec())
 }
 
-/// The trim as the circuit's drawing has it: a tap moves the reading by the supply's 1023rd through the circuit.
+/// The trim as the circuit's drawing has it.
 fn nominal_trim(setup: &SetUp) -> Result<TrimCalibration, BenchError> {
-    let counts_per_tap = POTENTIOMETER_SUPPLY_V / 1023.0 / setup.board.input_volts_per_count;
-    let line = TrimLine::new(-1.0 / counts_per_tap, 0.0, setup.centre(), setup.middle());
+    let line = TrimLine::new(-1.0 / setup.nominal_counts_per_tap(), 0.0, setup.centre(), setup.middle());
     let line = line.ok_or_else(|| composed(&"the set-up's board.input_volts_per_count makes no trim"))?;
     Ok(TrimCalibration {
         trim: Trim { line, measured: None },

@@ -1,8 +1,10 @@
 //! Taking groups: the one loop that every procedure records with.
 
 mod unseen;
+mod warnings;
 
 use serde::{Deserialize, Serialize};
+pub use warnings::Warnings;
 pub use zerorate_cal::recording::Phase;
 use zerorate_cal::recording::{GroupRow, RecordingWriter, flags};
 use zerorate_core::drift::Coverage;
@@ -14,6 +16,7 @@ use crate::client::Group;
 use crate::error::BenchError;
 use crate::instruments::{Bench, InstrumentError};
 use crate::manual::watch::ReadingScale;
+use crate::plan::{Part, Plan};
 use crate::setup::SetUp;
 use crate::steps::StepWatch;
 
@@ -62,6 +65,16 @@ impl Taken {
 
 /// Who is told how far things are.
 pub trait Progress {
+    /// A whole run is planned.
+    fn plan(&mut self, plan: &Plan) {
+        let _ = plan;
+    }
+
+    /// The part at this place of the plan begins.
+    fn part(&mut self, plan: &Plan, place: usize) {
+        let _ = (plan, place);
+    }
+
     /// A phase begins that will take so many groups (0: no groups are taken in it).
     fn phase(&mut self, name: &str, groups: u32);
 
@@ -98,14 +111,15 @@ pub struct Session<'b> {
     pub progress: &'b mut dyn Progress,
     /// Time since the session began, as the bench counts it.
     pub elapsed: Seconds,
-    /// What came to nothing on the way, a sentence each.
-    pub warnings: Vec<String>,
+    /// What came to nothing on the way.
+    pub warnings: Warnings,
     watches: [StepWatch; 2],
     taken: u32,
     /// Where the chamber was when the session began.
     at: Celsius,
     scale: Option<ReadingScale>,
     doing: String,
+    plan: Option<Plan>,
 }
 
 impl<'b> Session<'b> {
@@ -118,11 +132,28 @@ impl<'b> Session<'b> {
             progress,
             at,
             elapsed: Seconds(0.0),
-            warnings: Vec::new(),
+            warnings: Warnings::default(),
             watches: Default::default(),
             taken: 0,
             scale: None,
             doing: String::new(),
+            plan: None,
+        }
+    }
+
+    /// Tells of a whole run before it begins.
+    pub fn plan(&mut self) {
+        let plan = Plan::of(self.setup);
+        self.progress.plan(&plan);
+        self.plan = Some(plan);
+    }
+
+    /// A part of the planned run begins.
+    pub fn part(&mut self, part: Part) {
+        if let Some(plan) = &self.plan
+            && let Some(place) = plan.place(part)
+        {
+            self.progress.part(plan, place);
         }
     }
 

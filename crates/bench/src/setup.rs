@@ -15,6 +15,14 @@ use zerorate_core::compensate::LowPass;
 use zerorate_core::units::{Celsius, Counts, Seconds, Taps};
 use zerorate_fit::model::Model;
 
+/// The supply of the potentiometer, volts (paper, 2.1): a tap is a 1023rd of it.
+const POTENTIOMETER_SUPPLY_V: f64 = 5.0;
+
+/// Chamber time at room temperature before the trim experiment.
+pub(crate) const ROOM_SOAK: Seconds = Seconds(1200.0);
+/// Groups averaged at the end of each soak of the traditional test: one minute of the paper's.
+pub(crate) const GROUPS_A_SOAK: u32 = 40;
+
 /// A board and its bench.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
@@ -52,6 +60,8 @@ pub struct Board {
     pub counts_per_dps: f64,
     /// Counts a degree C of the temperature reading.
     pub counts_per_celsius: f64,
+    /// The temperature reading at 0 C, counts; a part's own is some degrees off.
+    pub counts_at_zero_celsius: f64,
     /// Volts at the rate input that move the reading by one count, without sign.
     pub input_volts_per_count: f64,
     /// Cut-off of the circuit's first-order low-pass, Hz.
@@ -124,9 +134,10 @@ pub struct DriftChoice {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
 pub struct Limits {
-    /// Residual of mode trim, counts peak to peak.
+    /// Residual of mode trim, counts peak to peak. A tap is the least that a potentiometer leaves.
     pub trim_residual_pp_counts: f64,
-    /// Residual of mode hybrid, in multiples of the floor (what no compensation could beat), where that is known.
+    /// Residual of mode hybrid, in multiples of the floor (what no compensation could beat). A real bench knows no floor:
+    /// there it must leave no more than mode trim.
     pub hybrid_residual_floors: f64,
     /// Distance of the compensated mean from the centre, counts.
     pub mean_offset_counts: f64,
@@ -226,6 +237,28 @@ impl SetUp {
         LowPass::first_order(self.board.low_pass_hz, period, self.board.wiper_delay_us * 1e-6)
     }
 
+    /// A temperature reading in degrees C by the board's scale.
+    #[must_use]
+    pub fn celsius(&self, reading: Counts) -> Celsius {
+        Celsius((reading.0 - self.board.counts_at_zero_celsius) / self.board.counts_per_celsius)
+    }
+
+    /// How far one tap moves the reading as the circuit's drawing has it: the supply's 1023rd through the circuit.
+    #[must_use]
+    pub fn nominal_counts_per_tap(&self) -> f64 {
+        POTENTIOMETER_SUPPLY_V / f64::from(Taps::LAST.get()) / self.board.input_volts_per_count
+    }
+
+    /// What a sound set-up asks for that no unit can give, in sentences. A run may be made all the same: it rejects.
+    #[must_use]
+    pub fn unreachable(&self) -> Vec<String> {
+        let (limit, tap) = (self.limits.trim_residual_pp_counts, self.nominal_counts_per_tap());
+        let sentence = format!(
+            "limits.trim_residual_pp_counts {limit} is less than a tap, {tap:.1} counts: a potentiometer moves in whole taps, so mode trim cannot leave less where the drift crosses one"
+        );
+        (limit < tap).then_some(sentence).into_iter().collect()
+    }
+
     /// The drift model asked for; `auto` where a set-up was never checked and its model makes no sense.
     #[must_use]
     pub fn model(&self) -> Model {
@@ -250,6 +283,7 @@ impl Default for Board {
             counts_per_dps: -38.4,
             // 8500 to 11 900 counts over -40 to +60 C (READING.md, "What the paper leaves open").
             counts_per_celsius: 34.0,
+            counts_at_zero_celsius: 9860.0,
             // 250 uV a count over the gain of 1.599.
             input_volts_per_count: 250e-6 / 1.599,
             low_pass_hz: 40.0,
@@ -345,6 +379,22 @@ mod tests {
             assert_eq!(SetUp::parse(&setup.to_toml(), "x").unwrap(), setup);
         }
         assert!((SetUp::paper().group_period().0 - 1.5).abs() < 1e-12, "40 groups a minute");
+    }
+
+    #[test]
+    fn the_papers_ends_are_minus_40_and_60_degrees() {
+        // READING.md: 8500 to 11 900 counts for -40 to +60 C.
+        let [cold, hot] = [8500.0, 11_900.0].map(|reading| SetUp::paper().celsius(Counts(reading)).0);
+        assert!((cold + 40.0).abs() < 1e-9 && (hot - 60.0).abs() < 1e-9, "{cold} {hot}");
+    }
+
+    #[test]
+    fn a_trim_limit_below_a_tap_is_told_and_one_above_is_not() {
+        // READING.md: one tap moves the reading by 31.26 counts.
+        let with = |limit: f64| SetUp::parse(&format!("[limits]\ntrim_residual_pp_counts = {limit}"), "x").unwrap();
+        assert_eq!(with(31.3).unreachable(), Vec::<String>::new());
+        let told = with(31.2).unreachable();
+        assert!(told.len() == 1 && told[0].contains("31.3 counts"), "{told:?}");
     }
 
     #[test]

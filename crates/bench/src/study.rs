@@ -1,6 +1,7 @@
 //! Many units through the main job: what a design achieves, before a board is built.
 
 use serde::Serialize;
+use zerorate_cal::summary::{Check, TestResult};
 use zerorate_core::compensate::Mode;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::Axis;
@@ -12,7 +13,7 @@ use crate::procedure::compensation_test::Extent;
 use crate::run::{Recorder, Session, Silent};
 use crate::setup::SetUp;
 use crate::simulated;
-use crate::verify::{deploy, test};
+use crate::verify::{check, deploy, test};
 
 /// One unit of a study: its X axis, heating; counts peak to peak, held out but for the drift.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,6 +30,9 @@ pub struct UnitResult {
     pub floor_pp_counts: f64,
     /// The drift model chosen.
     pub model: String,
+    /// What was outside the set-up's limits, a sentence each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub failed_checks: Vec<String>,
     /// What to look at.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
@@ -57,20 +61,22 @@ pub fn unit(number: u32, plant: PlantKind, seed: u64, setup: &SetUp) -> Result<U
     deploy(&mut session, &measured)?;
     let drift = &measured.axes[0];
     let follows = drift.digital_only.is_none();
-    let mut residual = |mode| -> Result<(f64, f64), BenchError> {
+    let mut heating = |mode| -> Result<TestResult, BenchError> {
         let extent = Extent { cooling: false, samples: false };
         let verification = test(&mut session, &measured, mode, Axis::X, extent, &mut Recorder::discarding())?;
-        let heating = &verification.results[0];
-        Ok((heating.residual_pp_counts, heating.floor_pp_counts.unwrap_or(f64::NAN)))
+        Ok(verification.results[0].clone())
     };
-    let trim = if follows { Some(residual(Mode::Trim)?.0) } else { None };
-    let (hybrid, floor) = residual(if follows { Mode::Hybrid } else { Mode::Digital })?;
+    let trim = follows.then(|| heating(Mode::Trim)).transpose()?;
+    let hybrid = heating(if follows { Mode::Hybrid } else { Mode::Digital })?;
+    let results: Vec<&TestResult> = trim.iter().chain([&hybrid]).collect();
+    let checks = check(&results, &setup.limits, setup.board.centre_counts);
     Ok(UnitResult {
         unit: number,
         drift_pp_counts: drift.drift_pp_counts,
-        trim_residual_pp_counts: trim,
-        hybrid_residual_pp_counts: hybrid,
-        floor_pp_counts: floor,
+        trim_residual_pp_counts: trim.as_ref().map(|trim| trim.residual_pp_counts),
+        hybrid_residual_pp_counts: hybrid.residual_pp_counts,
+        floor_pp_counts: hybrid.floor_pp_counts.unwrap_or(f64::NAN),
+        failed_checks: checks.iter().filter(|check| !check.pass).map(Check::sentence).collect(),
         model: drift.drift.calibration.fit.chosen_model(),
         warnings: measured.calibration.warnings,
     })

@@ -30,13 +30,9 @@ pub fn summary(run: &Calibrated, recordings: Vec<Origin>, wall_s: f64) -> Summar
         checks: run.checks.clone(),
         recordings,
         soaks: run.soaks.clone(),
-        failed_checks: failed().map(sentence).collect(),
+        failed_checks: failed().map(Check::sentence).collect(),
         warnings: run.measured.calibration.warnings.clone(),
     }
-}
-
-fn sentence(Check { what, limit, measured, .. }: &Check) -> String {
-    format!("{what}: {measured}, limit {limit}")
 }
 
 /// X heating, X cooling, then Y.

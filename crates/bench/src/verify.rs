@@ -54,15 +54,16 @@ pub fn test(
 pub fn evaluated(run: TestRun, measured: &Measured) -> Verification {
     let axis = run.axis;
     let law = measured.axes[axis.index()].law.static_law(measured.record.temperature_scale);
-    let results = evaluate(&run, &law);
+    let results = evaluate(&run, &law, &measured.ramp);
     Verification { run, results }
 }
 
 /// Holds the heating tests against the limits. Cooling is reported as it is.
 #[must_use]
-pub fn check(verifications: &[Verification], limits: &Limits, centre_counts: f64) -> Vec<Check> {
-    let heating = verifications.iter().flat_map(|v| &v.results).filter(|result| result.direction == Phase::Heating);
-    heating.flat_map(|result| check_one(result, limits, centre_counts)).collect()
+pub fn check(results: &[&TestResult], limits: &Limits, centre_counts: f64) -> Vec<Check> {
+    let heating = || results.iter().filter(|result| result.direction == Phase::Heating);
+    let by_trim = |axis| heating().find(|result| (result.axis, result.mode) == (axis, Mode::Trim)).copied();
+    heating().flat_map(|result| check_one(result, by_trim(result.axis), limits, centre_counts)).collect()
 }
 
 /// Counts, held against the most that they may be.
@@ -75,7 +76,8 @@ pub(crate) fn at_most(what: String, limit: f64, measured: f64) -> Check {
     }
 }
 
-fn check_one(result: &TestResult, limits: &Limits, centre_counts: f64) -> Vec<Check> {
+/// The checks of a test. `by_trim` is the same axis's by the potentiometer alone, where it was run.
+fn check_one(result: &TestResult, by_trim: Option<&TestResult>, limits: &Limits, centre_counts: f64) -> Vec<Check> {
     let whose = format!("{} {}, heating", result.axis.name().to_uppercase(), result.mode.name());
     let mut checks = Vec::new();
     let mut hold =
@@ -85,9 +87,9 @@ fn check_one(result: &TestResult, limits: &Limits, centre_counts: f64) -> Vec<Ch
     } else if let Some(floor) = result.floor_pp_counts {
         let limit = limits.hybrid_residual_floors * floor;
         hold("residual, peak to peak, against the floor", limit, result.residual_pp_counts);
-    } else {
-        // On a real bench nobody knows the floor, and what subtracts more must not leave more.
-        hold("residual, peak to peak", limits.trim_residual_pp_counts, result.residual_pp_counts);
+    } else if let Some(trim) = by_trim {
+        // On a real bench nobody knows the floor. What subtracts more must not leave more.
+        hold("residual, peak to peak, against what trim leaves", trim.residual_pp_counts, result.residual_pp_counts);
     }
     let offset = (result.mean_counts - centre_counts).abs();
     hold("distance of the mean from the centre", limits.mean_offset_counts, offset);

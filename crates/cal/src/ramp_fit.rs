@@ -1,22 +1,22 @@
 //! The fit of a recording of the bench: the group means of its ramps, axis by axis.
 //!
-//! What speaks against a unit is judged on counts and extremes ([`AxisSurvey`], [`Residuals`]), not on the groups
-//! themselves, so that a query engine that only gives sums comes to the same verdicts with the same words.
+//! What speaks against a unit is judged on counts, extremes and how far groups are from those beside them.
 
 mod judge;
+mod neighbours;
 mod survey;
 
-use zerorate_core::drift::{MAX_ORDER, Scale, Shape};
+use zerorate_core::drift::Shape;
 use zerorate_core::units::Axis;
 use zerorate_fit::auto;
 use zerorate_fit::drift_fit::DriftFit;
-use zerorate_fit::least_squares::{Basis, Fit, FitError};
+use zerorate_fit::least_squares::FitError;
 use zerorate_fit::model::Model;
 use zerorate_fit::ramp::{DriftFitError, fit_drift, span};
 use zerorate_fit::residual::Residuals;
 use zerorate_fit::series::Series;
 
-pub use judge::{judge_residual, judge_survey};
+pub use judge::judge_survey;
 pub use survey::{AxisSurvey, FoldSurvey, fold_of};
 
 use crate::calibration::AxisCalibration;
@@ -26,9 +26,6 @@ use crate::recording::{GroupRow, Recording, flags};
 use crate::source::Source;
 use crate::trace::{self, TracePoint};
 use crate::units::{RateUnit, TemperatureUnit};
-
-/// The order of the polynomial whose residuals are searched for outliers.
-pub const JUDGED_ORDER: usize = MAX_ORDER;
 
 /// One axis of one group of a ramp.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -143,7 +140,7 @@ pub fn verdict_of(reason: &Reason, allow_narrow: bool) -> Verdict {
 }
 
 /// Judges and fits the ramps of one axis. `expected` is the number of groups that the set-up gives a ramp. An axis that
-/// is rejected for its groups is not fitted; one that is rejected for its residual is, so that it can be looked at.
+/// is rejected for its groups is not fitted; one that is rejected for wild ones is, so that it can be looked at.
 pub fn fit_axis(
     name: &str,
     means: &RampMeans,
@@ -155,7 +152,7 @@ pub fn fit_axis(
     judge_survey(&mut own, name, &AxisSurvey::of(means), expected, options);
     let fitted = if own.rejected() { None } else { fit(name, means, options, &mut own) };
     if let Some((_, residuals)) = &fitted {
-        judge_residual(&mut own, name, residuals);
+        judge::judge_distances(&mut own, name, &Residuals::of(neighbours::distances(residuals)));
     }
     let verdict = own.verdict;
     for reason in own.reasons {
@@ -164,7 +161,7 @@ pub fn fit_axis(
     fitted.map(|(fit, _)| AxisFit { verdict, ..fit })
 }
 
-fn fit(name: &str, means: &RampMeans, options: &FitOptions, judgement: &mut Judgement) -> Option<(AxisFit, Residuals)> {
+fn fit(name: &str, means: &RampMeans, options: &FitOptions, judgement: &mut Judgement) -> Option<(AxisFit, Vec<f64>)> {
     let fitted = match options.model {
         Model::Auto => fit_chosen(name, means),
         model => fit_asked(name, means, model),
@@ -185,7 +182,7 @@ fn fit(name: &str, means: &RampMeans, options: &FitOptions, judgement: &mut Judg
 
 /// The fit by `auto`: robust, its order and terms chosen by held-out error, with a history where the recording holds both
 /// directions of the ramp.
-fn fit_chosen(name: &str, means: &RampMeans) -> Result<(AxisFit, Residuals), DriftFitError> {
+fn fit_chosen(name: &str, means: &RampMeans) -> Result<(AxisFit, Vec<f64>), DriftFitError> {
     let (_, measured) = span(&means.temperatures, &means.readings, Model::Auto)?;
     let groups = means.readings.len();
     let (weight, log) = (vec![1.0; groups], vec![0; groups]);
@@ -200,21 +197,16 @@ fn fit_chosen(name: &str, means: &RampMeans) -> Result<(AxisFit, Residuals), Dri
     let mut fitted = auto::fit(&series, measured, Model::Auto)?;
     // The chamber has gone as far as the unit is to be believed.
     fitted.fit.model.drift.valid = measured;
-    Ok((of_fit(name, means, fitted.fit, &fitted.residuals), Residuals::of(fitted.residuals.iter().copied())))
+    Ok((of_fit(name, means, fitted.fit, &fitted.residuals), fitted.residuals))
 }
 
 /// The fit of the model asked for: ordinary least squares.
-fn fit_asked(name: &str, means: &RampMeans, model: Model) -> Result<(AxisFit, Residuals), DriftFitError> {
-    let (scale, _) = span(&means.temperatures, &means.readings, model)?;
+fn fit_asked(name: &str, means: &RampMeans, model: Model) -> Result<(AxisFit, Vec<f64>), DriftFitError> {
     let fit = fit_drift(&means.temperatures, &means.readings, model)?;
-    let left = |shape: &Shape| -> Vec<f64> {
-        let groups = means.temperatures.iter().zip(&means.readings);
-        groups.map(|(temperature, reading)| reading - shape.evaluate(*temperature)).collect()
-    };
-    let judged = if let Model::Poly(_) = model { judged_curve(means, scale) } else { None };
-    let survey = Residuals::of(left(judged.as_ref().unwrap_or(&fit.model.drift.shape)));
-    let residuals = left(&fit.model.drift.shape);
-    Ok((of_fit(name, means, fit, &residuals), survey))
+    let shape: &Shape = &fit.model.drift.shape;
+    let groups = means.temperatures.iter().zip(&means.readings);
+    let residuals: Vec<f64> = groups.map(|(temperature, reading)| reading - shape.evaluate(*temperature)).collect();
+    Ok((of_fit(name, means, fit, &residuals), residuals))
 }
 
 /// The axis, with what its fit leaves of each group.
@@ -235,15 +227,6 @@ fn of_fit(name: &str, means: &RampMeans, fit: DriftFit, residuals: &[f64]) -> Ax
         samples_rejected: Vec::new(),
         trace: trace::of_groups(residuals.iter().enumerate().map(point)),
     }
-}
-
-/// The polynomial of [`JUDGED_ORDER`]; `None` where the groups do not settle it.
-fn judged_curve(means: &RampMeans, scale: Scale) -> Option<Shape> {
-    let mut fit = Fit::new(scale, Basis::Powers(JUDGED_ORDER));
-    for (temperature, reading) in means.temperatures.iter().zip(&means.readings) {
-        fit.push(*temperature, *reading);
-    }
-    fit.finish().ok()?.shape()
 }
 
 #[cfg(test)]

@@ -64,7 +64,7 @@ pub struct AxisSummary {
     pub model: String,
     /// The drift's coefficients in temperature counts, constant first, counts; a table's knots.
     pub drift_raw_coefficients: Vec<f64>,
-    /// Zero-rate output over the ramp's hour, peak to peak.
+    /// Zero-rate output over the heating ramp's hour, without compensation, peak to peak.
     pub drift_pp_counts: f64,
     /// V0: mean of the trimmed readings (eq. 4).
     pub v0_counts: f64,
@@ -114,6 +114,10 @@ pub struct TestResult {
     pub residual_pp_counts: f64,
     /// The same, rms about its mean.
     pub residual_rms_counts: f64,
+    /// What the compensated axis does in the same direction without compensation, counts peak to peak: in the
+    /// full-temperature test; where that has no cooling ramp, in the cooling ramp of this test, the measured effect of its
+    /// taps taken away.
+    pub uncompensated_pp_counts: f64,
     /// The control, counts peak to peak.
     pub control_pp_counts: f64,
     /// What no compensation could beat: the same groups with the plant's own drift and wiper voltage removed, counts
@@ -143,6 +147,15 @@ pub struct Check {
     pub measured: String,
     /// Whether it is within the limit.
     pub pass: bool,
+}
+
+impl Check {
+    /// What was measured, beside the limit.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let Self { what, limit, measured, .. } = self;
+        format!("{what}: {measured}, limit {limit}")
+    }
 }
 
 /// One ramp beside the soaks that it replaces.
@@ -233,16 +246,19 @@ impl Summary {
         [Mode::Trim, Mode::Hybrid].map(|mode| self.test(axis?, mode, Phase::Heating))
     }
 
-    /// What an axis did in the full-temperature test, counts peak to peak; NaN for one that is not there.
+    /// What an axis did in the heating ramp of the full-temperature test, counts peak to peak; NaN for one that is not
+    /// there.
     #[must_use]
     pub fn drift_pp_counts(&self, axis: Axis) -> f64 {
         self.axes.get(axis.name()).map_or(f64::NAN, |axis| axis.drift_pp_counts)
     }
+}
 
-    /// How many times smaller a test's residual is than what the axis did in the full-temperature test.
+impl TestResult {
+    /// How many times smaller the residual is than what the axis does in the same direction without compensation.
     #[must_use]
-    pub fn ratio(&self, test: &TestResult) -> f64 {
-        self.drift_pp_counts(test.axis) / test.residual_pp_counts
+    pub fn ratio(&self) -> f64 {
+        self.uncompensated_pp_counts / self.residual_pp_counts
     }
 }
 
@@ -253,7 +269,7 @@ mod tests {
     #[test]
     fn a_test_is_written_by_the_names_that_recordings_have_and_reads_back() {
         let text = r#"{"mode":"hybrid","axis":"x","control":"y","direction":"cooling","residual_pp_counts":7.1,
-            "residual_rms_counts":1.0,"control_pp_counts":400.0,"wiper_writes":13,"mean_counts":8200.1,
+            "residual_rms_counts":1.0,"uncompensated_pp_counts":420.0,"control_pp_counts":400.0,"wiper_writes":13,"mean_counts":8200.1,
             "largest_step_counts":0.5}"#;
         let result: TestResult = serde_json::from_str(text).unwrap();
         assert_eq!((result.mode, result.control, result.direction), (Mode::Hybrid, Axis::Y, Phase::Cooling));

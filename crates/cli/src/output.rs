@@ -1,10 +1,14 @@
 //! Where a command writes: looked at before the work begins, so that nothing is computed for a place that cannot be.
 
+mod kept;
+
 use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 use zerorate_cal::whole_file::write_whole;
+
+pub use kept::Force;
 
 /// Refuses a place without a folder, a folder in a file's place, and the place of something that the command reads.
 pub fn check(option: &str, path: &Path, inputs: &[&Path]) -> Result<()> {

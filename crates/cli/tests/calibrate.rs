@@ -86,6 +86,58 @@ fn the_results_of_another_unit_are_kept_unless_they_are_given_up() {
     assert!(ramp() != first);
 }
 
+/// A real unit's results: those of a simulated one without what says so.
+fn make_real(folder: &Path) {
+    let file = folder.join("calibration/summary.json");
+    let mut summary: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    for field in ["plant", "seed"] {
+        summary.as_object_mut().unwrap().remove(field);
+    }
+    fs::write(file, summary.to_string()).unwrap();
+}
+
+#[test]
+fn simulated_results_never_take_a_real_units_place_and_no_run_takes_a_users_files() {
+    let folder = tempfile::tempdir().unwrap();
+    short_set_up(folder.path());
+    let calibrate = |more: &[&str]| {
+        let ran = zerorate(&[&["calibrate", "--setup", "short.toml"], more].concat(), folder.path());
+        (ran.status.code(), String::from_utf8(ran.stderr).unwrap())
+    };
+    calibrate(&[]);
+    make_real(folder.path());
+    for more in [&[][..], &["--force"], &["--serial", "B-2", "--force"]] {
+        let (code, told) = calibrate(more);
+        assert_eq!(code, Some(2), "{told}");
+        assert!(told.contains("the real unit ZR-0001") && told.contains("--out"), "{told}");
+    }
+    fs::create_dir(folder.path().join("mine")).unwrap();
+    fs::write(folder.path().join("mine/report.html"), "my page").unwrap();
+    let (code, told) = calibrate(&["--out", "mine"]);
+    assert!(code == Some(2) && told.contains("report.html is there and is no run's"), "{told}");
+    assert_eq!(names(&folder.path().join("mine")), ["report.html"]);
+    // What a real run has finished is not lost to a simulated one either.
+    let finished = folder.path().join("days/in-progress/finished");
+    fs::create_dir_all(&finished).unwrap();
+    for file in ["run.txt", "full-temperature.bin"] {
+        fs::write(finished.join(file), "of days").unwrap();
+    }
+    let (code, told) = calibrate(&["--out", "days", "--force"]);
+    assert!(code == Some(2) && told.contains("stopped before its end"), "{told}");
+    assert_eq!(names(&finished), ["full-temperature.bin", "run.txt"]);
+}
+
+#[test]
+fn a_run_that_cannot_begin_leaves_no_empty_folders() {
+    let folder = tempfile::tempdir().unwrap();
+    // Groups that the native board does not take.
+    fs::write(folder.path().join("other.toml"), "[trim]\nspan_counts = 4000.0\n[board]\ncentre_counts = 200.0\n")
+        .unwrap();
+    let ran = zerorate(&["calibrate", "--setup", "other.toml"], folder.path());
+    assert_eq!(ran.status.code(), Some(2));
+    assert_eq!(names(folder.path()), ["other.toml"]);
+}
+
 #[test]
 fn a_unit_outside_its_limits_is_rejected_with_the_reason_and_exit_code_1() {
     let folder = tempfile::tempdir().unwrap();
@@ -117,7 +169,7 @@ fn a_full_disk_keeps_earlier_results_and_what_was_recorded() {
     let out = folder.path().join("calibration");
     fs::create_dir(&out).unwrap();
     fs::write(out.join("summary.json"), "earlier").unwrap();
-    let ran = zerorate(&["calibrate"], folder.path());
+    let ran = zerorate(&["calibrate", "--force"], folder.path());
     let info = zerorate(&["info", "calibration/in-progress/full-temperature.arrows"], folder.path());
     let earlier = fs::read_to_string(out.join("summary.json"));
     Command::new("umount").arg(folder.path()).status().unwrap();
@@ -160,7 +212,7 @@ const HANGS: Duration = Duration::from_secs(600);
 fn killed(folder: &Path, (file, bytes): (&str, u64)) -> bool {
     let file = folder.join("calibration/in-progress").join(file);
     let mut child = Command::new(env!("CARGO_BIN_EXE_zerorate"))
-        .args(["calibrate", "--setup", "short.toml"])
+        .args(["calibrate", "--setup", "short.toml", "--force"])
         .current_dir(folder)
         .stdout(Stdio::null())
         .stderr(Stdio::null())
@@ -210,7 +262,8 @@ fn a_run_killed_at_any_moment_leaves_every_whole_group_and_earlier_results() {
 
         if kill % 5 == 4 {
             // The next run takes no harm from what is left, and loses nothing of it.
-            assert!(zerorate(&["calibrate", "--setup", "short.toml"], folder.path()).status.success(), "kill {kill}");
+            let next = zerorate(&["calibrate", "--setup", "short.toml", "--force"], folder.path());
+            assert!(next.status.success(), "kill {kill}");
             let found = names(&out);
             assert!(FILES.iter().chain(&["notes.txt"]).all(|file| found.iter().any(|name| name == file)), "{found:?}");
             assert_eq!(names(folder.path()), ["calibration", "short.toml"], "kill {kill}");
@@ -254,4 +307,12 @@ fn a_study_gives_a_result_a_unit_and_quantiles() {
         assert!(figure("floor_pp_counts") > 0.0);
     }
     assert_eq!(study["quantiles"]["drift_pp_counts"].as_array().unwrap().len(), 8);
+    let within = results.iter().filter(|result| result.get("failed_checks").is_none()).count();
+    assert_eq!(study["within_limits"], within);
+    // A limit that the plants' own figures are all above: none is within it.
+    fs::write(folder.path().join("strict.toml"), "[drift]\nmodel = \"auto\"\n[limits]\nhybrid_residual_floors = 0.1\n")
+        .unwrap();
+    let ran = zerorate(&["study", "--units", "2", "--setup", "strict.toml"], folder.path());
+    let told = String::from_utf8(ran.stdout).unwrap();
+    assert!(told.starts_with("0 of 2 units meet the limits") && told.contains("unit 1: X hybrid"), "{told}");
 }

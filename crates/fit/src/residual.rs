@@ -82,8 +82,8 @@ impl Residuals {
         self.max.max(-self.min)
     }
 
-    /// The mean fourth power over the squared mean square: 3 for noise, less for a curve that does not fit, n/m where m
-    /// of n residuals dwarf the others.
+    /// The mean fourth power over the squared mean square: 3 for noise, n/m where m of n residuals dwarf the others,
+    /// as what a poor curve leaves may do at an end.
     #[must_use]
     pub fn kurtosis(&self) -> f64 {
         self.fourths * self.count as f64 / self.squares.powi(2)

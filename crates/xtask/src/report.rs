@@ -66,7 +66,7 @@ fn of_log(workspace: &Workspace) -> Result<Option<PathBuf>> {
     let report = workspace.target.join("report-log.html");
     println!("    zerorate fit {} --report {}", recording.display(), report.display());
     let mut fit = Command::new(workspace.zerorate()?);
-    provide::succeed(fit.arg("fit").arg(&recording).arg("--report").arg(&report).stdout(Stdio::null()))?;
+    provide::succeed(fit.arg("fit").arg(&recording).arg("--force").arg("--report").arg(&report).stdout(Stdio::null()))?;
     Ok(Some(report))
 }
 

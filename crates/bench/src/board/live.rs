@@ -29,6 +29,8 @@ pub struct LiveAxis {
     pub axis: &'static str,
     /// Mean temperature reading, counts.
     pub temperature_counts: f64,
+    /// The same in degrees C by the set-up's scale: a part's own is some degrees off.
+    pub temperature_c: f64,
     /// Mean zero-rate reading, counts.
     pub zro_counts: f64,
     /// Mean of the corrected reading, counts.
@@ -107,6 +109,7 @@ impl LiveGroup {
             LiveAxis {
                 axis: axis.name(),
                 temperature_counts: of.sums.mean_temperature().0,
+                temperature_c: setup.celsius(of.sums.mean_temperature()).0,
                 zro_counts: of.sums.mean_zro().0,
                 corrected_counts,
                 rate_dps: (corrected_counts - setup.board.centre_counts) / setup.board.counts_per_dps,

@@ -8,10 +8,9 @@ use zerorate_core::wire::{Request, SampleWindow};
 
 use crate::checkpoint::Checkpoints;
 use crate::error::BenchError;
+use crate::plan::Part;
 use crate::run::{Extent, Phase, Recorder, Session, Taken};
-
-/// Groups averaged at the end of each soak: one minute of the paper's.
-const GROUPS: u32 = 40;
+use crate::setup::GROUPS_A_SOAK;
 
 /// What the soaks came to.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -47,8 +46,12 @@ fn name(index: usize) -> String {
 pub fn run_once(session: &mut Session<'_>, recorder: &mut Recorder, kept: &Checkpoints) -> Result<Soaks, BenchError> {
     let temperatures = session.setup.chamber.soaks_c.clone();
     let hold = Seconds(session.setup.chamber.soak_s);
+    let is_left = (0..temperatures.len()).any(|index| kept.extent(&name(index)).is_none());
+    if is_left {
+        session.part(Part::Soaks);
+    }
     // On a bench that obeys, every run begins alike.
-    if session.bench.surroundings.obeys() || (0..temperatures.len()).any(|index| kept.extent(&name(index)).is_none()) {
+    if session.bench.surroundings.obeys() || is_left {
         session.begin()?;
         // A calibrated board would compensate what the soaks are to show.
         for axis in Axis::BOTH {
@@ -67,7 +70,7 @@ pub fn run_once(session: &mut Session<'_>, recorder: &mut Recorder, kept: &Check
         let (point, took) = kept.once(&name(index), recorder, |recorder| {
             session.soak(&what, Celsius(temperature), hold)?;
             session.start(SampleWindow::NONE)?;
-            let taken = session.until(GROUPS, Phase::Soak, recorder)?;
+            let taken = session.until(GROUPS_A_SOAK, Phase::Soak, recorder)?;
             session.stop()?;
             recorder.next_run();
             Ok((Axis::BOTH.map(|axis| mean(&taken, axis)), session.elapsed - before))

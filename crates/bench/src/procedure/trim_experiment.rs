@@ -8,12 +8,13 @@ use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 use zerorate_core::trim::MAX_TAP_OFFSETS;
-use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps, Volts};
+use zerorate_core::units::{Axis, Celsius, Counts, Taps, Volts};
 use zerorate_core::wire::SampleWindow;
 use zerorate_fit::trim::{SupplyPoint, TapReading};
 
 use crate::error::BenchError;
 use crate::run::{Phase, Recorder, Session};
+use crate::setup::ROOM_SOAK;
 
 /// Taps of the first try, to learn what a tap does.
 const FIRST_STEP: u16 = 8;
@@ -21,8 +22,6 @@ const FIRST_STEP: u16 = 8;
 const LEAST_CHANGE: f64 = 20.0;
 /// Tries of the search before it is given up. Each lands within a tap or two where the part is even.
 const MOST_TRIES: usize = 12;
-/// Chamber time at room temperature before the experiment.
-const ROOM_SOAK: Seconds = Seconds(1200.0);
 
 /// What the experiment came to.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]

@@ -129,12 +129,13 @@ impl Session<'_> {
                 (first, last) => format!("{first} to {last}"),
             })
             .collect();
-        self.warn(format!("{}: groups that did not arrive: {}", self.doing, which.join(", ")));
+        let told = self.warnings.add(format!("{}: groups that did not arrive: {}", self.doing, which.join(", ")));
+        self.progress.note(&told);
     }
 
     fn warn(&mut self, text: String) {
-        self.progress.note(&text);
-        self.warnings.push(text);
+        let told = self.warnings.remind(text);
+        self.progress.note(&told);
     }
 
     /// How warm a group says that it is, about.

@@ -43,6 +43,7 @@ impl SetUp {
         );
         for (name, value) in [
             ("board.counts_per_celsius", board.counts_per_celsius),
+            ("board.counts_at_zero_celsius", board.counts_at_zero_celsius),
             ("board.input_volts_per_count", board.input_volts_per_count),
             ("board.low_pass_hz", board.low_pass_hz),
             ("trim.span_counts", trim.span_counts),

@@ -14,11 +14,13 @@ const SEARCHED: u64 = 8;
 /// Of a span of groups at least one in so many must be there.
 const LEAST_SHARE: u64 = 2;
 
-/// Residuals this many times the rms away, of which [`KURTOSIS`] says that they are few, are outliers: of a million
-/// groups of noise not one is further than 5.
+/// Distances this many times the rms are far: of a million groups of noise not one is further than 5.
 const FAR: f64 = 6.0;
 
-/// The kurtosis above which a few residuals dwarf the others; noise has 3, whatever a poor model leaves less.
+/// No distance is far that is less than a step of the converter: a reading without noise moves by such.
+const CONVERTERS_STEP_COUNTS: f64 = 1.0;
+
+/// The kurtosis above which a few distances dwarf the others; noise has 3.
 const KURTOSIS: f64 = 12.0;
 
 /// Judges what an axis's ramps have to offer, before a fit. `expected` is the number of groups that the set-up gives a
@@ -83,15 +85,13 @@ pub fn judge_survey(
     }
 }
 
-/// Judges what a curve leaves of an axis: the one chosen, or of order [`JUDGED_ORDER`](super::JUDGED_ORDER) where a
-/// polynomial was asked for, lest a poor model hides outliers behind its own misfit.
-pub fn judge_residual(judgement: &mut Judgement, axis: &str, survey: &Residuals) {
-    let (rms, kurtosis) = (survey.rms(), survey.kurtosis());
-    if survey.largest() > FAR * rms && kurtosis > KURTOSIS {
+/// Judges how far the groups of an axis are from the groups beside them ([`distances`](super::neighbours::distances)).
+pub(super) fn judge_distances(judgement: &mut Judgement, axis: &str, distances: &Residuals) {
+    let (largest, rms, kurtosis) = (distances.largest(), distances.rms(), distances.kurtosis());
+    if largest > CONVERTERS_STEP_COUNTS.max(FAR * rms) && kurtosis > KURTOSIS {
         let text = format!(
-            "{axis}: groups lie up to {:.0} counts from the curve, {:.0} times the rms: a few outliers among groups that fit (kurtosis {kurtosis:.0}; noise has 3)",
-            survey.largest(),
-            survey.largest() / rms
+            "{axis}: groups lie up to {largest:.0} counts from the groups beside them, {:.0} times the rms: a few outliers among groups that agree (kurtosis {kurtosis:.0}; noise has 3)",
+            largest / rms
         );
         judgement.add(Reason::new(ReasonKind::Outliers, text));
     }

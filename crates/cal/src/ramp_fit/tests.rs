@@ -115,6 +115,20 @@ fn outlying_groups_do_not_hide_behind_the_misfit_of_a_poor_model() {
 }
 
 #[test]
+fn a_drift_that_no_curve_follows_is_not_taken_for_wild_groups() {
+    let mut means = ramp();
+    // The gyro settles for some minutes after the chamber was switched: a bump in the first hundred groups, ten times
+    // the noise high, and with it a kurtosis of what the curve leaves far above noise's.
+    for (group, reading) in means.readings.iter_mut().enumerate() {
+        let behind = f64::from(u32::try_from(group).unwrap()) / 30.0;
+        *reading += 16.0 * behind * (-behind).exp();
+    }
+    assert_eq!(kinds(&means, None), (vec![], true));
+    means.readings[30] += 8.0;
+    assert_eq!(kinds(&means, None), (vec![ReasonKind::Outliers], true), "one wild group on the bump's top");
+}
+
+#[test]
 fn groups_with_damaged_numbers_are_no_ramp() {
     let mut means = ramp();
     means.groups[2399] = u32::MAX;

@@ -182,7 +182,7 @@ fn a_calibration_of_other_names_and_units_is_matched_by_role_and_says_the_same()
         turned += &format!("{y},{},{x},{}\n", cells[0], cells[1]);
     }
     let other = Source::bytes("other.csv", turned.into_bytes());
-    let columns = Columns { rate_unit: Some(RateUnit::Dps), ..Columns::default() };
+    let columns = Columns { rate_unit: Some(WrittenRate::Dps), ..Columns::default() };
     let verified = verify(&other, &own, &VerifyOptions { columns, ..VerifyOptions::default() }).unwrap();
     assert!(verified.missing.is_empty());
     for (axis, expected) in verified.axes.iter().zip(&expected.axes) {

@@ -35,7 +35,8 @@ fn worse(axes: &[VerifiedAxis]) -> impl Iterator<Item = Reason> {
 fn outside(axes: &[VerifiedAxis], unit: TemperatureUnit) -> impl Iterator<Item = Reason> {
     let mut told: Vec<(Vec<&str>, &VerifiedAxis)> = Vec::new();
     for axis in axes.iter().filter(|axis| axis.outside > TOLD_OUTSIDE) {
-        match told.iter_mut().find(|(_, first)| first.calibrated_temperature == axis.calibrated_temperature) {
+        let range = |axis: &VerifiedAxis| axis.calibrated_temperature.map(f64::to_bits);
+        match told.iter_mut().find(|(_, first)| range(first) == range(axis)) {
             Some((names, first)) => {
                 names.push(&axis.name);
                 if axis.outside > first.outside {

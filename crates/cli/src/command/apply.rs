@@ -55,6 +55,9 @@ pub struct Apply {
     #[arg(long)]
     with_time_drift: bool,
 
+    #[command(flatten)]
+    force: output::Force,
+
     /// Print JSON on standard output, and nothing else there
     #[arg(long)]
     json: bool,
@@ -102,6 +105,7 @@ impl Apply {
         output::check("--out", &self.out, &[&self.log, &self.calibration])?;
         let calibration = Calibration::read(&(&self.calibration).into())?;
         let Found { table, time, time_unit, models } = self.columns(&calibration)?;
+        self.force.corrected_log("--out", &self.out)?;
         let busy = Busy::reading(&self.log);
         let to = AppliedTo {
             time: time.as_deref(),

@@ -4,6 +4,7 @@ mod acquisition;
 mod instrument;
 mod operator;
 mod page;
+mod schedule;
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -20,6 +21,7 @@ use zerorate_bench::choice::DeviceChoice;
 use zerorate_bench::error::BenchError;
 use zerorate_bench::instruments::Bench;
 use zerorate_bench::manual;
+use zerorate_bench::plan::Plan;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::results;
 use zerorate_bench::run::Progress;
@@ -43,7 +45,8 @@ use crate::screen;
 /// beside it to compare with.
 ///
 /// On a real board a person is at the chamber, the supply and the switch: told what to do, and watched by the board's own
-/// temperature reading. Ctrl-C stops such a run, --resume goes on after what was finished.
+/// temperature reading. Before it begins the run says its steps, how long each takes and when the last ends. Ctrl-C stops
+/// such a run, --resume goes on after what was finished.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Calibrate {
@@ -51,7 +54,8 @@ pub struct Calibrate {
     #[arg(long, value_name = "DIR", default_value = "calibration")]
     out: PathBuf,
 
-    /// Write over the results of another unit that are in the folder
+    /// Write over the results of another unit that are in the folder, or over files that no run has left; a simulated run
+    /// never writes over a real unit's
     #[arg(long)]
     force: bool,
 
@@ -158,9 +162,8 @@ impl Calibrate {
     }
 
     fn carry_out(&self, bench: &mut Bench, setup: &SetUp, unit: Unit, mut bar: Bar, keep: Keep) -> Result<Outcome> {
-        if !self.force {
-            results::refuse_others(&self.out, &unit)?;
-        }
+        results::refuse_others(&self.out, &unit, self.force)?;
+        setup.unreachable().iter().for_each(|sentence| bar.note(sentence));
         let result = calibrate(bench, setup, unit, &self.out, &mut bar, keep);
         bar.finish();
         let summary = result.map_err(|error| self.with_what_is_left(error))?;
@@ -202,10 +205,16 @@ impl Calibrate {
     }
 }
 
-/// Phase, temperature, elapsed and remaining time on a terminal.
+/// Step, phase, temperature, elapsed and remaining time on a terminal.
 struct Bar {
     bar: ProgressBar,
+    /// As `step 2 of 7: `.
+    step: String,
     phase: String,
+    /// Whether time on the bench is that of the wall clock, so that it matters when the run ends.
+    takes_its_time: bool,
+    /// As `, ends about Mon 18:10`.
+    end: String,
 }
 
 impl Bar {
@@ -215,19 +224,27 @@ impl Bar {
         let ramps = u64::from(setup.chamber.ramp_groups) * (of_fit + 6) + u64::from(setup.chamber.soak_groups) * 5;
         let bar = ProgressBar::new(ramps + 40 * setup.chamber.soaks_c.len() as u64);
         // A template that does not parse would be ours, and the plain bar is one too.
-        if let Ok(style) = ProgressStyle::with_template("{msg:44} {bar:24} {elapsed} gone, {eta} left") {
+        if let Ok(style) = ProgressStyle::with_template("{msg:56} {bar:24} {elapsed} gone, {eta} left") {
             bar.set_style(style);
         }
-        Self { bar, phase: String::new() }
+        Self::on(bar, false)
+    }
+
+    fn on(bar: ProgressBar, takes_its_time: bool) -> Self {
+        Self { bar, step: String::new(), phase: String::new(), takes_its_time, end: String::new() }
     }
 
     /// Nobody knows how long a person takes.
     fn without_end() -> Self {
         let bar = ProgressBar::new_spinner();
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed} gone") {
             bar.set_style(style);
         }
-        Self { bar, phase: String::new() }
+        Self::on(bar, true)
+    }
+
+    fn show(&self, at: &str) {
+        self.bar.set_message(format!("{}{}{at}{}", self.step, self.phase, self.end));
     }
 
     fn finish(&self) {
@@ -236,15 +253,29 @@ impl Bar {
 }
 
 impl Progress for Bar {
+    fn plan(&mut self, plan: &Plan) {
+        if self.takes_its_time {
+            schedule::of(plan).iter().for_each(|line| self.note(line));
+        }
+    }
+
+    fn part(&mut self, plan: &Plan, place: usize) {
+        self.step = format!("step {} of {}: ", place + 1, plan.parts.len());
+        if self.takes_its_time {
+            self.end = format!(", ends about {}", schedule::end(plan, place));
+            self.note(&schedule::step(plan, place));
+        }
+    }
+
     fn phase(&mut self, name: &str, _: u32) {
         name.clone_into(&mut self.phase);
-        self.bar.set_message(self.phase.clone());
+        self.show("");
     }
 
     fn step(&mut self, air_c: f64) {
         // A message for every group would cost more than the group.
         if self.bar.position().is_multiple_of(32) && !self.bar.is_hidden() {
-            self.bar.set_message(format!("{}, {:+.0} C", self.phase, air_c));
+            self.show(&format!(", {air_c:+.0} C"));
         }
         self.bar.inc(1);
     }

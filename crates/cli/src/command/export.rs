@@ -39,6 +39,9 @@ pub struct Export {
     #[arg(long, value_name = "NUMBER")]
     instance: Option<u8>,
 
+    #[command(flatten)]
+    force: output::Force,
+
     /// Print JSON about what was written on standard output, and nothing else there; needs --out
     #[arg(long, requires = "out")]
     json: bool,
@@ -78,6 +81,9 @@ impl Export {
             screen::print(&exported.text)?;
             return Ok(Outcome::Done);
         };
+        // A table has no place for a word about where it came from.
+        let first_line = exported.text.lines().next().filter(|_| !exported.text.contains("zerorate"));
+        self.force.text("--out", out, &calibration.sources, first_line)?;
         output::write(out, &exported.text)?;
         if self.json {
             let Exported { sensors, notes, .. } = &exported;

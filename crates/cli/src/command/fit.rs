@@ -27,6 +27,9 @@ use crate::{output, screen};
 /// which the unit was moved), averages what is left over about 10 s, fits a curve for each axis of each sensor, and says
 /// what each is good for. How far to trust the curve is told by the held-out residual, by blocked cross-validation: each
 /// of eight folds of the log, predicted by a fit of the other seven.
+///
+/// What came of another log is kept: a file of it in the place of --out or --report is refused without --force, and what
+/// came of the same log before it changed is set aside.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Fit {
@@ -46,6 +49,9 @@ pub struct Fit {
     /// Write a report here, as one HTML page; a rejected log writes none
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+
+    #[command(flatten)]
+    force: output::Force,
 
     /// Show every model that was compared, and what each predicts of data that it was not fitted to (--json has it too)
     #[arg(long)]
@@ -115,11 +121,22 @@ impl Fit {
     /// Writes the results and says what was written. The calibration comes last: where it is, all is.
     fn write(&self, fit: &LogFit, places: &Places) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
+        let origins = &self.origins(fit, places)?;
         let wanted = places.out.as_ref().or(self.record.as_ref());
-        let calibration = wanted.map(|_| self.calibration(fit)).transpose()?;
+        let calibration = wanted.map(|_| self.calibration(fit, origins)).transpose()?;
+        // Before the first is written, all places are known to be free.
+        if let Some(out) = &places.out {
+            self.force.calibration("--out", out, origins, self.serial.as_deref())?;
+        }
+        if let Some(report) = &places.report {
+            self.force.text("--report", report, origins, None)?;
+        }
+        if let Some((path, calibration)) = self.record.as_ref().zip(calibration.as_ref()) {
+            self.force.record("--record", path, calibration.unit_serial.as_deref().unwrap_or_default())?;
+        }
         if let Some(path) = &places.report {
             let next = places.out.as_ref().map(|out| self.use_command(fit, out).1);
-            output::write(path, &page(fit, next.as_deref()))?;
+            output::write(path, &page(fit, origins, next.as_deref()))?;
             written.push(path.clone());
         }
         if let Some((path, calibration)) = self.record.as_ref().zip(calibration.as_ref()) {
@@ -133,18 +150,25 @@ impl Fit {
         Ok(written)
     }
 
-    fn calibration(&self, fit: &LogFit) -> Result<Calibration> {
+    /// The logs with their SHA-256, where something is written that names them.
+    fn origins(&self, fit: &LogFit, places: &Places) -> Result<Vec<Origin>> {
+        if places.out.is_none() && places.report.is_none() && self.record.is_none() {
+            return Ok(Vec::new());
+        }
+        let origin = |source: &Source| {
+            Origin::of_log(fit.autopilot, source).with_context(|| format!("{}: cannot be read", source.name()))
+        };
+        self.log.sources().iter().map(origin).collect()
+    }
+
+    fn calibration(&self, fit: &LogFit, origins: &[Origin]) -> Result<Calibration> {
         let sources = self.log.sources();
         if let [source] = sources.as_slice()
             && Recording::is_one(source)
         {
             return Ok(recorded::calibration(source, fit)?);
         }
-        let origin = |source: &Source| {
-            Origin::of_log(fit.autopilot, source).with_context(|| format!("{}: cannot be read", source.name()))
-        };
-        let origins = sources.iter().map(origin).collect::<Result<_>>()?;
-        Ok(fit.to_calibration(origins, self.serial.clone())?)
+        Ok(fit.to_calibration(origins.to_vec(), self.serial.clone())?)
     }
 
     /// What to do with a calibration: an autopilot's parameters come of an autopilot's log.
@@ -173,11 +197,17 @@ impl Fit {
     }
 }
 
-/// The page of a fit, with the commands that go on from it.
-pub(super) fn page(fit: &LogFit, next_command: Option<&str>) -> String {
+/// The page of a fit, with the commands that go on from it. Behind its end stands what it came of, by which another run
+/// knows it again.
+pub(super) fn page(fit: &LogFit, origins: &[Origin], next_command: Option<&str>) -> String {
     let export_command =
         |format: Format| format!("zerorate export calibration.json --format {format} --out {}", format.file_name());
-    LogPage { fit, next_command, export_command: Some(export_command) }.to_html()
+    let mut page = LogPage { fit, next_command, export_command: Some(export_command) }.to_html();
+    for Origin { file, sha256, .. } in origins {
+        // A file's name may hold what would end the comment.
+        page += &format!("<!-- of {}, SHA-256 {sha256} -->\n", file.replace("--", "- -"));
+    }
+    page
 }
 
 /// Where results go.

@@ -51,6 +51,9 @@ pub struct Report {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 
+    #[command(flatten)]
+    force: output::Force,
+
     /// Print JSON on standard output, and nothing else there
     #[arg(long)]
     json: bool,
@@ -90,7 +93,7 @@ impl Report {
         let calibration = Calibration::read(&(&path).into())?;
         let out = self.out.clone().unwrap_or_else(|| path.with_file_name(REPORT));
         if went_through_a_run(&calibration) {
-            return self.of_run(&path, &out);
+            return self.of_run(&path, &calibration, &out);
         }
         let logs = self.logs(&path, &calibration)?;
         let log = &logs[0];
@@ -100,31 +103,33 @@ impl Report {
         let sources: Vec<Source> = logs.iter().map(Source::from).collect();
         let fit = fit(&sources, &self.options(&calibration))?;
         drop(busy);
-        output::write(&out, &super::fit::page(&fit, None))?;
+        self.force.text("--out", &out, &calibration.sources, None)?;
+        output::write(&out, &super::fit::page(&fit, &calibration.sources, None))?;
         self.tell(&out, Some(log), &fit.source(), &fit.notes)
     }
 
     /// The report of a board's run, from the files beside its calibration.
-    fn of_run(&self, calibration: &Path, out: &Path) -> Result<Outcome> {
+    fn of_run(&self, path: &Path, calibration: &Calibration, out: &Path) -> Result<Outcome> {
         let columns = self.temperature.is_some() || self.time.is_some();
         ensure!(
             self.log.is_none() && !columns && self.units == UnitArguments::default(),
             "{}: a board's run has no log: leave --log, --temperature, --time and their units out",
-            calibration.display()
+            path.display()
         );
         ensure!(
-            calibration.file_name().is_some_and(|name| name == CALIBRATION),
+            path.file_name().is_some_and(|name| name == CALIBRATION),
             "{}: the files of a board's run have their own names: name the folder that calibrate wrote",
-            calibration.display()
+            path.display()
         );
-        let folder = calibration.parent().unwrap_or(Path::new(""));
+        let folder = path.parent().unwrap_or(Path::new(""));
         let inputs = FILES.map(|file| folder.join(file));
         output::check("--out", out, &inputs.each_ref().map(PathBuf::as_path))?;
         let busy = Busy::reading(folder);
         let page = board_page(&BoardRun::read(folder)?);
         drop(busy);
+        self.force.text("--out", out, &calibration.sources, None)?;
         output::write(out, &page)?;
-        self.tell(out, None, &format!("{} and the files beside it", calibration.display()), &[])
+        self.tell(out, None, &format!("{} and the files beside it", path.display()), &[])
     }
 
     fn tell(&self, out: &Path, log: Option<&Path>, whence: &str, notes: &[String]) -> Result<Outcome> {

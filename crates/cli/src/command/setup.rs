@@ -45,6 +45,7 @@ struct Checked<'a> {
     schema: u32,
     file: &'a std::path::Path,
     sound: bool,
+    unreachable: Vec<String>,
     differences: Vec<fields::Difference>,
 }
 
@@ -59,9 +60,10 @@ impl Setup {
     }
 
     fn check(&self, file: &std::path::Path) -> Result<()> {
-        let differences = fields::differences(&SetUp::read(file)?)?;
+        let setup = SetUp::read(file)?;
+        let (differences, unreachable) = (fields::differences(&setup)?, setup.unreachable());
         if self.json {
-            return screen::print_json(&Checked { schema: 1, file, sound: true, differences });
+            return screen::print_json(&Checked { schema: 1, file, sound: true, unreachable, differences });
         }
         let mut page = Page::default();
         if differences.is_empty() {
@@ -74,6 +76,10 @@ impl Setup {
                 grid.row([&difference.field, &difference.here, &difference.paper]);
             }
             page.grid(&grid);
+        }
+        if !unreachable.is_empty() {
+            page.heading("No unit can meet");
+            unreachable.iter().for_each(|sentence| page.sentence("  - ", sentence));
         }
         page.print()
     }

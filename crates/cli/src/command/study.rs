@@ -17,7 +17,7 @@ use crate::screen::{Grid, Page};
 /// Take many random units through the experiment: what a design achieves, before a board is built
 ///
 /// Each unit is drawn from the seed, characterised on a ramp, trimmed, and tested on a second ramp: its X axis, heating,
-/// by the potentiometer alone and with the rest subtracted in numbers.
+/// by the potentiometer alone and with the rest subtracted in numbers. It says how many units meet the limits of the set-up.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Study {
@@ -58,6 +58,7 @@ struct Results<'a> {
     seed: u64,
     results: Vec<&'a UnitResult>,
     rejected: Vec<&'a UnitRejected>,
+    within_limits: usize,
     quantiles: Quantiles,
 }
 
@@ -77,18 +78,37 @@ impl Study {
         let results: Vec<&UnitResult> = units.iter().filter_map(|unit| unit.as_ref().ok()).collect();
         let rejected: Vec<&UnitRejected> = units.iter().filter_map(|unit| unit.as_ref().err()).collect();
         let quantiles = Quantiles::of(&results);
+        let within_limits = results.iter().filter(|unit| unit.failed_checks.is_empty()).count();
         if self.json {
             let (units, plant, seed) = (self.units, kind.name(), self.seed);
-            screen::print_json(&Results { schema: 1, units, plant, seed, results, rejected, quantiles })?;
+            screen::print_json(&Results {
+                schema: 1,
+                units,
+                plant,
+                seed,
+                results,
+                rejected,
+                within_limits,
+                quantiles,
+            })?;
         } else {
-            page(&results, &rejected, &quantiles, kind.name()).print()?;
+            page(&results, &rejected, within_limits, &quantiles, kind.name()).print()?;
         }
         Ok(Outcome::Done)
     }
 }
 
-fn page(results: &[&UnitResult], rejected: &[&UnitRejected], quantiles: &Quantiles, plant: &str) -> Page {
+fn page(
+    results: &[&UnitResult],
+    rejected: &[&UnitRejected],
+    within_limits: usize,
+    quantiles: &Quantiles,
+    plant: &str,
+) -> Page {
     let mut page = Page::default();
+    let units = results.len() + rejected.len();
+    page.sentence("", &format!("{within_limits} of {units} units meet the limits of the set-up."));
+    page.gap();
     page.line(format!("{} {plant} units, X axis, heating; counts peak to peak over the hour, held out", results.len()));
     page.gap();
     let mut grid = Grid::new("rrrrrr");
@@ -110,8 +130,15 @@ fn page(results: &[&UnitResult], rejected: &[&UnitRejected], quantiles: &Quantil
         page.gap();
         page.sentence("", &format!("In {no_wiper} the drift needs more taps than the law can hold: digital alone."));
     }
+    let outside = || results.iter().filter(|unit| !unit.failed_checks.is_empty());
+    if outside().next().is_some() {
+        page.heading("Outside the limits");
+        outside().for_each(|unit| {
+            page.sentence("  - ", &format!("unit {}: {}", unit.unit, unit.failed_checks.join("; ")));
+        });
+    }
     if !rejected.is_empty() {
-        page.heading("Rejected");
+        page.heading("Rejected, and in no row above");
         rejected.iter().for_each(|unit| page.sentence("  - ", &format!("unit {}: {}", unit.unit, unit.reason)));
     }
     page

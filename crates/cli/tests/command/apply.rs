@@ -73,7 +73,8 @@ fn columns_may_stand_in_another_order_beside_others() {
 #[test]
 fn what_cannot_be_corrected_leaves_the_earlier_output() {
     let folder = calibrated(&Log::cycle());
-    fs::write(folder.path().join("out.csv"), "earlier").unwrap();
+    let earlier = "predicted_x_rad_s,corrected_x_rad_s\n";
+    fs::write(folder.path().join("out.csv"), earlier).unwrap();
     let cases = [
         ("missing.csv", None, vec!["missing.csv: cannot be read"]),
         ("empty.csv", Some(""), vec!["empty.csv: the file is empty"]),
@@ -95,7 +96,7 @@ fn what_cannot_be_corrected_leaves_the_earlier_output() {
             fs::write(folder.path().join(name), content).unwrap();
         }
         apply(folder.path(), name).is_error(&parts);
-        assert_eq!(fs::read_to_string(folder.path().join("out.csv")).unwrap(), "earlier", "{name}");
+        assert_eq!(fs::read_to_string(folder.path().join("out.csv")).unwrap(), earlier, "{name}");
     }
 }
 

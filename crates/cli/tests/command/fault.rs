@@ -55,7 +55,7 @@ fn every_fault_is_answered(clean: &Log) {
         fault(&mut log);
         let folder = folder_with("log.csv", log.csv());
         fs::write(folder.path().join("calibration.json"), "earlier").unwrap();
-        let ran = zerorate(folder.path(), &["fit", "log.csv", "--out", "calibration.json", "--json"]);
+        let ran = zerorate(folder.path(), &["fit", "log.csv", "--out", "calibration.json", "--json", "--force"]);
         let json = ran.json();
         assert_eq!(ran.code, code, "{name}: {json}");
         assert_eq!(json["verdict"], if code == 1 { "rejected" } else { "warning" }, "{name}: {json}");

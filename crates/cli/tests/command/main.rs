@@ -11,6 +11,7 @@ mod fault;
 mod fit;
 mod help;
 mod info;
+mod kept;
 mod killed;
 mod log;
 mod place;

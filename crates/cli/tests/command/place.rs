@@ -48,7 +48,7 @@ fn a_full_disk_leaves_the_earlier_output() {
         let script = format!(
             "mount -t tmpfs -o size=64k tmpfs disk || exit 99
              head -c 61440 /dev/zero > disk/{output}
-             '{program}' {command} disk/{output}
+             '{program}' {command} disk/{output} --force
              code=$?
              test $(ls disk | wc -l) = 1 && test $(wc -c < disk/{output}) = 61440 || exit 98
              exit $code"

@@ -128,6 +128,10 @@ fn a_run_by_hand_that_was_stopped_goes_on_and_passes() {
     send("INT", run.child.id());
     run.obey_until(&mut board, "nothing of that kind", 1);
     assert_eq!(await_end(&mut run.child), Some(2));
+    assert_eq!(run.count("the plan: 7 steps, about "), 1, "{:#?}", run.lines);
+    assert_eq!(run.count("1. full-temperature test: about "), 1, "{:#?}", run.lines);
+    assert_eq!(run.count("step 2 of 7: trim experiment"), 1, "{:#?}", run.lines);
+    assert_eq!(run.count("4 steps are left after it, and the run ends about"), 1, "{:#?}", run.lines);
     assert!(run.count("stopped by Ctrl-C") == 1 && run.count("--resume") == 1, "{:#?}", run.lines);
     let ramp = fs::read(in_progress.join("full-temperature.parquet")).unwrap();
     assert!(in_progress.join("trim-sweep.parquet").exists());
@@ -165,6 +169,11 @@ fn a_run_by_hand_that_was_stopped_goes_on_and_passes() {
     assert_eq!(groups(&out.join("in-progress/compensation-test-trim.cut.arrows")), cut, "what was cut is kept");
     let info = board.device(&["info", "--json"], folder.path()).json();
     assert_eq!(info["calibrated"], true);
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("no floor") || page.contains("A real bench cannot know it"), "no floor is said");
+    assert!(!page.contains("taps crossed") && !page.contains("native"), "what is not known is not told");
+    let limits: Vec<&str> = summary["checks"].as_array().unwrap().iter().map(|c| c["what"].as_str().unwrap()).collect();
+    assert!(limits.contains(&"X hybrid, heating: residual, peak to peak, against what trim leaves"), "{limits:?}");
 }
 
 #[test]

@@ -41,11 +41,21 @@ fn a_new_board_says_who_it_is_and_refuses_what_needs_a_calibration() {
 fn a_calibration_goes_on_the_board_and_comes_back_the_same() {
     let (board, folder) = on_a_serial_line();
     let run = |arguments: &[&str]| board.device(arguments, folder.path());
-    run(&["deploy", "calibration.json"]).ends(0, &["ZR-0042", "read back and the same"]);
+    run(&["deploy", "calibration.json"]).ends(
+        0,
+        &[
+            "ZR-0042",
+            "read back and the same",
+            "axis X is in mode hybrid, axis Y in mode hybrid",
+            "the acquisition stands still",
+        ],
+    );
     run(&["read", "back.bin"]).ends(0, &["back.bin"]);
     assert_eq!(fs::read(folder.path().join("back.bin")).unwrap(), bench::device_record());
     assert_eq!(run(&["info", "--json"]).json()["calibrated"], true);
-    assert_eq!(run(&["deploy", "record.bin", "--json"]).json()["verdict"], "deployed");
+    let told = run(&["deploy", "record.bin", "--json"]).json();
+    assert_eq!((&told["verdict"], &told["modes"]), (&"deployed".into(), &serde_json::json!(["hybrid", "hybrid"])));
+    assert_eq!(run(&["info", "--json"]).json()["modes"], serde_json::json!(["hybrid", "hybrid"]));
 
     let other = bench::calibration().replace("ZR-0042", "ZR-0043");
     fs::write(folder.path().join("other.json"), other).unwrap();
@@ -62,13 +72,16 @@ fn modes_and_taps_show_in_the_groups() {
     let run = |arguments: &[&str]| board.device(arguments, folder.path());
     run(&["tap", "y", "500"]).ends(0, &["axis Y at tap 500"]);
     let plain = run(&["monitor", "--groups", "3"]);
-    plain.ends(0, &["group=0 axis=x", "group=2 axis=y", "tap=500", "rate_dps=", "mode=off"]);
+    plain.ends(0, &["group=0 axis=x", "group=2 axis=y", "tap=500", "rate_dps=", "mode=off", "temperature_c="]);
     assert_eq!(plain.out.lines().count(), 6);
     run(&["deploy", "calibration.json"]).ends(0, &[]);
     run(&["mode", "both", "hybrid"]).ends(0, &["both axes in mode hybrid"]);
     let groups = run(&["monitor", "--groups", "4", "--json"]);
     let groups: Vec<Value> = groups.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(groups.len(), 4);
+    // The virtual board stands at 25 C; the gyro's package is a kelvin or two above it.
+    let degrees = groups[0]["axes"][0]["temperature_c"].as_f64().unwrap();
+    assert!((24.5..28.0).contains(&degrees), "{degrees}");
     for (number, group) in groups.iter().enumerate() {
         assert_eq!(group["group"], number);
         assert_eq!(group["axes"][0]["mode"], "hybrid");

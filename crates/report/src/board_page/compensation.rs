@@ -6,6 +6,7 @@ use zerorate_cal::recording::{GroupRow, Phase};
 use zerorate_cal::summary::{Summary, TestResult};
 use zerorate_core::compensate::Mode;
 
+use super::reading::Known;
 use super::{Board, MINUTE_S, ink_of, name_of};
 use crate::figure::{Figure, Ink, Mark, Panel, Sample, holding};
 use crate::number::{fixed, fixed_or_none, whole};
@@ -165,40 +166,34 @@ fn direction_ink(direction: Phase) -> Ink {
 }
 
 fn table(summary: &Summary) -> Markup {
+    let Known { floor, taps_crossed } = Known::of(summary);
     let row = |test: &TestResult| {
-        let crossed = test.taps_crossed.map_or_else(|| "\u{2013}".to_owned(), |crossed| whole(crossed.into()));
-        vec![
+        let writes = match test.taps_crossed {
+            Some(crossed) => html! { (whole(test.wiper_writes.into())) "\u{a0}/\u{a0}" (whole(crossed.into())) },
+            None => html! { (whole(test.wiper_writes.into())) },
+        };
+        let mut cells = vec![
             html! { (name_of(test.axis)) " " (test.mode.name()) ", " (test.direction.name()) },
             html! { (name_of(test.control)) },
             html! { (fixed(test.residual_pp_counts, 1)) },
             html! { (fixed(test.residual_rms_counts, 2)) },
             html! { (fixed(test.control_pp_counts, 1)) },
-            html! { (fixed(summary.drift_pp_counts(test.axis), 1)) },
-            html! { (fixed(summary.ratio(test), 1)) },
-            html! { (fixed_or_none(test.floor_pp_counts, 1)) },
-            html! { (whole(test.wiper_writes.into())) "\u{a0}/\u{a0}" (crossed) },
-            html! { (fixed(test.mean_counts, 1)) },
-            html! { (fixed(test.largest_step_counts, 2)) },
-        ]
+            html! { (fixed(test.uncompensated_pp_counts, 1)) },
+            html! { (fixed(test.ratio(), 1)) },
+        ];
+        cells.extend(floor.then(|| html! { (fixed_or_none(test.floor_pp_counts, 1)) }));
+        cells.extend([writes, html! { (fixed(test.mean_counts, 1)) }, html! { (fixed(test.largest_step_counts, 2)) }]);
+        cells
     };
-    let heads = [
-        "Test",
-        "Control",
-        "Residual, pp",
-        "Residual, rms",
-        "Control, pp",
-        "Without, pp",
-        "Ratio",
-        "Floor, pp",
-        "Writes / taps crossed",
-        "Mean",
-        "Largest step",
-    ];
+    let mut heads = vec!["Test", "Control", "Residual, pp", "Residual, rms", "Control, pp", "Without, pp", "Ratio"];
+    heads.extend(floor.then_some("Floor, pp"));
+    heads.extend([if taps_crossed { "Writes / taps crossed" } else { "Writes" }, "Mean", "Largest step"]);
     Table {
         caption: html! {
             b { "The tests" } ", in counts; pp is peak to peak of group means over the hour, rms root mean square. All of them are "
-            "held out: the law was fitted to another run. Without is what the axis did in the full-temperature test, and the "
-            "ratio is of that to the residual."
+            "held out: the law was fitted to another run. Without is what the axis does in the same direction without "
+            "compensation, and the ratio is of that to the residual; where the full-temperature test had no cooling ramp, it is "
+            "the test’s own, the measured effect of its taps taken away."
         },
         heads: &heads,
         rows: summary.tests.iter().map(row).collect(),

@@ -46,13 +46,13 @@ fn lead(board: &Board) -> Markup {
         (fixed(board.summary.drift_pp_counts(test.axis), 0)) " counts. "
         @if let Some(trim) = trim {
             "Trimmed by the potentiometer, as in the paper, it moves " (fixed(trim.residual_pp_counts, 1))
-            " counts, " (fixed(board.summary.ratio(trim), 0)) " times less"
+            " counts, " (fixed(trim.ratio(), 0)) " times less"
             @if hybrid.is_some() { "; " } @else { "." }
         }
         @if let Some(hybrid) = hybrid {
             @if trim.is_none() { "With " } @else { "with " }
             "the remainder subtracted in numbers, " (fixed(hybrid.residual_pp_counts, 1)) " counts, "
-            (fixed(board.summary.ratio(hybrid), 0)) " times less."
+            (fixed(hybrid.ratio(), 0)) " times less."
         }
     }
 }
@@ -66,12 +66,7 @@ fn bars(board: &Board) -> Markup {
     let mut bars = vec![Bar { class: "before", name: "before", counts: before, ratio: None }];
     let after = [("trim", trim), ("hybrid", hybrid)];
     bars.extend(after.into_iter().filter_map(|(name, test)| {
-        test.map(|test| Bar {
-            class: "x",
-            name,
-            counts: test.residual_pp_counts,
-            ratio: Some(board.summary.ratio(test)),
-        })
+        test.map(|test| Bar { class: "x", name, counts: test.residual_pp_counts, ratio: Some(test.ratio()) })
     }));
     bars.extend(test.floor_pp_counts.map(|counts| Bar { class: "floor", name: "floor", counts, ratio: None }));
     html! {
@@ -89,9 +84,10 @@ fn bars(board: &Board) -> Markup {
             }
         }
         p.small {
-            (name_of(test.axis)) ", peak to peak of group means over the hour of the heating ramp; trim, hybrid and floor in a second "
-            "run that no fit has seen. × is how many times less than before. The floor is noise: what no compensation "
-            "could beat."
+            (name_of(test.axis)) ", peak to peak of group means over the hour of the heating ramp; trim and hybrid in second "
+            "runs that no fit has seen. × is how many times less than before. "
+            @if test.floor_pp_counts.is_some() { "The floor is noise: what no compensation could beat." }
+            @else { "What of it is noise, which no compensation could take out, is not known on a real bench." }
         }
     }
 }
@@ -103,7 +99,6 @@ fn width(share: f64) -> String {
 
 fn unit_facts(board: &Board) -> Markup {
     let (calibration, summary) = (&board.run.calibration, board.summary);
-    let device = if summary.plant.is_some() { "native device" } else { "board" };
     let groups = fixed(60.0 / calibration.group_period_s.unwrap_or(f64::NAN), 0);
     let hashes: Vec<(String, &str)> = calibration
         .sources
@@ -112,7 +107,7 @@ fn unit_facts(board: &Board) -> Markup {
         .collect();
     let mut facts: Vec<(&str, Markup)> = vec![
         ("Serial number", html! { (summary.serial) }),
-        ("Device", html! { (device) ", " (summary.trim_part.to_uppercase()) }),
+        ("Board", html! { @if summary.plant.is_some() { "simulated, " } (summary.trim_part.to_uppercase()) }),
     ];
     if let Some(plant) = &summary.plant {
         facts.push(("Plant, simulated", html! { (plant) @if let Some(seed) = summary.seed { ", seed " (seed) } }));

@@ -1,7 +1,7 @@
 //! What was checked, and what the words mean.
 
 use maud::{Markup, html};
-use zerorate_cal::summary::Check;
+use zerorate_cal::summary::{Check, Summary, TestResult};
 
 use super::Board;
 use crate::page::{self, Table};
@@ -33,8 +33,24 @@ pub(super) fn checks(checks: &[Check]) -> Markup {
     }
 }
 
+/// What the tests know that a real bench does not.
+pub(super) struct Known {
+    pub floor: bool,
+    pub taps_crossed: bool,
+}
+
+impl Known {
+    pub(super) fn of(summary: &Summary) -> Self {
+        let any = |of: fn(&TestResult) -> bool| summary.tests.iter().any(of);
+        Self {
+            floor: any(|test| test.floor_pp_counts.is_some()),
+            taps_crossed: any(|test| test.taps_crossed.is_some()),
+        }
+    }
+}
+
 pub(super) fn definitions(board: &Board) -> Markup {
-    let simulated = board.summary.plant.is_some();
+    let Known { floor, taps_crossed } = Known::of(board.summary);
     let mut terms: Vec<(&str, Markup)> = vec![
         ("Zero-rate output", html! { "The reading at rest. Its change with temperature is the drift." }),
         (
@@ -56,15 +72,18 @@ pub(super) fn definitions(board: &Board) -> Markup {
             html! { "Measured on data that the fit has not seen: a contiguous fold predicted by the fit of the others, or another run." },
         ),
     ];
-    if simulated {
-        terms.push((
-            "Floor",
-            html! {
+    terms.push((
+        "Floor",
+        html! {
+            @if floor {
                 "The same groups once the simulated plant’s own true drift and true wiper voltage are taken away: noise, flicker "
-                "and random walk, which no compensation could beat. A real bench cannot know it."
-            },
-        ));
-    }
+                "and random walk, which no compensation could beat."
+            } @else {
+                "What noise alone would leave. A real bench cannot know it, and none is given: mode hybrid is held against what "
+                "mode trim leaves."
+            }
+        },
+    ));
     terms.push((
         "Trim, hybrid",
         html! {
@@ -73,10 +92,15 @@ pub(super) fn definitions(board: &Board) -> Markup {
         },
     ));
     terms.push((
-        "Writes / taps crossed",
+        if taps_crossed { "Writes / taps crossed" } else { "Writes" },
         html! {
-            "Writes to the wiper beside the least possible number, that of the law without noise. More writes than taps crossed is "
-            "chatter: each is a step of one tap."
+            @if taps_crossed {
+                "Writes to the wiper beside the least possible number, that of the law without noise. More writes than taps "
+                "crossed is chatter: each is a step of one tap."
+            } @else {
+                "Writes to the wiper. The least possible number needs the temperature without noise, which a real bench does not "
+                "know."
+            }
         },
     ));
     terms.push((

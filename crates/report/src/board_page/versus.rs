@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 use zerorate_cal::recording::Phase;
-use zerorate_cal::summary::{Summary, TestResult};
+use zerorate_cal::summary::TestResult;
 use zerorate_core::compensate::Mode;
 
 use super::Board;
@@ -69,9 +69,9 @@ fn cells(board: &Board, row: &Row) -> Vec<Markup> {
 }
 
 /// A figure of an axis's heating test by trim, with one decimal.
-fn by_trim(board: &Board, axis: &BoardAxis, figure: fn(&Summary, &TestResult) -> f64) -> Markup {
+fn by_trim(board: &Board, axis: &BoardAxis, figure: fn(&TestResult) -> f64) -> Markup {
     let test = board.summary.test(axis.axis, Mode::Trim, Phase::Heating);
-    test.map_or_else(none, |test| html! { (fixed(figure(board.summary, test), 1)) })
+    test.map_or_else(none, |test| html! { (fixed(figure(test), 1)) })
 }
 
 fn before_and_after() -> [Row; 3] {
@@ -83,7 +83,7 @@ fn before_and_after() -> [Row; 3] {
         },
         Row {
             name: html! { "residual by trim" },
-            run: |board, axis| by_trim(board, axis, |_, test| test.residual_pp_counts),
+            run: |board, axis| by_trim(board, axis, |test| test.residual_pp_counts),
             paper: |paper| {
                 if paper.compensated {
                     html! { (PAPER_RESIDUAL) }
@@ -94,7 +94,7 @@ fn before_and_after() -> [Row; 3] {
         },
         Row {
             name: html! { "times better" },
-            run: |board, axis| by_trim(board, axis, Summary::ratio),
+            run: |board, axis| by_trim(board, axis, TestResult::ratio),
             paper: |paper| {
                 if paper.compensated {
                     html! { (PAPER_RATIO) }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use console::Style;
+use zerorate_bench::board::Axis;
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::summary::Summary;
 
@@ -49,7 +50,7 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
             test.axis.name().to_uppercase(),
             test.mode.name().into(),
             test.direction.name().into(),
-            format!("{:.1}", summary.drift_pp_counts(test.axis)),
+            format!("{:.1}", test.uncompensated_pp_counts),
             format!("{:.1}", test.residual_pp_counts),
             test.floor_pp_counts.map_or_else(|| "-".into(), |floor| format!("{floor:.1}")),
             format!("{:.1}", test.mean_counts),
@@ -57,10 +58,14 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
         ]);
     }
     page.grid(&grid);
-    page.sentence(
-        "  ",
-        "before, after and floor are peak to peak over the hour's group means; the floor is what no compensation could beat",
-    );
+    let floor = if summary.tests.iter().any(|test| test.floor_pp_counts.is_some()) {
+        "the floor is what no compensation could beat"
+    } else {
+        "no floor is known on a real bench: hybrid is held against what trim leaves"
+    };
+    let told = "before, after and floor are peak to peak over the hour's group means; before is without compensation, in \
+                the same direction";
+    page.sentence("  ", &format!("{told}; {floor}"));
 
     if !summary.failed_checks.is_empty() {
         page.heading("Outside the limits");
@@ -89,15 +94,15 @@ fn headline(page: &mut Page, summary: &Summary) {
     let plant = summary.plant.as_ref().zip(summary.seed);
     let plant = plant.map(|(plant, seed)| format!(" ({plant} plant, seed {seed})")).unwrap_or_default();
     page.line(format!("Unit {}{plant}: {verdict}", summary.serial));
-    let before = summary.axes.get("x").map_or(f64::NAN, |axis| axis.drift_pp_counts);
-    let mut told = format!("X drifts {before:.0} counts over the ramp");
+    let before = summary.drift_pp_counts(Axis::X);
+    let mut told = format!("X drifts {before:.0} counts over the heating ramp");
     let [trim, hybrid] = summary.headline();
     if let Some(trim) = trim {
-        let (left, ratio) = (trim.residual_pp_counts, summary.ratio(trim));
+        let (left, ratio) = (trim.residual_pp_counts, trim.ratio());
         told += &format!("; the potentiometer leaves {left:.0} ({ratio:.0} times better)");
     }
     if let Some(hybrid) = hybrid {
-        let (left, ratio) = (hybrid.residual_pp_counts, summary.ratio(hybrid));
+        let (left, ratio) = (hybrid.residual_pp_counts, hybrid.ratio());
         told += &format!("; with the rest subtracted in numbers {left:.1} ({ratio:.0} times)");
     }
     page.sentence("", &(told + "."));

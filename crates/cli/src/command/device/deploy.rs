@@ -6,15 +6,19 @@ use anyhow::Result;
 use clap::Args;
 use serde_json::json;
 use zerorate_bench::board::read_record;
+use zerorate_bench::client::ClientError;
+use zerorate_words::sentence;
 
 use super::Device;
 use crate::command::Outcome;
 use crate::screen;
 
-/// Put a calibration on the board: write it, commit it, read it back, compare
+/// Put a calibration on the board: write it, commit it, read it back, compare, and turn the compensation on
 ///
 /// The board checks everything before it stores anything: a damaged record, another unit's, or one that it cannot run is
-/// refused, and what it had stays in use. Groups that fall into the commit are lost, and counted.
+/// refused, and what it had stays in use. Groups that fall into the commit are lost, and counted. Then each axis is put
+/// into the mode in which the board would start with this record: hybrid, or digital where the wiper cannot follow or no
+/// trim was measured. `mode` changes that.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Deploy {
@@ -42,12 +46,28 @@ impl Deploy {
                 ));
             }
         })?;
+        let turned_on = match board.turn_on(&record) {
+            Err(why @ ClientError::Refused(_)) => Err(sentence(&why)),
+            other => Ok(other?),
+        };
+        let info = board.info()?;
         let line = board.line();
-        let told = json!({ "verdict": "deployed", "record": stored, "sent_again": line.sent_again,
-            "damaged_frames": line.damaged_frames });
+        let why_not = turned_on.as_ref().err();
+        let told = json!({ "verdict": "deployed", "record": stored, "modes": info.modes, "acquiring": info.acquiring,
+            "not_turned_on": why_not, "sent_again": line.sent_again, "damaged_frames": line.damaged_frames });
         let unit = if board.serial().is_empty() { "the board" } else { board.serial() };
+        let [x, y] = info.modes;
+        let on = match turned_on {
+            Ok((_, from)) => format!("axis X is in mode {x}, axis Y in mode {y}, from group {from} on"),
+            Err(why) => format!("it was not turned on: {why}; axis X is in mode {x}, axis Y in mode {y}"),
+        };
+        let stands = if info.acquiring {
+            ""
+        } else {
+            "; the acquisition stands still, and nothing is compensated until it runs"
+        };
         let text = format!(
-            "{}: on {unit}, {} bytes, read back and the same (CRC-32 {}); it holds from the next group on",
+            "{}: on {unit}, {} bytes, read back and the same (CRC-32 {}); {on}{stands}",
             self.file.display(),
             stored.bytes,
             stored.crc32

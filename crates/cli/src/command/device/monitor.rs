@@ -24,7 +24,8 @@ const FAULTS_EVERY: u32 = 10;
 /// Show the groups of the board as they come: means, temperature, rate, taps, modes, faults
 ///
 /// On a terminal a table that renews itself; otherwise a line for each group and axis, or with --json an object for each
-/// group. The acquisition is started if it stands still, and stopped again at the end. Ctrl-C ends it.
+/// group, which has the temperature in counts as well. Degrees C are by the set-up's scale, and a part's own is some degrees
+/// off. The acquisition is started if it stands still, and stopped again at the end. Ctrl-C ends it.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Monitor {
@@ -32,7 +33,7 @@ pub struct Monitor {
     #[arg(long, value_name = "N")]
     groups: Option<u32>,
 
-    /// The set-up file of the board, for the scale and the centre of the rate; without it the paper's
+    /// The set-up file of the board, for the scales of temperature and rate and for the centre; without it the paper's
     #[arg(long, value_name = "FILE")]
     setup: Option<PathBuf>,
 }
@@ -135,7 +136,7 @@ impl View {
         };
         let mut grid = Grid::new("lrrrrrll");
         grid.head(["", "temperature", "reading", "corrected", "rate", "", "", ""]);
-        grid.head(["axis", "counts", "counts", "counts", "deg/s", "tap", "mode", ""]);
+        grid.head(["axis", "C", "counts", "counts", "deg/s", "tap", "mode", ""]);
         group.axes.iter().for_each(|axis| grid.row(cells(axis)));
         let mut lines = vec![format!("Group {}, {} lost; faults: {}", group.group, group.lost, self.faults)];
         lines.extend(grid.lines());
@@ -150,7 +151,7 @@ fn cells(axis: &LiveAxis) -> [String; 8] {
     let tap = axis.moved_to.map_or_else(|| axis.tap.to_string(), |to| format!("{} > {to}", axis.tap));
     [
         axis.axis.to_uppercase(),
-        format!("{:.2}", axis.temperature_counts),
+        format!("{:.2}", axis.temperature_c),
         format!("{:.2}", axis.zro_counts),
         format!("{:.2}", axis.corrected_counts),
         format!("{:+.3}", axis.rate_dps),
@@ -164,7 +165,7 @@ fn line(group: u32, axis: &LiveAxis) -> String {
     let moved = axis.moved_to.map(|to| format!(" moved_to={to}")).unwrap_or_default();
     let flags = if axis.flags.is_empty() { String::new() } else { format!(" {}", axis.flags.join(" ")) };
     format!(
-        "group={group} axis={} temperature={:.2} reading={:.2} corrected={:.2} rate_dps={:+.3} tap={} mode={}{moved}{flags}",
-        axis.axis, axis.temperature_counts, axis.zro_counts, axis.corrected_counts, axis.rate_dps, axis.tap, axis.mode
+        "group={group} axis={} temperature_c={:.2} reading={:.2} corrected={:.2} rate_dps={:+.3} tap={} mode={}{moved}{flags}",
+        axis.axis, axis.temperature_c, axis.zro_counts, axis.corrected_counts, axis.rate_dps, axis.tap, axis.mode
     )
 }

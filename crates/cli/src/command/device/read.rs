@@ -18,6 +18,9 @@ pub struct Read {
     /// The file to write, as device-record.bin
     #[arg(value_name = "FILE")]
     out: PathBuf,
+
+    #[command(flatten)]
+    force: output::Force,
 }
 
 const EXAMPLES: &str = "\
@@ -28,7 +31,9 @@ Examples:
 impl Read {
     pub fn run(&self, device: &Device) -> Result<Outcome> {
         output::check("FILE", &self.out, &[])?;
-        let stored = device.open()?.read()?;
+        let mut board = device.open()?;
+        self.force.record("FILE", &self.out, board.serial())?;
+        let stored = board.read()?;
         if stored.is_empty() {
             return device.refused(&anyhow::anyhow!(
                 "the board has no calibration stored, and nothing was written: `zerorate device deploy` puts one on it"

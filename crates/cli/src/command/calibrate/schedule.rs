@@ -1,0 +1,74 @@
+//! A plan as people read it: how long, and until when by the clock on the wall.
+
+use chrono::{DateTime, Local, TimeDelta};
+use zerorate_bench::plan::Plan;
+
+/// The whole plan, before it begins: a line for all of it and one for each step.
+pub fn of(plan: &Plan) -> Vec<String> {
+    let whole = plan.time_from(0).0;
+    let head = format!(
+        "the plan: {} steps, about {}; without delay it ends {}",
+        plan.parts.len(),
+        time(whole),
+        clock(Local::now(), whole)
+    );
+    let steps = plan.parts.iter().enumerate();
+    let steps = steps.map(|(place, (part, took))| format!("{}. {part}: about {}", place + 1, time(took.0)));
+    std::iter::once(head).chain(steps).collect()
+}
+
+/// A step that begins, what is left after it, and when all of it ends.
+pub fn step(plan: &Plan, place: usize) -> String {
+    let (part, took) = plan.parts[place];
+    let left = match plan.parts.len() - place - 1 {
+        0 => "it is the last".to_owned(),
+        1 => "1 step is left after it".to_owned(),
+        steps => format!("{steps} steps are left after it"),
+    };
+    let (number, all) = (place + 1, plan.parts.len());
+    format!(
+        "step {number} of {all}: {part}, about {}; {left}, and the run ends about {}",
+        time(took.0),
+        end(plan, place)
+    )
+}
+
+/// When the plan ends, if the step at this place begins now.
+pub fn end(plan: &Plan, place: usize) -> String {
+    clock(Local::now(), plan.time_from(place).0)
+}
+
+/// A time as `2 h 40 min`, to five minutes where it has hours.
+fn time(seconds: f64) -> String {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // days at most
+    let minutes = (seconds / 60.0).round() as u64;
+    if minutes < 60 {
+        return format!("{minutes} min");
+    }
+    let fives = (minutes + 2) / 5 * 5;
+    format!("{} h {:02} min", fives / 60, fives % 60)
+}
+
+/// The time of day so many seconds from now, with its day.
+fn clock(now: DateTime<Local>, seconds: f64) -> String {
+    #[allow(clippy::cast_possible_truncation)] // days at most
+    let later = now + TimeDelta::seconds(seconds as i64);
+    later.format("%a %e %b, %H:%M").to_string().replace("  ", " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_is_said_as_people_say_it() {
+        assert_eq!([59.0 * 60.0, 3600.0, 9570.0].map(time), ["59 min", "1 h 00 min", "2 h 40 min"]);
+    }
+
+    #[test]
+    fn a_days_work_ends_on_the_next_day() {
+        use chrono::TimeZone;
+        let monday = Local.with_ymd_and_hms(2026, 3, 2, 14, 30, 0).unwrap();
+        assert_eq!(clock(monday, 27.5 * 3600.0), "Tue 3 Mar, 18:00");
+    }
+}

@@ -1,0 +1,210 @@
+//! What is there already where a command writes: kept, unless it is what the same command made of the same source before.
+//!
+//! A source is the same by its SHA-256. A log of the same name that has changed since is the user's own log, gone on: what
+//! came of it before is set aside, and the command goes on. Whatever else is there is refused.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use zerorate_cal::calibration::{Calibration, Origin};
+use zerorate_cal::device_record::StoredRecord;
+
+use crate::screen;
+
+/// No page and no export is as large as this: what is there is something else.
+const LARGEST_BYTES: u64 = 64 << 20;
+
+/// What is there.
+enum There {
+    /// What the same command made of the same source.
+    Same,
+    /// What it made of a log of the same name, before that changed.
+    Earlier,
+    /// Something else, in words.
+    Other(String),
+}
+
+/// Whether what is there may go.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Force {
+    /// Write over a file that came of another log or unit, or that zerorate has not written
+    #[arg(long)]
+    force: bool,
+}
+
+impl Force {
+    /// Refuses the place of a calibration of other sources, or of another serial, or of no calibration.
+    pub fn calibration(self, option: &str, path: &Path, sources: &[Origin], serial: Option<&str>) -> Result<()> {
+        self.keep(option, path, || {
+            let Ok(there) = Calibration::read(&path.into()) else { return There::Other("no calibration".into()) };
+            let serials = there.unit_serial.as_deref().zip(serial);
+            if let Some((own, _)) = serials.filter(|(own, new)| own != new) {
+                return There::Other(format!("the calibration of unit {own}"));
+            }
+            if sorted(&there.sources, |source| &source.sha256) == sorted(sources, |source| &source.sha256) {
+                There::Same
+            } else if sorted(&there.sources, |source| &source.file) == sorted(sources, |source| &source.file) {
+                There::Earlier
+            } else {
+                There::Other(format!("the calibration of {}", named(&there.sources)))
+            }
+        })
+    }
+
+    /// Refuses the place of a page or an export, each of which names its sources by their SHA-256, of other sources, and
+    /// of what zerorate has not written. `first_line` is an export's that has nowhere to name them.
+    pub fn text(self, option: &str, path: &Path, sources: &[Origin], first_line: Option<&str>) -> Result<()> {
+        self.keep(option, path, || {
+            let text = text(path).filter(|text| text.contains("zerorate") || first_line == text.lines().next());
+            let Some(text) = text else { return There::Other("something that zerorate has not written".into()) };
+            if first_line.is_some() || sources.iter().all(|source| text.contains(&source.sha256)) {
+                There::Same
+            } else if sources
+                .iter()
+                .all(|source| text.contains(&format!("of {}, SHA-256", source.file.replace("--", "- -"))))
+            {
+                There::Earlier
+            } else {
+                There::Other("what came of another source".into())
+            }
+        })
+    }
+
+    /// Refuses the place of another unit's device record, and of no device record.
+    pub fn record(self, option: &str, path: &Path, unit: &str) -> Result<()> {
+        self.keep(option, path, || match StoredRecord::read(&path.into()) {
+            Ok(there) if there.record.unit.as_str() == unit => There::Same,
+            Ok(there) if there.record.unit.as_str().is_empty() => {
+                There::Other("the device record of another unit".into())
+            }
+            Ok(there) => There::Other(format!("the device record of unit {}", there.record.unit.as_str())),
+            Err(_) => There::Other("no device record".into()),
+        })
+    }
+
+    /// Refuses the place of what is no corrected log.
+    pub fn corrected_log(self, option: &str, path: &Path) -> Result<()> {
+        self.keep(option, path, || {
+            let mut head = String::new();
+            let read =
+                fs::File::open(path).and_then(|file| BufReader::new(file.take(LARGEST_BYTES)).read_line(&mut head));
+            let is_one = read.is_ok() && ["predicted_", "corrected_"].iter().all(|column| head.contains(column));
+            if is_one { There::Same } else { There::Other("no corrected log".into()) }
+        })
+    }
+
+    /// Keeps what is in the way; `what` says what it is.
+    fn keep(self, option: &str, path: &Path, what: impl FnOnce() -> There) -> Result<()> {
+        // An empty file, as mktemp makes it, holds nothing; a device keeps nothing.
+        if self.force || !fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() > 0) {
+            return Ok(());
+        }
+        match what() {
+            There::Same => Ok(()),
+            There::Earlier => {
+                let aside = set_aside(path).with_context(|| format!("{}: cannot be set aside", path.display()))?;
+                screen::note(&format!(
+                    "{}: what is there came of a log of this name before it changed; it is kept as {}",
+                    path.display(),
+                    aside.display()
+                ));
+                Ok(())
+            }
+            There::Other(what) => bail!(
+                "{option} {}: there is a file already, {what}, and it is kept: give another place, or --force to write over it",
+                path.display()
+            ),
+        }
+    }
+}
+
+/// A second name for a file whose place is wanted: `calibration.earlier.json`, or with the first free number.
+fn set_aside(path: &Path) -> std::io::Result<PathBuf> {
+    let end = path.extension().map(|end| format!(".{}", end.display())).unwrap_or_default();
+    let named = |middle: &str| path.with_extension(format!("{middle}{end}").trim_start_matches('.'));
+    let numbered = (2..).map(|number| named(&format!("earlier-{number}")));
+    for aside in std::iter::once(named("earlier")).chain(numbered) {
+        // It fails where there is such a file, and never replaces one. Some file systems know no second name.
+        match fs::hard_link(path, &aside) {
+            Ok(()) => return Ok(aside),
+            Err(_) if aside.exists() => {}
+            Err(_) => return fs::copy(path, &aside).map(|_| aside),
+        }
+    }
+    Err(std::io::ErrorKind::AlreadyExists.into())
+}
+
+fn sorted<'o>(origins: &'o [Origin], of: impl Fn(&'o Origin) -> &'o str) -> Vec<&'o str> {
+    let mut all: Vec<&str> = origins.iter().map(of).collect();
+    all.sort_unstable();
+    all
+}
+
+fn named(sources: &[Origin]) -> String {
+    let names: Vec<&str> = sources.iter().map(|source| source.file.as_str()).collect();
+    if names.is_empty() { "no log that it names".into() } else { names.join(" and ") }
+}
+
+fn text(path: &Path) -> Option<String> {
+    let mut bytes = Vec::new();
+    fs::File::open(path).and_then(|file| file.take(LARGEST_BYTES).read_to_end(&mut bytes)).ok()?;
+    String::from_utf8(bytes).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KEEP: Force = Force { force: false };
+
+    fn origin(sha256: &str) -> Origin {
+        Origin { content: "log".into(), file: format!("{sha256}.csv"), sha256: sha256.into() }
+    }
+
+    #[test]
+    fn what_came_of_a_log_before_it_changed_is_set_aside_each_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.report.html");
+        for (sha256, before) in [("ab12", ""), ("cd34", "ab12"), ("ef56", "cd34")] {
+            let log = Origin { file: "log.csv".into(), ..origin(sha256) };
+            KEEP.text("--report", &path, &[log], None).unwrap();
+            fs::remove_file(&path).ok();
+            fs::write(&path, format!("by zerorate <!-- of log.csv, SHA-256 {sha256} -->")).unwrap();
+            let kept =
+                fs::read_dir(folder.path()).unwrap().map(|file| fs::read_to_string(file.unwrap().path()).unwrap());
+            assert!(before.is_empty() || kept.into_iter().any(|text| text.contains(before)), "{before} is gone");
+        }
+        assert!(folder.path().join("log.report.earlier.html").exists());
+        assert!(folder.path().join("log.report.earlier-2.html").exists());
+    }
+
+    #[test]
+    fn a_page_is_written_over_by_the_same_source_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("report.html");
+        let refused = |sources: &[Origin]| KEEP.text("--report", &path, sources, None).err().map(|why| why.to_string());
+        assert_eq!(refused(&[origin("ab12")]), None, "nothing is there");
+        fs::write(&path, "").unwrap();
+        assert_eq!(refused(&[origin("ab12")]), None, "an empty file holds nothing");
+        fs::write(&path, "by zerorate, of ab12").unwrap();
+        assert_eq!(refused(&[origin("ab12")]), None);
+        assert!(refused(&[origin("cd34")]).unwrap().contains("another source"));
+        assert!(refused(&[origin("ab12"), origin("cd34")]).unwrap().contains("--force"));
+        fs::write(&path, "my own page about ab12").unwrap();
+        assert!(refused(&[origin("ab12")]).unwrap().contains("has not written"));
+        assert!(Force { force: true }.text("--report", &path, &[origin("cd34")], None).is_ok());
+    }
+
+    #[test]
+    fn a_log_of_the_users_is_not_taken_for_a_corrected_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        fs::write(&path, "t,temperature,gx\n1,2,3\n").unwrap();
+        assert!(KEEP.corrected_log("--out", &path).is_err());
+        fs::write(&path, "t,temperature,gx,predicted_gx,corrected_gx\n1,2,3,4,5\n").unwrap();
+        assert!(KEEP.corrected_log("--out", &path).is_ok());
+    }
+}
