@@ -1,0 +1,200 @@
+#!/usr/bin/env python3
+"""Recompute with numpy what `calibrate`, `fit` and `verify` print, from the recordings beside it.
+
+usage: printed_numbers.py ZERORATE
+
+Shares no code with the program: recordings are read by pyarrow, the paper's curve and its folds are fitted by
+numpy.polyfit, a made log's residuals are taken from `apply`'s own columns. Names every number that differs, and by what.
+"""
+
+import csv
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet
+
+AXES = ("x", "y")
+FOLDS = 8
+
+
+class Differences:
+    """What was compared, and what differs."""
+
+    def __init__(self):
+        self.compared, self.found = 0, []
+
+    def hold(self, what, printed, own, tolerance):
+        """`tolerance` is relative; of what should be equal, 0."""
+        self.compared += 1
+        near = np.all(np.abs(np.subtract(printed, own, dtype=float)) <= tolerance * np.maximum(np.abs(own), 1e-12))
+        if not near:
+            self.found.append(f"{what}: printed {printed}, by numpy {own}")
+
+
+def run(zerorate, *arguments):
+    done = subprocess.run([zerorate, *map(str, arguments)], capture_output=True, text=True, check=False)
+    if done.returncode not in (0, 1):
+        sys.exit(f"zerorate {' '.join(map(str, arguments))} ended with {done.returncode}:\n{done.stderr}")
+    return done.stdout
+
+
+def recording(folder, name):
+    """The groups of each axis, in order of time, columns by name."""
+    table = pyarrow.parquet.read_table(folder / f"{name}.parquet").to_pydict()
+    table = {column: np.array(values) for column, values in table.items()}
+    return {axis: {column: values[table["axis"] == axis] for column, values in table.items()} for axis in AXES}
+
+
+def of_phase(groups, phase):
+    keep = groups["phase"] == phase
+    return {column: values[keep] for column, values in groups.items()}
+
+
+def held_out(temperature, reading, order):
+    edges = np.linspace(0, len(reading), FOLDS + 1).astype(int)
+    left = []
+    for start, end in zip(edges, edges[1:]):
+        others = np.r_[0:start, end : len(reading)]
+        curve = np.polyfit(temperature[others], reading[others], order)
+        left.append(reading[start:end] - np.polyval(curve, temperature[start:end]))
+    return np.concatenate(left)
+
+
+def rms(values):
+    return np.sqrt(np.mean(np.square(values)))
+
+
+def ramp(differences, folder, printed):
+    groups = recording(folder, "full-temperature")
+    for axis in AXES:
+        own, heating = printed["axes"][axis], of_phase(groups[axis], "heating")
+        order = int(own["model"].removeprefix("poly:"))
+        temperature, reading = (heating[f"{what}_sum"] / heating["n"] for what in ("temperature", "zro"))
+        curve = np.polyfit(temperature, reading, order)
+        left, out = reading - np.polyval(curve, temperature), held_out(temperature, reading, order)
+        printed_curve = np.polyval(own["drift_raw_coefficients"][::-1], temperature)
+        hold = lambda name, value, tolerance: differences.hold(f"summary.json {axis} {name}", own[name], value, tolerance)
+        hold("drift_pp_counts", np.ptp(reading), 1e-9)
+        hold("temperature_counts", [temperature.min(), temperature.max()], 1e-9)
+        hold("fit_rms_counts", rms(left), 1e-6)
+        hold("fit_pp_counts", np.ptp(left), 1e-6)
+        hold("held_out_rms_counts", rms(out), 1e-6)
+        hold("held_out_pp_counts", np.ptp(out), 1e-6)
+        # To a millionth of the drift.
+        differences.hold(f"summary.json {axis} curve", printed_curve, np.polyval(curve, temperature), 1e-7)
+
+
+def compensation_tests(differences, folder, printed):
+    drift = recording(folder, "full-temperature")
+    for test in printed["tests"]:
+        groups = recording(folder, f"compensation-test-{test['mode']}")
+        axis, other = test["axis"], test["control"]
+        # An axis's own ramp is the one in which it is compensated.
+        keep = (groups[axis]["phase"] == test["direction"]) & (groups[axis]["mode"] == test["mode"])
+        corrected, tap = groups[axis]["corrected_counts"][keep], groups[axis]["tap"][keep].astype(int)
+        name = f"summary.json {axis} {test['mode']} {test['direction']}"
+        hold = lambda field, value, tolerance: differences.hold(f"{name} {field}", test[field], value, tolerance)
+        hold("residual_pp_counts", np.ptp(corrected), 1e-9)
+        hold("residual_rms_counts", np.std(corrected), 1e-9)
+        hold("mean_counts", np.mean(corrected), 1e-9)
+        hold("control_pp_counts", np.ptp(groups[other]["zro_counts"][keep]), 1e-9)
+        # The tap of a write is in the groups after it; that of the last group may be in none.
+        writes = np.count_nonzero(np.diff(tap))
+        differences.hold(f"{name} wiper_writes", test["wiper_writes"] in (writes, writes + 1), True, 0)
+        before = of_phase(drift[axis], test["direction"])["zro_counts"]
+        if len(before):
+            hold("uncompensated_pp_counts", np.ptp(before), 1e-9)
+
+
+def soaks(differences, folder, printed):
+    groups, hours = recording(folder, "soaks"), printed["soaks"]
+    differences.hold("soaks hours_saved", hours["hours_saved"], hours["soak_hours"] - hours["ramp_hours"], 1e-9)
+    for axis in AXES:
+        own, curve = hours[axis], printed["axes"][axis]["drift_raw_coefficients"][::-1]
+        differences_of_axis = []
+        for point in own["points"]:
+            here = (groups[axis]["chamber_set_c"] == point["chamber_c"]) & (groups[axis]["phase"] == "soak")
+            temperature, reading = (groups[axis][f"{what}_counts"][here].mean() for what in ("temperature", "zro"))
+            name = f"soaks {axis} {point['chamber_c']} C"
+            differences.hold(f"{name} temperature_counts", point["temperature_counts"], temperature, 1e-9)
+            differences.hold(f"{name} zro_counts", point["zro_counts"], reading, 1e-9)
+            differences.hold(f"{name} ramp_counts", point["ramp_counts"], np.polyval(curve, temperature), 1e-9)
+            differences_of_axis.append(abs(reading - np.polyval(curve, temperature)))
+        differences.hold(f"soaks {axis} maximum", own["max_difference_counts"], max(differences_of_axis), 1e-6)
+
+
+def made_log(path, seed):
+    """A cycle with three drifts and noise, two rows a second; what is written is what is compared."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(12_000) / 2
+    temperature = 20 - 40 * np.cos(2 * np.pi * time / time[-1])
+    x = (temperature - 20) / 40
+    rates = np.stack([0.3 * x + 0.2 * x**2, 0.1 - 0.2 * x, 0.05 * x**3], 1) + rng.normal(0, 0.02, (len(time), 3))
+    with open(path, "w", encoding="ascii") as out:
+        print("time_s,temperature_c,x_dps,y_dps,z_dps", file=out)
+        for row in np.column_stack([time, temperature, rates]):
+            print(",".join(f"{cell:.9g}" for cell in row), file=out)
+
+
+def averages(values, rows):
+    whole = len(values) // rows * rows
+    return values[:whole].reshape(-1, rows).mean(1)
+
+
+def logs(differences, zerorate, folder):
+    first, second = folder / "first.csv", folder / "second.csv"
+    made_log(first, 1)
+    made_log(second, 2)
+    calibration, applied = folder / "calibration.json", folder / "applied.csv"
+    fitted = json.loads(run(zerorate, "fit", first, "--out", calibration, "--report", folder / "report.html", "--json"))
+    verified = json.loads(run(zerorate, "verify", second, "--with", calibration, "--json"))
+    run(zerorate, "apply", calibration, second, "--out", applied)
+    with open(applied, encoding="ascii") as text:
+        rows = list(csv.DictReader(text))
+    rows_of_a_group = round(verified["averaged_over_s"] * 2)
+    temperature = averages(np.array([float(row["temperature_c"]) for row in rows]), rows_of_a_group)
+    for axis in verified["axes"]:
+        name = axis["name"]
+        raw = averages(np.array([float(row[name]) for row in rows]), rows_of_a_group)
+        predicted = averages(np.array([float(row[f"predicted_{name}"]) for row in rows]), rows_of_a_group)
+        left, own = raw - predicted, fitted["axes"][name]
+        hold = lambda field, printed, value, tolerance: differences.hold(f"{name} {field}", printed, value, tolerance)
+        # Groups are cut by time, and a few rows lie in the group beside.
+        hold("verify raw.rms", axis["raw"]["rms"], np.std(raw), 0.01)
+        hold("verify corrected.rms", axis["corrected"]["rms"], np.std(left), 0.05)
+        hold("verify offset", axis["offset"], np.mean(left), 0.05 + 1e-4 / abs(np.mean(left)))
+        hold("verify worse", axis["worse"], np.std(left) > np.std(raw), 0)
+        hold("verify temperature", axis["temperature"], [temperature.min(), temperature.max()], 0.01)
+        hold("fit temperature", own["temperature"], [temperature.min(), temperature.max()], 0.01)
+        hold("fit samples_used", own["samples_used"], len(rows), 0)
+        # Of white noise alone the residual is the noise of an average, in-sample and held out.
+        noise = 0.02 / np.sqrt(rows_of_a_group)
+        hold("fit in_sample.rms", own["in_sample"]["rms"], noise, 0.1)
+        hold("fit held_out.rms", own["held_out"]["rms"], noise, 0.15)
+        # About the mean of the first half minute.
+        zeroed = raw[3:] - raw[:3].mean()
+        hold("fit uncorrected.rms", own["uncorrected"]["rms"], rms(zeroed), 0.05)
+
+
+def main():
+    zerorate = sys.argv[1]
+    differences = Differences()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        run(zerorate, "calibrate", "--seed", "5", "--out", folder / "run")
+        printed = json.loads((folder / "run/summary.json").read_text())
+        ramp(differences, folder / "run", printed)
+        compensation_tests(differences, folder / "run", printed)
+        soaks(differences, folder / "run", printed)
+        logs(differences, zerorate, folder)
+    if differences.found:
+        sys.exit("\n".join(differences.found))
+    print(f"{differences.compared} numbers are numpy's")
+
+
+if __name__ == "__main__":
+    main()
