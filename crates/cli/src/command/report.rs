@@ -9,7 +9,7 @@ use zerorate_cal::board_run::{BoardRun, CALIBRATION, FILES, REPORT};
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, sha256};
 use zerorate_cal::fit::fit;
 use zerorate_cal::log::{Sensor, SensorChoice};
-use zerorate_cal::log_fit::FitOptions;
+use zerorate_cal::log_fit::{FitOptions, LogFit};
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
 use zerorate_cal::units::WrittenRate;
@@ -100,6 +100,7 @@ impl Report {
         let sources: Vec<Source> = logs.iter().map(Source::from).collect();
         let fit = fit(&sources, &self.options(&calibration))?;
         drop(busy);
+        in_the_same_units(log, &fit, &calibration)?;
         output::write(&out, &super::fit::page(&fit, None))?;
         self.tell(&out, Some(log), &fit.source(), &fit.notes)
     }
@@ -176,6 +177,25 @@ impl Report {
             ..FitOptions::default()
         }
     }
+}
+
+/// A drift made again that is so many times another is in another unit: the closest, degrees F and C, are 1.8 apart.
+const SAME_SIZE: f64 = 1.5;
+
+/// Refuses a fit that comes out otherwise than the calibration, for the log was then read in units that were given.
+fn in_the_same_units(log: &Path, fit: &LogFit, calibration: &Calibration) -> Result<()> {
+    for axis in &fit.axes {
+        let Some(own) = calibration.axes.get(&axis.name) else { continue };
+        let [earlier, now] = [own, &axis.calibration].map(|axis| axis.drift().peak_to_peak());
+        ensure!(
+            (1.0 / SAME_SIZE..SAME_SIZE).contains(&(now / earlier)),
+            "{}: {} comes out with a drift of {now:.3e} {unit}, and the calibration has {earlier:.3e}: give --rate-unit and --temperature-unit as for the fit",
+            log.display(),
+            axis.name,
+            unit = own.rate_unit
+        );
+    }
+    Ok(())
 }
 
 /// Whether the calibration is that of a board's run, trim experiment and all, and not of a log or one recording.

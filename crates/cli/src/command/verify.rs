@@ -10,7 +10,7 @@ use serde::Serialize;
 use zerorate_cal::calibration::{Calibration, Kind};
 use zerorate_cal::source::{Source, in_quotes};
 use zerorate_cal::table::Table;
-use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::{RateUnit, WrittenRate};
 use zerorate_cal::verify::{Limit, Limits, Verified, VerifiedAxis, verify};
 
 use super::Outcome;
@@ -92,6 +92,7 @@ impl Verify {
         let log = Source::from(&self.log);
         let busy = Busy::reading(&self.log);
         let mut columns = self.columns.columns();
+        columns.else_rate_unit = calibration.axes.values().find_map(|axis| WrittenRate::of(axis.rate_unit));
         if columns.rates.is_empty() {
             columns.rates = self.known_columns(&calibration);
         }
