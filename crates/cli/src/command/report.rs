@@ -184,15 +184,16 @@ const SAME_SIZE: f64 = 1.5;
 
 /// Refuses a fit that comes out otherwise than the calibration, for the log was then read in units that were given.
 fn in_the_same_units(log: &Path, fit: &LogFit, calibration: &Calibration) -> Result<()> {
-    for axis in &fit.axes {
-        let Some(own) = calibration.axes.get(&axis.name) else { continue };
-        let [earlier, now] = [own, &axis.calibration].map(|axis| axis.drift().peak_to_peak());
+    for (name, own) in &calibration.axes {
+        let earlier = own.drift().peak_to_peak();
+        // In a unit a thousand times off the unit seems to be moved all the time, and nothing is left to fit.
+        let again = fit.axes.iter().find(|axis| axis.name == *name);
+        let now = again.map_or(f64::NAN, |axis| axis.calibration.drift().peak_to_peak());
         ensure!(
             (1.0 / SAME_SIZE..SAME_SIZE).contains(&(now / earlier)),
-            "{}: {} comes out with a drift of {now:.3e} {unit}, and the calibration has {earlier:.3e}: give --rate-unit and --temperature-unit as for the fit",
+            "{}: {name} does not come out with the drift that the calibration has, {earlier:.3e} {}: give --rate-unit and --temperature-unit as for the fit",
             log.display(),
-            axis.name,
-            unit = own.rate_unit
+            own.rate_unit
         );
     }
     Ok(())
