@@ -48,9 +48,9 @@ pub trait Sink {
 /// How the reading of a log ended.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ending {
-    /// What was guessed or undone, a sentence each.
+    /// What was undone or is missing, a sentence each.
     pub notes: Vec<String>,
-    /// What is wrong with the file, as far as it could be read nevertheless.
+    /// What is wrong with the file, as far as it could be read nevertheless, and the units that were guessed.
     pub reasons: Vec<Reason>,
 }
 

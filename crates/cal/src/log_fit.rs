@@ -133,7 +133,7 @@ pub struct LogFit {
     pub judgement: Judgement,
     /// The verdict on each axis, fitted or not, in the order of the log.
     pub verdicts: Vec<AxisVerdict>,
-    /// What was guessed about columns and units, a sentence each.
+    /// What to know of how the logs were read, a sentence each; a unit that was guessed is a reason.
     pub notes: Vec<String>,
     /// One fit an axis that was not rejected, in the order of the log.
     pub axes: Vec<AxisFit>,

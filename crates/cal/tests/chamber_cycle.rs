@@ -67,7 +67,7 @@ fn units_are_guessed_and_the_start_up_row_is_left_out() {
     let Some(path) = recording() else { return };
     let fit = fit_one(path, &FitOptions::default());
     assert!(
-        fit.notes.iter().any(|note| note.contains("taken as us, by which the log lasts 4245 s")),
+        fit.reasons().any(|reason| reason.contains("taken as us, by which the log lasts 4245 s")),
         "{:?}",
         fit.notes
     );

@@ -109,7 +109,7 @@ fn a_history_starts_with_the_first_row_and_runs_through_rows_without_rates() {
 
 #[test]
 fn in_its_own_recording_the_drift_in_time_is_added_and_the_history_believed() {
-    let to = AppliedTo { time: Some("time_ms"), time_unit: Some(TimeUnit::Ms), start: Start::OwnRecording, ..TO };
+    let to = AppliedTo { time: Some("time_ms"), time_unit: Some(TimeUnit::Ms), start: Start::OwnRecording };
     let (applied, predicted) = ramp(&to, false);
     for (step, predicted) in predicted.iter().enumerate() {
         // The middle of what is possible: half the way, and 2 from the fourth degree on.

@@ -55,25 +55,25 @@ fn of_excluded(interval: &Excluded, unit: &str) -> Option<Reason> {
         // A step is told by itself.
         _ => return None,
     };
-    let text = format!(
-        "{what} from {:.0} s to {:.0} s (rows {} to {}, {:.1} to {:.1} {unit}): these rows were left out",
-        interval.time_s.0,
-        interval.time_s.1,
-        interval.rows.0 + 1,
-        interval.rows.1,
-        interval.temperature.0,
-        interval.temperature.1
-    );
+    let (first, last) = (interval.rows.0 + 1, interval.rows.1);
+    // A log without a time column has rows alone.
+    let place = if interval.time_s.0.is_finite() && interval.time_s.1.is_finite() {
+        format!("from {:.0} s to {:.0} s (rows {first} to {last}, ", interval.time_s.0, interval.time_s.1)
+    } else {
+        format!("in rows {first} to {last} (")
+    };
+    let (least, most) = interval.temperature;
+    let text = format!("{what} {place}{least:.1} to {most:.1} {unit}): these rows were left out");
     Some(Reason::new(kind, text))
 }
 
 fn of_step(step: &Step, name: &str, rate_unit: &str, unit: &str) -> Reason {
+    let row = step.row + 1;
+    let place =
+        if step.time_s.is_finite() { format!("{:.0} s (row {row}, ", step.time_s) } else { format!("row {row} (") };
     let text = format!(
-        "{name}: the rate steps by {:.3e} {rate_unit} at {:.0} s (row {}, {:.1} {unit}) and stays, with no temperature change to match: the step was taken out, and the curve holds for the level before it",
-        step.size,
-        step.time_s,
-        step.row + 1,
-        step.temperature
+        "{name}: the rate steps by {:.3e} {rate_unit} at {place}{:.1} {unit}) and stays, with no temperature change to match: the step was taken out, and the curve holds for the level before it",
+        step.size, step.temperature
     );
     Reason::new(ReasonKind::Step, text)
 }

@@ -108,6 +108,9 @@ impl<'a> Names<'a> {
             Some(name) => vec![table.column(name)?],
             None => self.places(is_temperature),
         };
+        if temperatures.is_empty() {
+            return Err(self.unclear("temperature", &[]));
+        }
         let gyros = self.gyros(asked)?;
         let time = match &asked.time {
             Some(name) => Some(table.column(name)?),

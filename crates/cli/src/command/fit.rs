@@ -75,6 +75,8 @@ Examples:
   zerorate fit log.csv --out calibration.json --report report.html
   zerorate fit imu.tsv --temperature imu.temp --rate gx,gy,gz --rate-unit dps
       where the columns' names do not make it plain
+  zerorate fit chamber.csv.gz --temperature-unit kelvin
+      packed, and in another unit than its names say
   zerorate fit log.csv --explain
       every model that was compared
   zerorate fit log.parquet --model poly:3 --plain --json

@@ -7,12 +7,13 @@ mod record;
 mod recording;
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::{Deserialize, Serialize};
+use zerorate_cal::packed::unpacked;
 use zerorate_cal::recording::{Recording, RecordingFault};
 use zerorate_words::sentence;
 
@@ -134,20 +135,15 @@ fn is_summary(file: &Path) -> bool {
     File::open(file).is_ok_and(|file| serde_json::from_reader::<_, Summary>(BufReader::new(file)).is_ok())
 }
 
-/// What a file begins with tells what it is.
+/// As much of a file as tells what it is.
+const START_BYTES: u64 = 64;
+
+/// What a file begins with tells what it is, also where it is packed.
 fn content(file: &Path) -> Result<Content> {
     let cannot = || format!("{}: cannot be read", file.display());
     ensure!(!file.is_dir(), "{0}: this is a folder: name the files in it, as {0}/*", file.display());
-    let mut start = [0; 64];
-    let mut length = 0;
-    let mut opened = File::open(file).with_context(cannot)?;
-    while length < start.len() {
-        match opened.read(&mut start[length..]).with_context(cannot)? {
-            0 => break,
-            read => length += read,
-        }
-    }
-    let start = &start[..length];
+    let start = unpacked(&file.into())?.start(START_BYTES).with_context(cannot)?;
+    let start = start.as_slice();
     let ends_with = |extension: &str| file.extension().is_some_and(|found| found == extension);
     if let Some(facts) = flight::Facts::read(file, start)? {
         return Ok(Content::FlightLog(facts));

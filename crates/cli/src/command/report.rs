@@ -9,7 +9,7 @@ use zerorate_cal::board_run::{BoardRun, CALIBRATION, FILES, REPORT};
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, sha256};
 use zerorate_cal::fit::fit;
 use zerorate_cal::log::{Sensor, SensorChoice};
-use zerorate_cal::log_fit::FitOptions;
+use zerorate_cal::log_fit::{FitOptions, LogFit};
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
 use zerorate_cal::units::WrittenRate;
@@ -103,6 +103,7 @@ impl Report {
         let sources: Vec<Source> = logs.iter().map(Source::from).collect();
         let fit = fit(&sources, &self.options(&calibration))?;
         drop(busy);
+        in_the_same_units(log, &fit, &calibration)?;
         self.force.text("--out", &out, &calibration.sources, None)?;
         output::write(&out, &super::fit::page(&fit, &calibration.sources, None))?;
         self.tell(&out, Some(log), &fit.source(), &fit.notes)
@@ -181,6 +182,26 @@ impl Report {
             ..FitOptions::default()
         }
     }
+}
+
+/// A drift made again that is so many times another is in another unit: the closest, degrees F and C, are 1.8 apart.
+const SAME_SIZE: f64 = 1.5;
+
+/// Refuses a fit that comes out otherwise than the calibration, for the log was then read in units that were given.
+fn in_the_same_units(log: &Path, fit: &LogFit, calibration: &Calibration) -> Result<()> {
+    for (name, own) in &calibration.axes {
+        let earlier = own.drift().peak_to_peak();
+        // In a unit a thousand times off the unit seems to be moved all the time, and nothing is left to fit.
+        let again = fit.axes.iter().find(|axis| axis.name == *name);
+        let now = again.map_or(f64::NAN, |axis| axis.calibration.drift().peak_to_peak());
+        ensure!(
+            (1.0 / SAME_SIZE..SAME_SIZE).contains(&(now / earlier)),
+            "{}: {name} does not come out with the drift that the calibration has, {earlier:.3e} {}: give --rate-unit and --temperature-unit as for the fit",
+            log.display(),
+            own.rate_unit
+        );
+    }
+    Ok(())
 }
 
 /// Whether the calibration is that of a board's run, trim experiment and all, and not of a log or one recording.

@@ -12,6 +12,7 @@ use zerorate_cal::calibration::{Calibration, Kind};
 use zerorate_cal::log::SensorChoice;
 use zerorate_cal::source::{Source, in_quotes};
 use zerorate_cal::table::Table;
+use zerorate_cal::units::{RateUnit, WrittenRate};
 use zerorate_cal::verify::{Limit, Limits, Verified, VerifyOptions, verify};
 
 use super::Outcome;
@@ -106,6 +107,7 @@ impl Verify {
         let log = Source::from(&self.log);
         let busy = Busy::reading(&self.log);
         let mut columns = self.columns.columns();
+        columns.else_rate_unit = calibration.axes.values().find_map(|axis| WrittenRate::of(axis.rate_unit));
         if columns.rates.is_empty() {
             columns.rates = self.known_columns(&calibration);
         }

@@ -116,16 +116,25 @@ fn what_was_asked_for_is_written_and_named() {
 }
 
 #[test]
-fn json_stands_alone_on_standard_output_and_notes_beside_it() {
+fn json_stands_alone_on_standard_output_and_has_what_was_guessed() {
     let folder =
         folder_with("log.csv", Log::cycle().csv().replacen("t_s,temperature_c,x_rad_s,y_rad_s", "t,temp,gx,gy", 1));
     let ran = zerorate(folder.path(), &["fit", "log.csv", "--rate", "gx,gy", "--model", "poly:3", "--plain", "--json"]);
     let json = ran.json();
-    assert_eq!((ran.code, json["schema"].as_u64(), json["verdict"].as_str()), (0, Some(1), Some("good")));
+    assert_eq!((ran.code, json["schema"].as_u64(), json["verdict"].as_str()), (0, Some(1), Some("warning")));
     assert_eq!(json["axes"]["gx"]["model"], "poly:3");
     assert_eq!(json["axes"]["gy"]["raw_coefficients"].as_array().unwrap().len(), 4);
-    assert!(ran.err.contains("note: 'gx' names no unit: taken as rad/s"), "{}", ran.err);
-    assert!(ran.err.contains("note: 't' names no unit: taken as s"), "{}", ran.err);
+    assert_eq!(ran.err, "");
+    let reasons = json["reasons"].as_array().unwrap();
+    for (reason, (kind, text)) in reasons.iter().zip([
+        ("assumed-unit", "'temp' names no unit: taken as degrees C"),
+        ("guessed-unit", "'gx' names no unit: taken as rad/s"),
+        ("assumed-unit", "'t' names no unit: taken as s"),
+    ]) {
+        assert_eq!(reason["kind"], kind);
+        assert!(reason["text"].as_str().unwrap().starts_with(text), "{reason}");
+    }
+    assert_eq!(reasons.len(), 3);
 }
 
 #[test]
@@ -254,7 +263,8 @@ fn a_model_and_a_unit_that_are_none_are_refused_with_those_there_are() {
     for (option, wrong, right) in [
         ("--model", "poly:9", "poly:1 to poly:5"),
         ("--time-unit", "h", "s, ms, us or ns"),
-        ("--rate-unit", "rpm", "dps, rad/s or counts"),
+        ("--rate-unit", "rpm", "dps, mdps, deg/h, rad/s, mrad/s or counts"),
+        ("--temperature-unit", "R", "celsius, fahrenheit, kelvin or counts"),
     ] {
         let ran = zerorate(folder.path(), &["fit", "log.csv", option, wrong]);
         assert_eq!(ran.code, 2);

@@ -17,6 +17,7 @@ mod log;
 mod place;
 mod report;
 mod setup;
+mod table;
 mod verify;
 
 use std::path::Path;

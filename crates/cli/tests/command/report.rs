@@ -34,6 +34,18 @@ fn another_log_than_the_calibrations_own_is_refused() {
     assert_eq!(fs::read_to_string(folder.path().join("report.html")).unwrap(), "earlier");
 }
 
+#[test]
+fn a_report_in_another_unit_than_the_fits_is_refused() {
+    let mut log = Log::cycle();
+    log.rates.iter_mut().flatten().for_each(|rate| *rate *= 1.0_f64.to_degrees() * 1e3);
+    let folder = folder_with("log.csv", log.csv().replacen("x_rad_s,y_rad_s", "gx,gy", 1));
+    let fit = ["fit", "log.csv", "--rate-unit", "mdps", "--out", "calibration.json"];
+    assert_eq!(zerorate(folder.path(), &fit).code, 0);
+    zerorate(folder.path(), &["report", "."]).is_error(&["gx does not come out", "--rate-unit"]);
+    assert!(!folder.path().join("report.html").exists());
+    assert_eq!(zerorate(folder.path(), &["report", ".", "--rate-unit", "mdps"]).code, 0);
+}
+
 /// A folder with the runs of a board by some seeds, each in a folder of its number; ramps and soaks are short.
 fn runs(seeds: &[&str]) -> TempDir {
     let setup = "[chamber]\nramp_groups = 1600\nsoak_s = 600.0\nsoaks_c = [0.0, 20.0]\n";

@@ -47,7 +47,7 @@ pub fn page(
         advice.iter().for_each(|sentence| page.sentence("  - ", sentence));
     }
     if !fit.notes.is_empty() {
-        page.heading("What was guessed");
+        page.heading("What to know");
         fit.notes.iter().for_each(|note| page.sentence("  - ", note));
     }
     if !written.is_empty() {

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use serde::Serialize;
-use zerorate_cal::table::{Columns, Resolved, ResolvedSensor, Table};
+use zerorate_cal::table::{Columns, Resolved, ResolvedRate, ResolvedSensor, Table};
 use zerorate_cal::units::{RateUnit, TimeUnit};
 
 use super::recording::duration;
@@ -29,7 +29,11 @@ enum TakenFor {
 #[derive(Debug, Serialize)]
 struct Plain {
     time: Option<Time>,
-    sensors: Vec<Sensor>,
+    #[serde(flatten)]
+    sensor: Sensor,
+    /// The gyros beside the first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    more_sensors: Vec<Sensor>,
     notes: Vec<String>,
 }
 
@@ -104,7 +108,7 @@ impl Plain {
         page.gap();
         let mut grid = Grid::new("lllrrrr");
         grid.head(["column", "taken for", "unit", "least", "mean", "most", "missing"]);
-        for sensor in &self.sensors {
+        for sensor in std::iter::once(&self.sensor).chain(&self.more_sensors) {
             sensor.show(&mut grid);
         }
         page.grid(&grid);
@@ -143,23 +147,29 @@ fn plain(table: &Table, found: &Resolved) -> Result<(u64, Plain)> {
         let unit = found.time_unit.or_else(|| TimeUnit::by_duration(duration));
         Time { column: name(place), seconds: unit.map(|unit| duration * unit.seconds()) }
     });
-    let mut columns = columns.into_iter();
-    let mut sensors = Vec::new();
-    for sensor in &found.sensors {
-        let read = |written: f64| sensor.written_temperature.read(written);
-        let mut column = |name: String, read: &dyn Fn(f64) -> f64| columns.next().map(|own| own.column(name, read));
-        let temperature = column(name(sensor.temperature), &read);
-        let rates = sensor.rates.iter().map_while(|rate| column(rate.name.clone(), &|written| written * rate.factor));
-        let rates = rates.collect();
-        let (temperature_unit, rate_unit) = (sensor.written_temperature.unit().name(), sensor.rate_unit);
-        sensors.extend(temperature.map(|temperature| Sensor { temperature, temperature_unit, rates, rate_unit }));
-    }
+    let mut next = 0;
+    let mut sensor = |found: &ResolvedSensor| {
+        let own = &columns[next..=next + found.rates.len()];
+        next += own.len();
+        let rate = |(rate, running): (&ResolvedRate, &Running)| {
+            running.column(rate.name.clone(), &|written| written * rate.factor)
+        };
+        Sensor {
+            temperature: own[0].column(name(found.temperature), &|written| found.written_temperature.read(written)),
+            temperature_unit: found.written_temperature.unit().name(),
+            rates: found.rates.iter().zip(&own[1..]).map(rate).collect(),
+            rate_unit: found.rate_unit,
+        }
+    };
+    // A table that was resolved has a sensor at least.
+    let (first, more) = found.sensors.split_first().context("no sensor")?;
+    let (first, more_sensors) = (sensor(first), more.iter().map(sensor).collect());
     let mut notes = found.notes.clone();
     notes.extend(found.guesses.iter().map(|guess| guess.text.clone()));
     notes.extend(
         cut_line.map(|line| format!("the file ends without a line feed: line {line} may be cut, and was left out")),
     );
-    Ok((rows, Plain { time, sensors, notes }))
+    Ok((rows, Plain { time, sensor: first, more_sensors, notes }))
 }
 
 /// What one pass found.

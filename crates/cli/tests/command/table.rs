@@ -1,0 +1,174 @@
+//! Tables as people have them: in other units, packed, cut, with commas for points.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+use std::process::{Command, Stdio};
+
+use crate::fit::column;
+use crate::log::{Log, parabola};
+use crate::{Ran, folder_with, zerorate};
+
+/// The synthetic log as CSV with other names, its temperature and rates in other units.
+fn csv(names: &str, temperature: fn(f64) -> f64, factor: f64) -> String {
+    let log = Log::cycle();
+    let mut text = format!("{names}\n");
+    for row in 0..log.time_s.len() {
+        let [x, y] = [0, 1].map(|axis| log.rates[axis][row] * factor);
+        writeln!(text, "{},{},{x},{y}", log.time_s[row], temperature(log.temperature_c[row])).unwrap();
+    }
+    text
+}
+
+fn fit(log: impl AsRef<[u8]>, options: &[&str]) -> Ran {
+    let folder = folder_with("log", log);
+    zerorate(folder.path(), &[&["fit", "log", "--json"], options].concat())
+}
+
+/// The synthetic log's noise and range, which do not depend on how they were written.
+#[track_caller]
+fn is_of_the_log(ran: &Ran, in_rad_s: f64) {
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let json = ran.json();
+    let axis = json["axes"].as_object().unwrap().values().next().unwrap();
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    // The drift is a parabola; what is left is noise, uniform over 1 mrad/s, in averages of 21 rows.
+    let noise = in_rad_s * number(&axis["held_out"]["rms"]);
+    assert!((noise / (1e-3 / 12.0_f64.sqrt() / 21.0_f64.sqrt()) - 1.0).abs() < 0.2, "{noise}");
+    assert_eq!(axis["temperature_unit"], "C");
+    let range = [0, 1].map(|end| number(&axis["temperature"][end]));
+    // By the cosine -17 to 73; a curve is believed up to an eighth beyond.
+    assert!(range[0] < -16.9 && range[0] > -30.0 && range[1] > 72.9 && range[1] < 86.0, "{range:?}");
+}
+
+#[test]
+fn what_a_name_says_of_its_unit_is_converted_where_it_is_read() {
+    let degrees = 1.0_f64.to_degrees();
+    for (names, temperature, factor, in_rad_s) in [
+        ("t_s,temp_F,x_rad_s,y_rad_s", (|c| 1.8 * c + 32.0) as fn(f64) -> f64, 1.0, 1.0),
+        ("t_s,temperature [K],gyro_x_mdps,gyro_y_mdps", |c| c + 273.15, 1e3 * degrees, 1.0 / degrees),
+        ("t_s,temp_c,x [°/h],y [°/h]", |c| c, 3600.0 * degrees, 1.0 / degrees),
+        ("t_s,temp_c,x_mrad_s,y_mrad_s", |c| c, 1e3, 1.0),
+    ] {
+        let ran = fit(csv(names, temperature, factor), &[]);
+        is_of_the_log(&ran, in_rad_s);
+        assert_eq!(ran.json()["verdict"], "good", "{names}");
+    }
+}
+
+#[test]
+fn temperatures_that_can_be_no_celsius_ask_for_their_unit() {
+    let kelvin = csv("t_s,temperature,x_rad_s,y_rad_s", |c| c + 273.15, 1.0);
+    fit(&kelvin, &[]).is_error(&["column 'temperature' goes from 256 to 346", "--temperature-unit kelvin"]);
+    is_of_the_log(&fit(&kelvin, &["--temperature-unit", "kelvin"]), 1.0);
+    is_of_the_log(&fit(&kelvin, &["--temperature-unit", "K"]), 1.0);
+    // And one that is said, and cannot be true.
+    fit(&kelvin, &["--temperature-unit", "C"]).is_error(&["which no gyro sees in degrees C"]);
+}
+
+#[test]
+fn a_guess_that_the_numbers_speak_against_is_refused_and_asked_about() {
+    // A drift of 2 deg/s, peak to peak: in rad/s nobody's gyro.
+    let bare = csv("t_s,temp_c,gx,gy", |c| c, 100.0);
+    fit(&bare, &[]).is_error(&["column 'gx' names no unit", "would never rest", "--rate-unit dps"]);
+    let given = fit(&bare, &["--rate-unit", "dps"]);
+    assert_eq!((given.code, given.json()["axes"]["gx"]["rate_unit"].as_str()), (0, Some("dps")));
+}
+
+#[test]
+fn what_is_cut_in_its_last_line_is_read_without_it_and_warned_about() {
+    let log = Log::cycle().csv();
+    for cut in [1, 5, 15] {
+        let ran = fit(&log[..log.len() - cut], &[]);
+        let json = ran.json();
+        assert_eq!((ran.code, json["verdict"].as_str()), (0, Some("warning")), "{}", ran.err);
+        assert_eq!(json["reasons"][0]["kind"], "truncated");
+        assert!(json["reasons"][0]["text"].as_str().unwrap().contains("line 8401"));
+        assert_eq!(json["axes"]["x_rad_s"]["samples_used"], 8399);
+    }
+}
+
+#[test]
+fn tables_are_read_as_people_write_them() {
+    let log = Log::cycle().csv();
+    is_of_the_log(&fit(log.replace(',', ";").replace('.', ","), &[]), 1.0);
+    is_of_the_log(&fit(format!("# chamber 3\n# by hand\n{log}"), &[]), 1.0);
+    let units = log.replacen("t_s,temperature_c,x_rad_s,y_rad_s\n", "time,temp,x,y\ns,°C,rad/s,rad/s\n", 1);
+    let ran = fit(units, &[]);
+    is_of_the_log(&ran, 1.0);
+    assert_eq!(ran.json()["verdict"], "good");
+}
+
+#[test]
+fn a_log_that_gzip_packed_is_fitted_applied_and_told() {
+    let gzip = Command::new("gzip").arg("-c").stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
+    let Ok(mut gzip) = gzip else { return eprintln!("skipped: there is no gzip") };
+    let mut input = gzip.stdin.take().unwrap();
+    let writer = std::thread::spawn(move || input.write_all(Log::cycle().csv().as_bytes()).unwrap());
+    let packed = gzip.wait_with_output().unwrap().stdout;
+    writer.join().unwrap();
+    is_of_the_log(&fit(&packed, &[]), 1.0);
+    let folder = folder_with("log.csv.gz", &packed);
+    let run = |arguments: &[&str]| {
+        let ran = zerorate(folder.path(), arguments);
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        ran
+    };
+    run(&["fit", "log.csv.gz", "--out", "c.json"]);
+    run(&["apply", "c.json", "log.csv.gz", "--out", "out.csv"]).says(&["8400 rows"]);
+    run(&["info", "log.csv.gz"]).says(&["log.csv.gz: a log, 8400 rows"]);
+    fs::write(folder.path().join("cut.gz"), &packed[..packed.len() / 2]).unwrap();
+    zerorate(folder.path(), &["fit", "cut.gz"])
+        .is_error(&["the packed file ends before its contents", "copy it again"]);
+}
+
+#[test]
+fn several_gyros_of_one_table_are_fitted_each_by_itself() {
+    let log = Log::cycle();
+    let mut text = "t_s,gyro0_x_dps,gyro0_y_dps,temp0_c,gyro1_x_dps,gyro1_y_dps,temp1_c\n".to_owned();
+    for row in 0..log.time_s.len() {
+        let (t, [x, y]) = (log.temperature_c[row], [0, 1].map(|axis| log.rates[axis][row]));
+        writeln!(text, "{},{x},{y},{t},{y},{x},{}", log.time_s[row], t - 10.0).unwrap();
+    }
+    let folder = folder_with("log.csv", text);
+    let json = zerorate(folder.path(), &["fit", "log.csv", "--out", "c.json", "--json"]).json();
+    let axes = json["axes"].as_object().unwrap();
+    assert_eq!(axes.len(), 4);
+    let middle = |axis: &str| {
+        let range = &axes[axis]["temperature"];
+        f64::midpoint(range[0].as_f64().unwrap(), range[1].as_f64().unwrap())
+    };
+    assert!((middle("gyro0_x_dps") - middle("gyro1_x_dps") - 10.0).abs() < 0.1, "each by its own temperature");
+    let one = zerorate(folder.path(), &["fit", "log.csv", "--sensor", "gyro1", "--json"]).json();
+    assert_eq!(one["axes"].as_object().unwrap().keys().collect::<Vec<_>>(), ["gyro1_x_dps", "gyro1_y_dps"]);
+    let applied = zerorate(folder.path(), &["apply", "c.json", "log.csv", "--out", "out.csv"]);
+    assert_eq!(applied.code, 0, "{}", applied.err);
+    let rms = |name: &str| {
+        let values = column(&folder.path().join("out.csv"), name);
+        (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
+    };
+    assert!(rms("corrected_gyro0_x_dps") < 4e-4 && rms("corrected_gyro1_y_dps") < 4e-4);
+}
+
+#[test]
+fn a_correction_stays_in_the_unit_of_its_column() {
+    let folder = folder_with("log.csv", csv("t_s,temp_F,x_mdps,y_mdps", |c| 1.8 * c + 32.0, 1e3));
+    assert_eq!(zerorate(folder.path(), &["fit", "log.csv", "--out", "c.json"]).code, 0);
+    let ran = zerorate(folder.path(), &["apply", "c.json", "log.csv", "--out", "out.csv"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let predicted = column(&folder.path().join("out.csv"), "predicted_x_mdps");
+    let first_c = Log::cycle().temperature_c[0];
+    assert!((predicted[0] / (1e3 * parabola(first_c)) - 1.0).abs() < 0.02, "{}", predicted[0]);
+}
+
+#[test]
+fn without_a_time_column_a_place_is_told_by_its_rows() {
+    let mut log = Log::cycle();
+    (5000..5060).for_each(|row| log.rates[0][row] += 2.0);
+    let text: String = log.csv().lines().map(|line| line.split_once(',').unwrap().1.to_owned() + "\n").collect();
+    let folder = folder_with("log.csv", text);
+    let ran = zerorate(folder.path(), &["fit", "log.csv"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    ran.says(&["the unit was moved in rows "]);
+    assert!(!ran.out.contains("NaN"), "{}", ran.out);
+}
