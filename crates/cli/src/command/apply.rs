@@ -160,7 +160,7 @@ impl Apply {
 
     /// A table.
     fn table(&self, calibration: &Calibration) -> Result<Told> {
-        let Found { table, temperature, time, time_unit, models } = self.columns(&calibration)?;
+        let Found { table, temperature, time, time_unit, models } = self.columns(calibration)?;
         let to = AppliedTo { temperature: &temperature, time: time.as_deref(), time_unit, start: self.start() };
         let applied = self.written(|out| apply(&table, &to, &models, out))?;
         let valid = || models.iter().map(|own| own.model.drift.valid);

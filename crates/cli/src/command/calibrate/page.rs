@@ -94,7 +94,7 @@ fn headline(page: &mut Page, summary: &Summary) {
     let [trim, hybrid] = summary.headline();
     if let Some(trim) = trim {
         let (left, ratio) = (trim.residual_pp_counts, summary.ratio(trim));
-        told += &format!("; the potentiometer leaves {left:.0} ({ratio:.0} times better)");
+        told += &format!("; the potentiometer leaves {left:.0} ({ratio:.0} times better, peak to peak)");
     }
     if let Some(hybrid) = hybrid {
         let (left, ratio) = (hybrid.residual_pp_counts, summary.ratio(hybrid));
