@@ -1,11 +1,16 @@
 //! What `zerorate apply` does: a log with the bias by a calibration beside every rate.
 
+mod sensors;
+
 use std::io::{self, Write};
 
 use thiserror::Error;
 use zerorate_core::drift::{Coverage, Knowledge};
 use zerorate_fit::predict::{DriftModel, Predictor, Start};
 
+pub use sensors::{AppliedSensors, COLUMNS, SensorFault, apply_to_sensors};
+
+use crate::log::LogError;
 use crate::source::Faulty;
 use crate::table::{Table, TableError};
 use crate::units::{TimeUnit, WrittenTemperature};
@@ -57,6 +62,12 @@ pub enum ApplyError {
     /// The log cannot be read.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// An autopilot's log cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// The calibration is not for an autopilot's log.
+    #[error(transparent)]
+    Sensor(#[from] Faulty<SensorFault>),
     /// The log's time is not known.
     #[error(transparent)]
     Time(#[from] Faulty<TimeFault>),

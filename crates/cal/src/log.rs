@@ -54,6 +54,16 @@ pub struct Ending {
     pub reasons: Vec<Reason>,
 }
 
+/// The autopilot's format that a log has by its first bytes; `None` for any other.
+///
+/// # Errors
+/// When the source cannot be read.
+pub fn autopilot_format(source: &Source) -> Result<Option<imu_logs::Format>, LogError> {
+    let source = &unpacked(source).map_err(LogFault::named)?;
+    let start = source.start(imu_logs::START_BYTES as u64).map_err(|error| source.faulty::<LogFault>(error))?;
+    Ok(imu_logs::recognise(&start))
+}
+
 /// A log that was opened and recognised.
 #[derive(Debug)]
 pub struct LogFile {
@@ -75,8 +85,7 @@ impl LogFile {
     /// When the source cannot be read or is no log, or a table's columns are unclear or its time runs backwards.
     pub fn open(source: &Source, columns: &Columns) -> Result<Self, LogError> {
         let source = &unpacked(source).map_err(LogFault::named)?;
-        let start = source.start(imu_logs::START_BYTES as u64).map_err(|error| source.faulty(error))?;
-        let form = if let Some(format) = imu_logs::recognise(&start) {
+        let form = if let Some(format) = autopilot_format(source)? {
             Form::Autopilot(format)
         } else if columns.rates.is_empty() && Recording::is_one(source) {
             // Whoever names columns wants a table of a recording too.

@@ -205,7 +205,7 @@ fn what_is_told_is_of_what_was_measured_and_how_far_it_is_believed_stands_beside
     let calibration = fit.to_calibration(Vec::new(), None).unwrap();
     let read = Calibration::from_json(&calibration.to_json().unwrap()).unwrap();
     let own = &read.axes["x_rad_s"];
-    assert_eq!([own.fit.measured.min(), own.fit.measured.max()], measured);
+    assert_eq!(ValidRange::new(measured[0], measured[1]), Some(own.fit.measured));
     // The quadratic of the log, over what was measured and over more.
     assert!(own.measured_drift().peak_to_peak() < own.drift().peak_to_peak());
 }

@@ -5,7 +5,8 @@ use crate::log_fit::LogFit;
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::units::TemperatureUnit;
 
-/// A larger share of the log outside what was measured is told: two averages of a hundred are a ramp's two ends.
+/// A larger share of the log outside what was measured is told. Two runs of one chamber's ramp end a few averages apart, and
+/// that is less.
 const TOLD_OUTSIDE: f64 = 0.02;
 
 /// The reasons: what is wrong with the log, then what the calibration does to it.
@@ -33,9 +34,9 @@ fn worse(axes: &[VerifiedAxis]) -> impl Iterator<Item = Reason> {
 
 /// Axes of one range are told together, by the largest share.
 fn outside(axes: &[VerifiedAxis], unit: TemperatureUnit) -> impl Iterator<Item = Reason> {
+    let range = |axis: &VerifiedAxis| axis.calibrated_temperature.map(f64::to_bits);
     let mut told: Vec<(Vec<&str>, &VerifiedAxis)> = Vec::new();
     for axis in axes.iter().filter(|axis| axis.outside > TOLD_OUTSIDE) {
-        let range = |axis: &VerifiedAxis| axis.calibrated_temperature.map(f64::to_bits);
         match told.iter_mut().find(|(_, first)| range(first) == range(axis)) {
             Some((names, first)) => {
                 names.push(&axis.name);

@@ -6,8 +6,10 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate_cal::apply::{AppliedModel, AppliedTo, ApplyError, apply};
+use zerorate_cal::apply::{Applied, AppliedModel, AppliedSensors, AppliedTo, ApplyError, apply, apply_to_sensors};
 use zerorate_cal::calibration::{Calibration, Kind};
+use zerorate_cal::log::{SensorChoice, autopilot_format};
+use zerorate_cal::source::Source;
 use zerorate_cal::table::{Columns, Table};
 use zerorate_cal::units::{TimeUnit, WrittenRate};
 use zerorate_cal::whole_file::WholeFile;
@@ -26,6 +28,9 @@ use crate::{output, screen};
 /// that. A row with a temperature and no rate (empty or nan) still gets its prediction. Outside the calibrated range of
 /// temperature the curve is held at its end, and such rows are counted.
 ///
+/// Of an autopilot's log the rows of every calibrated sensor are written, one table for all: sensor, rate_unit, time_s,
+/// temperature_c, x, y, z, and predicted_ and corrected_ of each. Its axes are matched as verify matches them.
+///
 /// It predicts as a device would that started with the log's first row: a model with a history (hysteresis, lag) leans on
 /// its static curve until enough of the history was seen.
 #[derive(Debug, Args)]
@@ -34,7 +39,8 @@ pub struct Apply {
     /// The calibration that `zerorate fit --out` wrote
     calibration: PathBuf,
 
-    /// The log: text in columns or Parquet, also packed by gzip or zip, its rate columns named as in the log that was fitted
+    /// The log: text in columns or Parquet, also packed by gzip or zip, its rate columns named as in the log that was fitted;
+    /// PX4 ULog or ArduPilot DataFlash
     #[arg(value_name = "FILE")]
     log: PathBuf,
 
@@ -49,6 +55,10 @@ pub struct Apply {
     /// The time column, where its name does not make it plain; models with lags need one
     #[arg(long, value_name = "COL")]
     time: Option<String>,
+
+    /// Correct these sensors of an autopilot's log alone: gyro, accel, gyro0 or another number, or a part's device id
+    #[arg(long, value_name = "SENSOR")]
+    sensor: Option<SensorChoice>,
 
     /// The log is the recording that the calibration came from: add the slow drift in time that was found in it, and
     /// believe the history from the first row on, as the fit did
@@ -71,6 +81,7 @@ const EXAMPLES: &str = "\
 Examples:
   zerorate apply calibration.json flight.csv --out corrected.csv
   zerorate apply calibration.json imu.parquet --temperature die_temp --out corrected.csv
+  zerorate apply flight.calibration.json flight.ulg --sensor gyro --out corrected.csv
 
 To test a calibration on data it has not seen: empty the rate cells of some rows, fit, apply, and compare
 predicted_COLUMN with what was in the cells.";
@@ -80,7 +91,7 @@ predicted_COLUMN with what was in the cells.";
 struct Done<'a> {
     schema: u32,
     out: &'a std::path::Path,
-    columns: Vec<&'a str>,
+    columns: Vec<String>,
     rows: u64,
     rows_without_temperature: u64,
     rows_outside_calibrated_range: u64,
@@ -90,6 +101,15 @@ struct Done<'a> {
     cut_line: Option<u64>,
     calibrated_temperature: [f64; 2],
     temperature_unit: &'static str,
+}
+
+/// What was done, for people and for JSON.
+struct Told {
+    /// The axes corrected.
+    columns: Vec<String>,
+    applied: Applied,
+    calibrated_temperature: [f64; 2],
+    notes: Vec<String>,
 }
 
 /// What was found of the log's columns.
@@ -104,48 +124,85 @@ impl Apply {
     pub fn run(&self) -> Result<Outcome> {
         output::check("--out", &self.out, &[&self.log, &self.calibration])?;
         let calibration = Calibration::read(&(&self.calibration).into())?;
-        let Found { table, time, time_unit, models } = self.columns(&calibration)?;
+        let log = Source::from(&self.log);
+        let told = if autopilot_format(&log)?.is_some() {
+            self.sensors(&log, &calibration)?
+        } else {
+            self.table(&calibration)?
+        };
+        if self.json {
+            told.notes.iter().for_each(|note| screen::note(note));
+            screen::print_json(&Done {
+                schema: 1,
+                out: &self.out,
+                columns: told.columns,
+                rows: told.applied.rows,
+                rows_without_temperature: told.applied.without_temperature,
+                rows_outside_calibrated_range: told.applied.outside,
+                rows_with_unknown_history: told.applied.uncertain,
+                cut_line: told.applied.cut_line,
+                calibrated_temperature: told.calibrated_temperature,
+                temperature_unit: calibration.temperature_unit.name(),
+            })?;
+        } else {
+            self.page(&told, calibration.temperature_unit.name()).print()?;
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// An autopilot's log.
+    fn sensors(&self, log: &Source, calibration: &Calibration) -> Result<Told> {
+        ensure!(
+            self.temperature.is_none() && self.time.is_none() && self.units == UnitArguments::default(),
+            "{}: an autopilot's log says itself which is which: leave out --temperature, --time and their units",
+            self.log.display()
+        );
+        let mut done = self.written(|out| apply_to_sensors(log, calibration, self.sensor, self.start(), out))?;
+        if !done.passed_over.is_empty() {
+            let passed_over = done.passed_over.join(", ");
+            done.notes.push(format!("{passed_over}: not in the calibration, and not written"));
+        }
+        let AppliedSensors { corrected: columns, applied, calibrated_temperature, notes, .. } = done;
+        Ok(Told { columns, applied, calibrated_temperature, notes })
+    }
+
+    /// A table.
+    fn table(&self, calibration: &Calibration) -> Result<Told> {
+        let Found { table, time, time_unit, models } = self.columns(calibration)?;
+        let to = AppliedTo { time: time.as_deref(), time_unit, start: self.start() };
+        let applied = self.written(|out| apply(&table, &to, &models, out))?;
+        let valid = || models.iter().map(|own| own.model.drift.valid);
+        let min = valid().map(|valid| valid.min()).fold(f64::NEG_INFINITY, f64::max);
+        let calibrated_temperature = [min, valid().map(|valid| valid.max()).fold(f64::INFINITY, f64::min)];
+        let columns = models.into_iter().map(|own| own.column).collect();
+        Ok(Told { columns, applied, calibrated_temperature, notes: Vec::new() })
+    }
+
+    fn start(&self) -> Start {
+        if self.with_time_drift { Start::OwnRecording } else { Start::Unknown }
+    }
+
+    /// Writes the output whole or not at all.
+    fn written<T>(&self, write: impl FnOnce(&mut BufWriter<WholeFile>) -> Result<T, ApplyError>) -> Result<T> {
         self.force.corrected_log("--out", &self.out)?;
         let busy = Busy::reading(&self.log);
-        let to = AppliedTo {
-            time: time.as_deref(),
-            time_unit,
-            start: if self.with_time_drift { Start::OwnRecording } else { Start::Unknown },
-        };
         let cannot = || format!("{}: cannot be written: an earlier file there is as it was", self.out.display());
         let mut out = BufWriter::new(WholeFile::create(&self.out).with_context(cannot)?);
-        let applied = apply(&table, &to, &models, &mut out).map_err(|error| match error {
+        let done = write(&mut out).map_err(|error| match error {
             ApplyError::Write(error) => anyhow::Error::new(error).context(cannot()),
             other => other.into(),
         })?;
         let file = out.into_inner().map_err(IntoInnerError::into_error);
         file.and_then(WholeFile::finish).with_context(cannot)?;
         drop(busy);
-        let min = models.iter().map(|own| own.model.drift.valid.min()).fold(f64::NEG_INFINITY, f64::max);
-        let max = models.iter().map(|own| own.model.drift.valid.max()).fold(f64::INFINITY, f64::min);
-        let unit = calibration.temperature_unit.name();
-        let columns: Vec<&str> = models.iter().map(|own| own.column.as_str()).collect();
-        if self.json {
-            screen::print_json(&Done {
-                schema: 1,
-                out: &self.out,
-                columns,
-                rows: applied.rows,
-                rows_without_temperature: applied.without_temperature,
-                rows_outside_calibrated_range: applied.outside,
-                rows_with_unknown_history: applied.uncertain,
-                cut_line: applied.cut_line,
-                calibrated_temperature: [min, max],
-                temperature_unit: unit,
-            })?;
-            return Ok(Outcome::Done);
-        }
+        Ok(done)
+    }
+
+    fn page(&self, told: &Told, unit: &str) -> Page {
+        let Told { columns, applied, calibrated_temperature: [min, max], notes } = told;
         let mut page = Page::default();
-        let columns = columns.join(", ");
-        page.sentence(
-            "",
-            &format!("Wrote {}: {} rows, {columns} corrected.", self.out.display(), thousands(applied.rows)),
-        );
+        let (rows, columns) = (thousands(applied.rows), columns.join(", "));
+        page.sentence("", &format!("Wrote {}: {rows} rows, {columns} corrected.", self.out.display()));
         if applied.outside > 0 {
             let rows = thousands(applied.outside);
             let text = format!(
@@ -168,8 +225,8 @@ impl Apply {
             let text = format!("the file ends without a line feed: line {line} may be cut, and was left out");
             page.sentence("  - ", &text);
         }
-        page.print()?;
-        Ok(Outcome::Done)
+        notes.iter().for_each(|note| page.sentence("  - ", note));
+        page
     }
 
     /// The columns, and what to apply to which rate column, in the log's order.

@@ -12,7 +12,7 @@ use zerorate_cal::calibration::{Calibration, Kind};
 use zerorate_cal::log::SensorChoice;
 use zerorate_cal::source::{Source, in_quotes};
 use zerorate_cal::table::Table;
-use zerorate_cal::units::{RateUnit, WrittenRate};
+use zerorate_cal::units::WrittenRate;
 use zerorate_cal::verify::{Limit, Limits, Verified, VerifyOptions, verify};
 
 use super::Outcome;

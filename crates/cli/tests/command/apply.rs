@@ -143,3 +143,54 @@ fn rows_without_a_temperature_are_kept_and_counted() {
     ran.says(&["1 rows have no temperature", "1 rows are outside the calibrated -28.2 to 84.2 C"]);
     assert!(fs::read_to_string(folder.path().join("out.csv")).unwrap().contains("\n,1,2,,,,\n"));
 }
+
+/// The flight is written by hand, byte by byte, and its curve is known.
+#[test]
+fn an_autopilots_log_is_corrected_sensor_by_sensor() {
+    let log = Log::cycle();
+    let folder = folder_with("flight.ulg", log.ulg());
+    assert_eq!(zerorate(folder.path(), &["fit", "flight.ulg", "--out", "calibration.json"]).code, 0);
+    let ran = apply(folder.path(), "flight.ulg");
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    ran.says(&["Wrote out.csv: 8400 rows, gyro0.x, gyro0.y, gyro0.z corrected."]);
+    let out = folder.path().join("out.csv");
+    let text = fs::read_to_string(&out).unwrap();
+    let head = "sensor,rate_unit,time_s,temperature_c,x,y,z,predicted_x,corrected_x,predicted_y,corrected_y,predicted_z,corrected_z";
+    assert_eq!(text.lines().next(), Some(head));
+    assert!(text.lines().nth(1).unwrap().starts_with("gyro0,rad/s,0,"), "{:?}", text.lines().nth(1));
+    let [times, rates, predicted, corrected] =
+        ["time_s", "y", "predicted_y", "corrected_y"].map(|name| column(&out, name));
+    for row in 0..8400 {
+        let truth = -2.0 * parabola(log.temperature_c[row]);
+        assert!((predicted[row] - truth).abs() < 2e-4, "{row}: {} {truth}", predicted[row]);
+        assert!((corrected[row] - (rates[row] - predicted[row])).abs() < 1e-12);
+        assert!((times[row] - log.time_s[row]).abs() < 1e-6);
+    }
+    // By a table's calibration, in degrees a second and under other names, it is the same to the parts in common.
+    let mut turned = log.clone();
+    turned.rates.iter_mut().flatten().for_each(|rate| *rate *= 57.295_779_513_082_32);
+    fs::write(folder.path().join("table.csv"), turned.csv().replace("_rad_s", "_dps")).unwrap();
+    assert_eq!(zerorate(folder.path(), &["fit", "table.csv", "--out", "calibration.json"]).code, 0);
+    let ran = apply(folder.path(), "flight.ulg");
+    ran.says(&["8400 rows, gyro0.x, gyro0.y corrected.", "'gyro0.y' of the log is taken for y_dps of the calibration"]);
+    for (row, (own, other)) in column(&out, "predicted_y").iter().zip(&predicted).enumerate() {
+        assert!((own - other).abs() < 2e-5, "{row}: {own} {other}");
+    }
+    assert!(column(&out, "predicted_z").iter().all(|bias| bias.is_nan()));
+}
+
+#[test]
+fn an_autopilots_log_without_an_axis_of_the_calibration_is_refused_by_name() {
+    let folder = folder_with("flight.ulg", Log::cycle().ulg());
+    fs::write(folder.path().join("log.csv"), Log::cycle().csv().replace("x_rad_s,y_rad_s", "roll_rad_s,pitch_rad_s"))
+        .unwrap();
+    let columns = ["--rate", "roll_rad_s,pitch_rad_s"];
+    let fit = ["fit", "log.csv", "--out", "calibration.json"];
+    assert_eq!(zerorate(folder.path(), &[&fit[..], &columns].concat()).code, 0);
+    apply(folder.path(), "flight.ulg").is_error(&[
+        "flight.ulg: it has gyro0.x, gyro0.y, gyro0.z, and the calibration is for pitch_rad_s, roll_rad_s",
+    ]);
+    assert!(!folder.path().join("out.csv").exists());
+    zerorate(folder.path(), &["apply", "calibration.json", "flight.ulg", "--out", "out.csv", "--time", "t"])
+        .is_error(&["leave out --temperature, --time"]);
+}

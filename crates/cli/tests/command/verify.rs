@@ -80,7 +80,8 @@ fn a_table_is_verified_by_the_calibration_of_an_autopilots_log_and_the_other_way
     let (by_role, by_name) = (json("table.csv"), json("other.ulg"));
     for axis in 0..3 {
         let rms = |json: &serde_json::Value| json["axes"][axis]["corrected"]["rms"].as_f64().unwrap();
-        assert!((rms(&by_role) - rms(&by_name)).abs() < 2e-6, "{axis}: {by_role} {by_name}");
+        // Groups of 20 rows and of 21 average the noise of 0.3 mrad/s not quite alike.
+        assert!((rms(&by_role) - rms(&by_name)).abs() < 5e-6, "{axis}: {by_role} {by_name}");
     }
 }
 

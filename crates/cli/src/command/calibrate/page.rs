@@ -99,7 +99,7 @@ fn headline(page: &mut Page, summary: &Summary) {
     let [trim, hybrid] = summary.headline();
     if let Some(trim) = trim {
         let (left, ratio) = (trim.residual_pp_counts, trim.ratio());
-        told += &format!("; the potentiometer leaves {left:.0} ({ratio:.0} times better)");
+        told += &format!("; the potentiometer leaves {left:.0} ({ratio:.0} times better, peak to peak)");
     }
     if let Some(hybrid) = hybrid {
         let (left, ratio) = (hybrid.residual_pp_counts, hybrid.ratio());
