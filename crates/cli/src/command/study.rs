@@ -109,7 +109,7 @@ fn page(
     let units = results.len() + rejected.len();
     page.sentence("", &format!("{within_limits} of {units} units meet the limits of the set-up."));
     page.gap();
-    page.line(format!("{} {plant} units, X axis, heating; counts peak to peak over the hour, held out", results.len()));
+    page.line(format!("{} {plant} units, X axis, heating; counts peak to peak over the ramp, held out", results.len()));
     page.gap();
     let mut grid = Grid::new("rrrrrr");
     grid.head(["part of units", "drift", "trim leaves", "hybrid leaves", "floor", "hybrid/floor"]);

@@ -190,7 +190,7 @@ fn table(summary: &Summary) -> Markup {
     heads.extend([if taps_crossed { "Writes / taps crossed" } else { "Writes" }, "Mean", "Largest step"]);
     Table {
         caption: html! {
-            b { "The tests" } ", in counts; pp is peak to peak of group means over the hour, rms root mean square. All of them are "
+            b { "The tests" } ", in counts; pp is peak to peak of group means over the ramp, rms root mean square. All of them are "
             "held out: the law was fitted to another run. Without is what the axis does in the same direction without "
             "compensation, and the ratio is of that to the residual; where the full-temperature test had no cooling ramp, it is "
             "the test’s own, the measured effect of its taps taken away."

@@ -84,7 +84,7 @@ fn bars(board: &Board) -> Markup {
             }
         }
         p.small {
-            (name_of(test.axis)) ", peak to peak of group means over the hour of the heating ramp; trim and hybrid in second "
+            (name_of(test.axis)) ", peak to peak of group means over the heating ramp; trim and hybrid in second "
             "runs that no fit has seen. × is how many times less than before. "
             @if test.floor_pp_counts.is_some() { "The floor is noise: what no compensation could beat." }
             @else { "What of it is noise, which no compensation could take out, is not known on a real bench." }

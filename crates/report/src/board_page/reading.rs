@@ -63,7 +63,7 @@ pub(super) fn definitions(board: &Board) -> Markup {
         ),
         (
             "Peak to peak",
-            html! { "The highest less the lowest group mean of the hour. One outlying group is enough to raise it." },
+            html! { "The highest less the lowest group mean of the ramp. One outlying group is enough to raise it." },
         ),
         ("rms", html! { "Root mean square. Of a fit: about the curve. Of a test: about the axis’s mean." }),
         ("In-sample", html! { "Measured on the data that a fit was made from: always a little too good." }),

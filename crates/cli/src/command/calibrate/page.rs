@@ -28,7 +28,7 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
     }
     page.grid(&grid);
 
-    page.heading("Trim (21 voltages, then every tap)");
+    page.heading("Trim (the supply's voltages, then every tap)");
     let mut grid = Grid::new("lrrrr");
     grid.head(["axis", "a, taps/count", "b, taps", "counts/tap", "V0, counts"]);
     for (name, axis) in &summary.axes {
@@ -63,7 +63,7 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
     } else {
         "no floor is known on a real bench: hybrid is held against what trim leaves"
     };
-    let told = "before, after and floor are peak to peak over the hour's group means; before is without compensation, in \
+    let told = "before, after and floor are peak to peak over the ramp's group means; before is without compensation, in \
                 the same direction";
     page.sentence("  ", &format!("{told}; {floor}"));
 
@@ -83,6 +83,14 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
         ("device record", out.join("device-record.bin").display().to_string()),
         ("recordings", format!("{} (Parquet)", out.display())),
     ]);
+    if summary.plant.is_none() {
+        page.gap();
+        page.sentence(
+            "",
+            "The calibration is stored on the board, which compensates from its next power-up on; `zerorate device mode` turns \
+             an axis on before.",
+        );
+    }
     page
 }
 
