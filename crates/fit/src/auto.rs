@@ -80,8 +80,7 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
         Some(Attempt { chosen, made, outer: nested::outer(&whole, &coarse, &thinned, asked) })
     };
     let mut best = attempt(asked).ok_or(FitError::Undetermined { coefficients })?;
-    let is_plain = (1..=PLAINEST).any(|order| best.chosen.spec.is_static(order));
-    if asked == Model::Auto && !is_plain && best.outer.is_worse_than_the_cubic() {
+    if asked == Model::Auto && !best.chosen.spec.is_plain(PLAINEST) && best.outer.is_worse_than_the_cubic() {
         best = plainer(best, (1..=PLAINEST).filter_map(|order| attempt(Model::Poly(order))));
     }
     Ok(best.finish(&whole, measured))

@@ -170,14 +170,17 @@ def logs(differences, zerorate, folder):
         hold("verify worse", axis["worse"], np.std(left) > np.std(raw), 0)
         hold("verify temperature", axis["temperature"], [temperature.min(), temperature.max()], 0.01)
         hold("fit temperature", own["temperature"], [temperature.min(), temperature.max()], 0.01)
-        hold("fit samples_used", own["samples_used"], len(rows), 0)
+        # A row far from its neighbours is left out, and of as many rows of noise one is.
+        hold("fit samples_used", own["samples_used"], len(rows), 1e-3)
         # Of white noise alone the residual is the noise of an average, in-sample and held out.
         noise = 0.02 / np.sqrt(rows_of_a_group)
         hold("fit in_sample.rms", own["in_sample"]["rms"], noise, 0.1)
         hold("fit held_out.rms", own["held_out"]["rms"], noise, 0.15)
-        # About the mean of the first half minute.
-        zeroed = raw[3:] - raw[:3].mean()
-        hold("fit uncorrected.rms", own["uncorrected"]["rms"], rms(zeroed), 0.05)
+        # About the mean of the first half minute, which is left out.
+        zeroed = lambda values: values[3:] - values[:3].mean()
+        hold("verify uncorrected.rms", axis["uncorrected"]["rms"], rms(zeroed(raw)), 0.02)
+        hold("verify deployed.rms", axis["deployed"]["rms"], rms(zeroed(left)), 0.1)
+        hold("verify outside", axis["outside"], np.mean(np.abs(temperature - 20) > 40), 0.02)
 
 
 def main():

@@ -199,6 +199,8 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("build", "mend the build", within(cargo::build_command)).skipped_if(fast, "--fast"),
         Step::new("numpy", "see crates/xtask/python/compare_fit.py", within(python::compare_fit))
             .skipped_if(fast, "--fast"),
+        Step::new("numbers", "see crates/xtask/python/printed_numbers.py", within(python::printed_numbers))
+            .skipped_if(fast, "--fast"),
         Step::new("damage", "see crates/xtask/python/damaged_recordings.py", within(python::damaged_recordings))
             .skipped_if(fast, "--fast"),
         circuit(workspace).skipped_if(fast, "--fast"),

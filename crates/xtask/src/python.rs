@@ -26,6 +26,12 @@ pub fn compare_fit(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
+/// Recomputes what `calibrate`, `fit` and `verify` print, from the recordings beside it.
+pub fn printed_numbers(workspace: &Workspace) -> Result<Outcome> {
+    provide::succeed(&mut script(workspace, "printed_numbers.py")?)?;
+    Ok(Outcome::Passed)
+}
+
 /// Damages a real recording in six ways and checks what `zerorate fit` says of each.
 pub fn damaged_recordings(workspace: &Workspace) -> Result<Outcome> {
     let Some(data) = workspace.data() else {

@@ -106,7 +106,7 @@ fn another_log_is_refused_with_what_it_has() {
 fn temperatures_outside_the_calibrated_range_are_counted_and_warned_of() {
     let mut own = calibration();
     let narrow = zerorate_core::drift::ValidRange::new(0.0, 40.0).unwrap();
-    own.axes.values_mut().for_each(|axis| axis.fit.model.drift.valid = narrow);
+    own.axes.values_mut().for_each(|axis| axis.fit.measured = narrow);
     let verified = second(0.0, 0.0, &Limits::default(), &own).unwrap();
     assert!((verified.axes[0].outside - 1.0 / 3.0).abs() < 0.02, "{}", verified.axes[0].outside);
     let [reason] = &verified.reasons[..] else { panic!("{:?}", verified.reasons) };

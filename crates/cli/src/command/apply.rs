@@ -206,7 +206,7 @@ impl Apply {
         if applied.outside > 0 {
             let rows = thousands(applied.outside);
             let text = format!(
-                "{rows} rows are outside the calibrated {min:.1} to {max:.1} {unit}: there the curve was held at its end"
+                "{rows} rows are outside {min:.1} to {max:.1} {unit}, over which the curve is believed: it was held at its end"
             );
             page.sentence("  - ", &text);
         }

@@ -80,6 +80,11 @@ impl Spec {
         Penalised { columns: &self.columns, shrinkage: &self.shrinkages, knots, smooth: self.smooth }
     }
 
+    /// Whether it is a polynomial of an order at most, without a history; a drift in time is no part of what is deployed.
+    pub(super) fn is_plain(&self, most: usize) -> bool {
+        matches!(self.model, Model::Poly(order) if order <= most) && self.memories.is_empty()
+    }
+
     /// Whether it is the static curve of an order and nothing else.
     pub(super) fn is_static(&self, order: usize) -> bool {
         self.model == Model::Poly(order) && self.memories.is_empty() && !self.terms.time

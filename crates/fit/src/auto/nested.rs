@@ -14,6 +14,9 @@ use crate::predict::Start;
 use crate::residual::ResidualStatistics;
 use crate::series::Series;
 
+/// A choice is worse than the cubic from so many times its error on: a twentieth is no more than eight folds tell.
+const WORSE: f64 = 1.05;
+
 /// The residuals of the outer folds, a group each; NaN for one that is not used, or in a fold's first half minute
 /// where a zero is taken off.
 pub(super) struct Outer {
@@ -43,7 +46,7 @@ impl Outer {
     /// Whether what was chosen predicts new data worse than the static cubic, as deployed.
     pub(super) fn is_worse_than_the_cubic(&self) -> bool {
         let figures = self.figures();
-        figures.deployed_warm.zip(figures.cubic_deployed).is_some_and(|(chosen, cubic)| chosen > cubic)
+        figures.deployed_warm.zip(figures.cubic_deployed).is_some_and(|(chosen, cubic)| chosen > WORSE * cubic)
     }
 
     /// What a deployed device has left over whole logs like these.
