@@ -1,14 +1,14 @@
-//! What is fuzzed, for the fuzzer and for the ordinary test that replays the seeds (crates/cal/tests/fuzz_seeds.rs).
+//! What is fuzzed, for the fuzzer and for the ordinary test that replays the seeds (crates/export/tests/fuzz_seeds.rs).
 
 #![allow(dead_code, clippy::unwrap_used)]
 
 use zerorate_cal::calibration::Calibration;
-use zerorate_cal::export::{ExportOptions, Format, export};
 use zerorate_cal::fit::fit;
 use zerorate_cal::log_fit::FitOptions;
 use zerorate_cal::source::Source;
 use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, RECORD_VERSION};
 use zerorate_core::units::Axis;
+use zerorate_export::{ExportOptions, Format, export};
 
 /// A log of any kind: recognised by its content, read, conditioned, judged and fitted.
 pub fn log(bytes: &[u8]) {

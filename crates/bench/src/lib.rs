@@ -36,3 +36,4 @@ pub mod summary;
 pub mod verify;
 #[cfg(feature = "boards")]
 pub mod virtual_board;
+pub mod whole_file;

@@ -102,7 +102,8 @@ impl Role {
 
 /// The direction that an axis's name tells, 0 to 2 for X, Y and Z: by a letter (`x_rad_s`, `gx`, `GyrX`, `gyrox`), else by
 /// a number (`gyro[0]`); `None` where it tells of none, or of several.
-pub(crate) fn direction(name: &str) -> Option<usize> {
+#[must_use]
+pub fn direction(name: &str) -> Option<usize> {
     let words = words(name);
     let lettered = words.iter().filter_map(|word| {
         let place = ['x', 'y', 'z'].iter().position(|letter| word.ends_with(*letter))?;

@@ -6,11 +6,11 @@ mod parameters;
 
 use maud::{Markup, html};
 use zerorate_cal::condition::{Excluded, Rejected};
-use zerorate_cal::export::Format;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::units::{RateUnit, TemperatureUnit};
 use zerorate_core::drift::Shape;
+use zerorate_export::Format;
 use zerorate_fit::drift_fit::FitStatistics;
 use zerorate_fit::least_squares::raw_coefficients;
 use zerorate_fit::residual::ResidualStatistics;

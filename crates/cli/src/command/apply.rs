@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::Serialize;
+use zerorate_bench::whole_file::WholeFile;
 use zerorate_cal::apply::{Applied, AppliedModel, AppliedSensors, AppliedTo, ApplyError, apply, apply_to_sensors};
 use zerorate_cal::calibration::{Calibration, Kind};
 use zerorate_cal::log::{SensorChoice, autopilot_format};
 use zerorate_cal::source::Source;
 use zerorate_cal::table::{Columns, Table};
 use zerorate_cal::units::{TimeUnit, WrittenRate};
-use zerorate_cal::whole_file::WholeFile;
 use zerorate_fit::predict::Start;
 
 use super::Outcome;

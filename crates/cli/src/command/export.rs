@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use zerorate_cal::calibration::Calibration;
-use zerorate_cal::export::{ExportOptions, Exported, ExportedAxis, ExportedSensor, Format, export};
+use zerorate_export::{ExportOptions, Exported, ExportedAxis, ExportedSensor, Format, export};
 
 use super::Outcome;
 use crate::screen::{Grid, Page, aligned};

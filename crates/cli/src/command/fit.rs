@@ -9,11 +9,11 @@ use anyhow::{Context, Result};
 use clap::Args;
 use zerorate_bench::recorded;
 use zerorate_cal::calibration::{Calibration, Origin};
-use zerorate_cal::export::Format;
 use zerorate_cal::fit::fit;
 use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::recording::Recording;
 use zerorate_cal::source::Source;
+use zerorate_export::Format;
 use zerorate_report::LogPage;
 
 use super::Outcome;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use zerorate_cal::whole_file::write_whole;
+use zerorate_bench::whole_file::write_whole;
 use zerorate_lot::{out, report};
 
 use super::{Outcome, tell, wait};

@@ -1,9 +1,9 @@
 //! Text to be copied: a button where the browser lets it, and text that is selected at a click everywhere.
 
 use maud::{Markup, html};
-use zerorate_cal::export::{ExportOptions, Format, export};
 use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::units::{RateUnit, TemperatureUnit};
+use zerorate_export::{ExportOptions, Format, export};
 
 use crate::page::told;
 

@@ -5,7 +5,7 @@ use zerorate_core::drift::{Memory, Shape};
 use zerorate_fit::model::Model;
 
 use super::ExportError;
-use crate::calibration::{AxisCalibration, Calibration};
+use zerorate_cal::calibration::{AxisCalibration, Calibration};
 
 /// The step by which the integers' history runs, milliseconds.
 pub(super) const STEP_MS: u32 = 1000;

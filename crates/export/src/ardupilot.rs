@@ -9,8 +9,8 @@ use std::fmt::Write as _;
 
 use super::sensors::{LETTERS, of_another_autopilot, remarks, sensors};
 use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, origin};
-use crate::calibration::Calibration;
-use crate::log::SensorKind;
+use zerorate_cal::calibration::Calibration;
+use zerorate_cal::log::SensorKind;
 
 /// IMUs that ArduPilot has parameters for.
 const PLACES: u8 = 3;

@@ -9,8 +9,8 @@ use std::fmt::Write as _;
 
 use super::sensors::{of_another_autopilot, remarks, sensors};
 use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, origin};
-use crate::calibration::Calibration;
-use crate::log::SensorKind;
+use zerorate_cal::calibration::Calibration;
+use zerorate_cal::log::SensorKind;
 
 /// Sensors of a kind that PX4 has parameters for.
 const PLACES: u8 = 4;

@@ -7,9 +7,9 @@ use zerorate_core::drift::{Drift, History, Memory, Term};
 use zerorate_fit::predict::{Predictor, Start};
 
 use super::calibrations::{axis, calibration, drift, three_axes};
-use crate::calibration::Calibration;
-use crate::export::{ExportOptions, Format, export};
-use crate::units::RateUnit;
+use crate::{ExportOptions, Format, export};
+use zerorate_cal::calibration::Calibration;
+use zerorate_cal::units::RateUnit;
 
 /// A program that prints, for temperatures from -40 to 100 C in steps of 0.05, the bias of every axis in floating point
 /// and in integers.

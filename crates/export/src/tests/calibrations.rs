@@ -5,8 +5,8 @@ use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, Table, ValidRange};
 use zerorate_fit::drift_fit::{DriftFit, FitStatistics};
 use zerorate_fit::predict::DriftModel;
 
-use crate::calibration::{AxisCalibration, Calibration, Kind, Origin};
-use crate::units::{RateUnit, TemperatureUnit};
+use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin};
+use zerorate_cal::units::{RateUnit, TemperatureUnit};
 
 /// A drift by scaled coefficients or knots.
 pub fn drift(values: &[f64], is_table: bool, min: f64, max: f64) -> Drift {

@@ -1,7 +1,4 @@
-//! A calibration in the terms of others: autopilots' parameters, source code in C, tables.
-//!
-//! The autopilots evaluate a cubic of temperature and nothing else, so they get the best one there is ([`Cubic`]),
-//! and the file says what it costs against the model that was chosen. Source code gets the model itself.
+#![doc = include_str!("../README.md")]
 
 mod ardupilot;
 mod c;
@@ -19,8 +16,8 @@ use thiserror::Error;
 pub use cubic::{Cubic, Loss};
 pub use sensors::{ExportedAxis, ExportedSensor};
 
-use crate::calibration::Calibration;
-use crate::units::RateUnit;
+use zerorate_cal::calibration::Calibration;
+use zerorate_cal::units::RateUnit;
 
 /// A form in which a calibration can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -216,9 +213,9 @@ pub fn export(calibration: &Calibration, format: Format, options: &ExportOptions
 
 /// Where the calibration came from, a line each, for the head of a file.
 fn origin(calibration: &Calibration) -> Vec<String> {
-    let mut lines = vec![format!("written by {}", crate::calibration::CREATED_BY)];
+    let mut lines = vec![format!("written by {}", zerorate_cal::calibration::CREATED_BY)];
     lines.extend(calibration.unit_serial.as_ref().map(|serial| format!("unit {}", one_line(serial))));
-    let of = |source: &crate::calibration::Origin| {
+    let of = |source: &zerorate_cal::calibration::Origin| {
         format!("from {}, SHA-256 {}", one_line(&source.file), one_line(&source.sha256))
     };
     lines.extend(calibration.sources.iter().map(of));

@@ -6,9 +6,9 @@
 use std::collections::BTreeMap;
 
 use super::calibrations::{axis, calibration, drift, three_axes};
-use crate::calibration::Calibration;
-use crate::export::{Cubic, ExportError, ExportOptions, ExportedAxis, Format, Loss, export};
-use crate::units::RateUnit;
+use crate::{Cubic, ExportError, ExportOptions, ExportedAxis, Format, Loss, export};
+use zerorate_cal::calibration::Calibration;
+use zerorate_cal::units::RateUnit;
 
 /// Reads lines of `1 1 NAME VALUE TYPE` with tabs between; singles for floats.
 fn read_px4(text: &str) -> BTreeMap<String, f32> {

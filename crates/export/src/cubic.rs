@@ -6,7 +6,7 @@ use zerorate_core::drift::{Drift, Scale, Shape};
 use zerorate_fit::least_squares::{Basis, Fit};
 use zerorate_fit::model::Model;
 
-use crate::calibration::AxisCalibration;
+use zerorate_cal::calibration::AxisCalibration;
 
 /// The order of the autopilots' curves.
 pub(super) const ORDER: usize = 3;

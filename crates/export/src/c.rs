@@ -6,7 +6,7 @@ use super::code::{
     Axis, Curve, IntAxis, IntCurve, IntTerm, STEP_MS, Term, axes, identifier, number, quoted, remarks, sizes,
 };
 use super::{ExportError, Exported, origin};
-use crate::calibration::Calibration;
+use zerorate_cal::calibration::Calibration;
 
 /// The code, the same for all calibrations.
 const TEMPLATE: &str = include_str!("template.h");

@@ -6,10 +6,10 @@ use serde::Serialize;
 
 use super::cubic::{Cubic, Loss};
 use super::{ExportError, ExportOptions, Format};
-use crate::calibration::Calibration;
-use crate::log::{Sensor, SensorKind};
-use crate::matching::direction;
-use crate::units::{RateUnit, TemperatureUnit};
+use zerorate_cal::calibration::Calibration;
+use zerorate_cal::log::{Sensor, SensorKind};
+use zerorate_cal::matching::direction;
+use zerorate_cal::units::{RateUnit, TemperatureUnit};
 
 /// One sensor with up to three axes, in the autopilots' units: rad/s or m/s^2, degrees C.
 #[derive(Debug, Clone, PartialEq, Serialize)]

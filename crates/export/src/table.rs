@@ -5,8 +5,8 @@ use zerorate_core::drift::Coverage;
 
 use super::sensors::sensors;
 use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format};
-use crate::calibration::{AxisCalibration, CREATED_BY, Calibration, Origin};
-use crate::units::TemperatureUnit;
+use zerorate_cal::calibration::{AxisCalibration, CREATED_BY, Calibration, Origin};
+use zerorate_cal::units::TemperatureUnit;
 
 /// Steps of the table over the range.
 const STEPS: u32 = 200;
