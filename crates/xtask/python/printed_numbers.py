@@ -3,12 +3,15 @@
 
 usage: printed_numbers.py ZERORATE
 
+Then holds docs/claims.md against what was printed: every number has its row, and every test that a row names is there.
+
 Shares no code with the program: recordings are read by pyarrow, the paper's curve and its folds are fitted by
 numpy.polyfit, a made log's residuals are taken from `apply`'s own columns. Names every number that differs, and by what.
 """
 
 import csv
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -181,6 +184,45 @@ def logs(differences, zerorate, folder):
         hold("verify uncorrected.rms", axis["uncorrected"]["rms"], rms(zeroed(raw)), 0.02)
         hold("verify deployed.rms", axis["deployed"]["rms"], rms(zeroed(left)), 0.1)
         hold("verify outside", axis["outside"], np.mean(np.abs(temperature - 20) > 40), 0.02)
+        for field, values in (
+            ("raw", raw),
+            ("corrected", left),
+            ("deployed", zeroed(left)),
+            ("uncorrected", zeroed(raw)),
+        ):
+            hold(f"verify {field}.pp", axis[field]["pp"], np.ptp(values), 0.1)
+    return fitted, verified
+
+
+CHAPTERS = {"summary.json": "`summary.json`", "fit --json": "`fit --json`", "verify --json": "`verify --json`"}
+
+
+def paths(value, path=""):
+    """The path of every number, an axis's name as `*`."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            # An axis stands where its fellows do, and has a name of the log's own.
+            is_axis = path == "axes" or (path == "soaks" and name in AXES)
+            yield from paths(inner, f"{path}.{'*' if is_axis else name}".lstrip("."))
+    elif isinstance(value, list):
+        for inner in value:
+            yield from paths(inner, f"{path}[]")
+    elif isinstance(value, (int, float)):
+        yield path
+
+
+def claims(differences, printed):
+    """Every number printed has its row, and the tests that rows name are there."""
+    text = Path("docs/claims.md").read_text(encoding="utf-8")
+    chapters = {chapter.split("\n", 1)[0]: chapter for chapter in text.split("\n## ")}
+    for command, name in CHAPTERS.items():
+        chapter = next(text for head, text in chapters.items() if head.startswith(name))
+        rows = set(re.findall(r"^\| `([^`]+)`", chapter, re.MULTILINE))
+        missing = sorted(set(paths(printed[command])) - rows)
+        differences.hold(f"docs/claims.md, {command}: no row for {', '.join(missing)}", len(missing), 0, 0)
+    sources = "\n".join(path.read_text(encoding="utf-8") for path in Path("crates").rglob("*.rs"))
+    for test in set(re.findall(r"`([a-z0-9_]{20,})`", text)):
+        differences.hold(f"docs/claims.md names {test}, which is no test", f"fn {test}(" in sources, True, 0)
 
 
 def main():
@@ -193,7 +235,8 @@ def main():
         ramp(differences, folder / "run", printed)
         compensation_tests(differences, folder / "run", printed)
         soaks(differences, folder / "run", printed)
-        logs(differences, zerorate, folder)
+        fitted, verified = logs(differences, zerorate, folder)
+        claims(differences, {"summary.json": printed, "fit --json": fitted, "verify --json": verified})
     if differences.found:
         sys.exit("\n".join(differences.found))
     print(f"{differences.compared} numbers are numpy's")
