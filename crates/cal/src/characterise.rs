@@ -5,7 +5,7 @@
 
 mod soak;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use zerorate_fit::allan::{Allan, NoAllan};
 use zerorate_fit::direction::warming;
@@ -35,11 +35,26 @@ pub struct Characteristics {
     /// How the bias changes with temperature.
     pub temperature_sensitivity: TemperatureSensitivity,
     /// Heating less cooling at equal temperature.
+    #[serde(serialize_with = "or_reason")]
     pub hysteresis: Result<Hysteresis, String>,
     /// What is left in proportion to the speed of the temperature.
+    #[serde(serialize_with = "or_reason")]
     pub ramp_sensitivity: Result<RampSensitivity, String>,
     /// The noise of the residual, over averaging times from the spacing of the averages on.
+    #[serde(serialize_with = "or_reason")]
     pub residual_noise: Result<Allan, String>,
+}
+
+/// What was found, or why nothing was: `{"none": "the log holds one direction alone"}`.
+pub(crate) fn or_reason<T: Serialize, S: Serializer>(found: &Result<T, String>, to: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Nothing<'a> {
+        none: &'a str,
+    }
+    match found {
+        Ok(found) => found.serialize(to),
+        Err(none) => Nothing { none }.serialize(to),
+    }
 }
 
 /// Bias temperature sensitivity.

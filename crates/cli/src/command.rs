@@ -108,6 +108,9 @@ fn exit_code(result: &Result<Outcome>) -> ExitCode {
         Err(error) if is_closed_pipe(error) => ExitCode::SUCCESS,
         Err(error) => {
             screen::error(error);
+            if std::env::args_os().any(|argument| argument == "--json") {
+                screen::json_error(error);
+            }
             ExitCode::from(ERROR)
         }
     }

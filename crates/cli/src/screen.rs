@@ -82,6 +82,17 @@ pub fn print_json(value: &impl Serialize) -> Result<()> {
     print(&(serde_json::to_string_pretty(value)? + "\n"))
 }
 
+/// An error for programs, which read standard output alone.
+pub fn json_error(error: &anyhow::Error) {
+    #[derive(Serialize)]
+    struct Failed {
+        schema: u32,
+        error: String,
+    }
+    // Whoever does not listen is not told.
+    let _ = print_json(&Failed { schema: 1, error: as_options(&sentence(error.as_ref())) });
+}
+
 /// Tells something on standard error, where it does not mix with JSON.
 pub fn note(text: &str) {
     tell("note: ", text);

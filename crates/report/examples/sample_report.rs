@@ -15,7 +15,10 @@ fn main() -> io::Result<()> {
     let log = sample::log();
     let pages = [
         ("calibration.html", board_page(&sample::board_run())),
-        ("log.html", LogPage { fit: &log, next_command: Some("zerorate apply"), export_command: None }.to_html()),
+        (
+            "log.html",
+            LogPage { fit: &log, sources: &[], next_command: Some("zerorate apply"), export_command: None }.to_html(),
+        ),
         ("lot.html", sample::lot(204, 0.37).to_html()),
         ("small-lot.html", sample::lot(3, 0.05).to_html()),
     ];

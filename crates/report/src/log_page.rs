@@ -5,6 +5,7 @@ mod noise;
 mod parameters;
 
 use maud::{Markup, html};
+use zerorate_cal::calibration::{CREATED_BY, Origin};
 use zerorate_cal::condition::{Excluded, Rejected};
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
@@ -24,6 +25,8 @@ use super::page::{self, Chapter, Table, told};
 pub struct LogPage<'a> {
     /// The fit.
     pub fit: &'a LogFit,
+    /// The logs with their SHA-256, where they are known.
+    pub sources: &'a [Origin],
     /// The command to type next, if there is one.
     pub next_command: Option<&'a str>,
     /// The command that writes the parameters of a program to a file, if there is one.
@@ -60,6 +63,9 @@ impl LogPage<'_> {
             chapters.push(("advice", "How to get a better log", advice));
         }
         chapters.push(("reading", "How to read the numbers", definitions()));
+        if !self.sources.is_empty() {
+            chapters.push(("sources", "What this page is made of", sources(self.sources)));
+        }
         let title = format!("Fit of {file}");
         page::page_with_script(&title, &self.headline(&source, file), &chapters, parameters::SCRIPT)
     }
@@ -96,10 +102,26 @@ fn lead(fit: &LogFit) -> Markup {
         (Verdict::Rejected, _) | (_, 0) => html! { "No calibration comes of this log." },
         (_, axes) => html! {
             (axes) @if axes == 1 { " axis was" } @else { " axes were" }
-            " fitted. What counts is "
+            " fitted" @if let Some(measured) = measured(fit) { ", from " (measured) } ". What counts is "
             @if is_deployed(fit) { "what a deployed device has left" } @else { "the held-out residual" }
             ", of data that the model has not seen."
         },
+    }
+}
+
+/// The temperatures that were measured, of all axes.
+fn measured(fit: &LogFit) -> Option<String> {
+    let ranges = || fit.axes.iter().map(|axis| axis.calibration.fit.measured);
+    let min = ranges().map(|range| range.min()).reduce(f64::min)?;
+    let max = ranges().map(|range| range.max()).reduce(f64::max)?;
+    Some(format!("{} to {} {}", fixed(min, 1), fixed(max, 1), degree(fit)))
+}
+
+/// The logs, so that a page can be told from another of the same name.
+fn sources(sources: &[Origin]) -> Markup {
+    html! {
+        p { "Made by " (CREATED_BY) ", of:" }
+        ul { @for source in sources { li { (source.file) ", SHA-256 " code { (source.sha256) } } } }
     }
 }
 

@@ -15,7 +15,7 @@ fn pages() -> [String; 4] {
 }
 
 fn log_page(fit: &LogFit) -> String {
-    LogPage { fit, next_command: Some("zerorate apply"), export_command: None }.to_html()
+    LogPage { fit, sources: &[], next_command: Some("zerorate apply"), export_command: None }.to_html()
 }
 
 /// The texts between `start` and `end`, in order.

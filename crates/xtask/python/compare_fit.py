@@ -40,7 +40,7 @@ def made_recording(path):
 
 def fitted(zerorate, recording):
     """The axes of the fit, by column name."""
-    command = [zerorate, "fit", str(recording), "--model", f"poly:{ORDER}", "--plain", "--json"]
+    command = [zerorate, "fit", str(recording), "--model", f"poly:{ORDER}", "--plain", "--json", "--rate-unit", "rad/s"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         sys.exit(f"`{' '.join(command)}` ended with {done.returncode}:\n{done.stdout}{done.stderr}")

@@ -56,6 +56,7 @@ pub struct AxisNoise {
     /// The least and the greatest temperature then, over averages of some samples.
     pub temperature: [f64; 2],
     /// The Allan deviation, or why there is none.
+    #[serde(serialize_with = "super::or_reason")]
     pub noise: Result<Allan, String>,
 }
 

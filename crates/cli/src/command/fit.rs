@@ -204,7 +204,7 @@ impl Fit {
 pub(super) fn page(fit: &LogFit, origins: &[Origin], next_command: Option<&str>) -> String {
     let export_command =
         |format: Format| format!("zerorate export calibration.json --format {format} --out {}", format.file_name());
-    let mut page = LogPage { fit, next_command, export_command: Some(export_command) }.to_html();
+    let mut page = LogPage { fit, sources: origins, next_command, export_command: Some(export_command) }.to_html();
     for Origin { file, sha256, .. } in origins {
         // A file's name may hold what would end the comment.
         page += &format!("<!-- of {}, SHA-256 {sha256} -->\n", file.replace("--", "- -"));

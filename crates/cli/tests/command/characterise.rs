@@ -11,7 +11,7 @@ fn a_ramp_has_sensitivities_and_its_noise_is_refused_but_not_its_residuals() {
     let ran = zerorate(folder.path(), &["characterise", "log.csv", "--with", "calibration.json", "--json"]);
     let json = ran.json();
     assert_eq!((ran.code, &json["noise"][0]["of"]), (0, &"residual".into()));
-    let points = json["noise"][0]["noise"]["Ok"]["points"].as_array().unwrap();
+    let points = json["noise"][0]["noise"]["points"].as_array().unwrap();
     assert!(points.len() > 10 && points[0]["tau_s"].as_f64().unwrap() > 0.0);
     assert!(json["sensitivities"][0]["temperature_sensitivity"]["mean"].is_f64());
 }

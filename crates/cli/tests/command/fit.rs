@@ -299,3 +299,13 @@ pub fn column(path: &Path, name: &str) -> Vec<f64> {
     let place = header.iter().position(|head| *head == name).unwrap_or_else(|| panic!("no {name} in {header:?}"));
     lines.map(|cells| cells[place].parse().unwrap_or(f64::NAN)).collect()
 }
+
+#[test]
+fn with_json_an_error_is_json_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let ran = zerorate(folder.path(), &["fit", "none.csv", "--json"]);
+    assert_eq!(ran.code, 2);
+    let json: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    let error = json["error"].as_str().unwrap();
+    assert!(error.contains("none.csv") && ran.err.contains("error: "), "{error} {}", ran.err);
+}

@@ -42,25 +42,23 @@ impl Time {
     }
 }
 
-/// The edges of the prediction band about the curve: below, above. The curve between its points is theirs.
+/// The edges of the prediction band, below and above, in the order of time: about what a device would have predicted, which
+/// with a history is a loop.
 fn band(axis: &AxisFit) -> Vec<Vec<(f64, f64)>> {
     let band = &axis.calibration.fit.band;
-    let mut curve: Vec<(f64, f64)> = axis.trace.iter().map(|p| (p.temperature, p.rate - p.residual)).collect();
-    curve.retain(|(t, value)| t.is_finite() && value.is_finite());
-    curve.sort_by(|a, b| a.0.total_cmp(&b.0));
-    if band.is_empty() || curve.is_empty() {
-        return Vec::new();
-    }
-    // Of the points nearest in temperature the mean: with a history the prediction is more than one curve.
-    let near = (curve.len() / band.len()).clamp(1, 40);
-    let middle = |temperature: f64| {
-        let after = curve.partition_point(|(t, _)| *t < temperature);
-        let from = after.saturating_sub(near / 2 + 1).min(curve.len().saturating_sub(near));
-        let nearest = &curve[from..(from + near).min(curve.len())];
-        nearest.iter().map(|(_, value)| value).sum::<f64>() / nearest.len() as f64
+    let [Some(first), Some(last)] = [band.first(), band.last()] else { return Vec::new() };
+    let half_width = |temperature: f64| {
+        let held = temperature.clamp(first.temperature, last.temperature);
+        let after = band.partition_point(|point| point.temperature < held).clamp(1, band.len() - 1);
+        let [from, to] = [&band[after - 1], &band[after]];
+        let share = (held - from.temperature) / (to.temperature - from.temperature);
+        from.half_width + share * (to.half_width - from.half_width)
     };
+    let places: Vec<(f64, f64)> = axis.trace.iter().map(|point| (point.time_s, point.temperature)).collect();
+    let predicted = axis.calibration.fit.model.biases(places.iter().copied());
     let edge = |sign: f64| {
-        band.iter().map(|point| (point.temperature, middle(point.temperature) + sign * point.half_width)).collect()
+        let points = places.iter().zip(&predicted).filter(|(_, bias)| bias.is_finite());
+        points.map(|((_, t), bias)| (*t, bias + sign * half_width(*t))).collect()
     };
     vec![edge(-1.0), edge(1.0)]
 }
@@ -113,7 +111,7 @@ pub(crate) fn figure(fit: &LogFit, axis: &AxisFit, place: usize) -> Figure {
     }
     key.push((Ink::Curve, Sample::Line, "fitted curve"));
     if !axis.calibration.fit.band.is_empty() {
-        key.push((Ink::Aim, Sample::Line, "where 95 of 100 averages are expected"));
+        key.push((Ink::Aim, Sample::Line, "where 95 of 100 averages are expected on a device"));
     }
     if !fit.excluded.is_empty() && time.unit_s.is_some() {
         key.push((Ink::Excluded, Sample::Patch, "excluded"));
