@@ -6,7 +6,7 @@ use std::io::{self, Write};
 
 use thiserror::Error;
 use zerorate_core::drift::{Coverage, Knowledge};
-use zerorate_fit::predict::{DriftModel, Predictor, Start};
+use zerorate_fit::predict::{DriftModel, Prediction, Predictor, Start};
 
 pub use sensors::{AppliedSensors, COLUMNS, SensorFault, apply_to_sensors};
 
@@ -54,6 +54,33 @@ pub struct Applied {
     pub uncertain: u64,
     /// The file's last line, where it was cut and left out.
     pub cut_line: Option<u64>,
+}
+
+/// What is to be known of one row, of all its models together.
+#[derive(Debug, Clone, Copy, Default)]
+struct RowTold {
+    without_temperature: bool,
+    outside: bool,
+    uncertain: bool,
+}
+
+impl RowTold {
+    /// Takes in what one model predicts of the row.
+    fn take(&mut self, temperature: f64, predicted: &Prediction) {
+        self.without_temperature |= temperature.is_nan();
+        self.outside |= matches!(predicted.coverage, Coverage::Below | Coverage::Above);
+        self.uncertain |= predicted.knowledge == Knowledge::Uncertain && !temperature.is_nan();
+    }
+}
+
+impl Applied {
+    /// Counts a row that was written.
+    fn count(&mut self, row: RowTold) {
+        self.rows += 1;
+        self.without_temperature += u64::from(row.without_temperature);
+        self.outside += u64::from(row.outside);
+        self.uncertain += u64::from(row.uncertain);
+    }
 }
 
 /// Why a log cannot be corrected.
@@ -125,21 +152,16 @@ pub fn apply(
         for (row, cells) in batch.cells.iter().enumerate() {
             let time_s = clock.as_ref().map_or(f64::NAN, |clock| clock.seconds(batch.columns[2 * models.len()][row]));
             let mut added = Vec::with_capacity(2 * models.len());
-            let (mut missing, mut outside, mut uncertain) = (false, false, false);
+            let mut told = RowTold::default();
             for ((predictor, own), columns) in predictors.iter_mut().zip(models).zip(batch.columns.chunks(2)) {
                 let temperature = own.written_temperature.read(columns[0][row]);
-                missing |= temperature.is_nan();
                 let predicted = predictor.predict(time_s, temperature);
+                told.take(temperature, &predicted);
                 let bias = predicted.bias / own.factor;
-                outside |= matches!(predicted.coverage, Coverage::Below | Coverage::Above);
-                uncertain |= predicted.knowledge == Knowledge::Uncertain && !temperature.is_nan();
                 added.extend([bias, columns[1][row] - bias].map(cell));
             }
             writer.write_record(cells.iter().chain(&added)).map_err(csv_error)?;
-            applied.rows += 1;
-            applied.without_temperature += u64::from(missing);
-            applied.outside += u64::from(outside);
-            applied.uncertain += u64::from(uncertain);
+            applied.count(told);
         }
     }
     writer.flush()?;

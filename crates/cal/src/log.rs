@@ -59,7 +59,11 @@ pub struct Ending {
 /// # Errors
 /// When the source cannot be read.
 pub fn autopilot_format(source: &Source) -> Result<Option<imu_logs::Format>, LogError> {
-    let source = &unpacked(source).map_err(LogFault::named)?;
+    format_of(&unpacked(source).map_err(LogFault::named)?)
+}
+
+/// The same of a source that is not packed.
+fn format_of(source: &Source) -> Result<Option<imu_logs::Format>, LogError> {
     let start = source.start(imu_logs::START_BYTES as u64).map_err(|error| source.faulty::<LogFault>(error))?;
     Ok(imu_logs::recognise(&start))
 }
@@ -85,7 +89,7 @@ impl LogFile {
     /// When the source cannot be read or is no log, or a table's columns are unclear or its time runs backwards.
     pub fn open(source: &Source, columns: &Columns) -> Result<Self, LogError> {
         let source = &unpacked(source).map_err(LogFault::named)?;
-        let form = if let Some(format) = autopilot_format(source)? {
+        let form = if let Some(format) = format_of(source)? {
             Form::Autopilot(format)
         } else if columns.rates.is_empty() && Recording::is_one(source) {
             // Whoever names columns wants a table of a recording too.

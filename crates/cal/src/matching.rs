@@ -30,17 +30,51 @@ pub struct Ambiguous {
     pub logged: String,
 }
 
+/// Why a calibration is not for a log.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum Unmatched {
+    /// No axis in common.
+    #[error("it has {found}, and the calibration is for {expected}")]
+    NoAxis {
+        /// The log's axes.
+        found: String,
+        /// The calibration's.
+        expected: String,
+    },
+    /// Axes that could be one another.
+    #[error(transparent)]
+    Ambiguous(#[from] Ambiguous),
+}
+
 /// A calibration's axes that are wanted. The choice is of sensors: a column is no sensor's, and is always wanted.
 pub(crate) fn calibrated(calibration: &Calibration, choice: Option<SensorChoice>) -> Vec<Known<'_>> {
     let known = calibration.axes.iter().map(|(name, axis)| Known { name, sensor: axis.sensor, unit: axis.rate_unit });
     known.filter(|axis| choice.zip(axis.sensor).is_none_or(|(choice, sensor)| choice.takes(&sensor))).collect()
 }
 
+/// For each axis of a calibration its place among a log's, which has one of them at least.
+///
+/// # Errors
+/// [`Unmatched`].
+pub(crate) fn places(calibrated: &[Known<'_>], logged: &[Known<'_>]) -> Result<Vec<Option<usize>>, Unmatched> {
+    let places = matched(calibrated, logged)?;
+    if places.iter().all(Option::is_none) {
+        let names = |axes: &[Known<'_>]| axes.iter().map(|axis| axis.name).collect::<Vec<_>>().join(", ");
+        return Err(Unmatched::NoAxis { found: names(logged), expected: names(calibrated) });
+    }
+    Ok(places)
+}
+
+/// That an axis of a log is taken for one of the calibration of another name; nothing where the names are one.
+pub(crate) fn renamed(logged: &str, calibrated: &str) -> Option<String> {
+    (logged != calibrated).then(|| format!("'{logged}' of the log is taken for {calibrated} of the calibration"))
+}
+
 /// For each axis of a calibration its place among a log's, if it is there.
 ///
 /// # Errors
 /// [`Ambiguous`], where only the role is left to tell, and more than one axis has it.
-pub(crate) fn matched(calibrated: &[Known<'_>], logged: &[Known<'_>]) -> Result<Vec<Option<usize>>, Ambiguous> {
+fn matched(calibrated: &[Known<'_>], logged: &[Known<'_>]) -> Result<Vec<Option<usize>>, Ambiguous> {
     let mut places: Vec<Option<usize>> = vec![None; calibrated.len()];
     for is_same in [is_same_part, has_same_name] {
         for (own, axis) in calibrated.iter().enumerate().filter(|(own, _)| places[*own].is_none()).collect::<Vec<_>>() {

@@ -24,8 +24,8 @@ use crate::condition::GROUP_S;
 use crate::fit::fit;
 use crate::log::{LogFault, SensorChoice};
 use crate::log_fit::{AxisFit, FitOptions, LogFit, LogFitError};
-pub use crate::matching::Ambiguous;
-use crate::matching::{Known, calibrated, matched};
+pub use crate::matching::Unmatched;
+use crate::matching::{Known, calibrated, places, renamed};
 use crate::quality::{Judgement, Reason, Verdict};
 use crate::source::{Faulty, Source};
 use crate::table::Columns;
@@ -99,17 +99,9 @@ pub enum NoTest {
         /// Why.
         reasons: String,
     },
-    /// No axis in common.
-    #[error("it has {found}, and the calibration is for {expected}")]
-    NoAxis {
-        /// Its axes.
-        found: String,
-        /// The calibration's.
-        expected: String,
-    },
-    /// Axes that could be one another.
+    /// Its axes are not the calibration's.
     #[error(transparent)]
-    Ambiguous(#[from] Ambiguous),
+    Unmatched(#[from] Unmatched),
     /// The units differ, and are of different quantities.
     #[error("axis {axis} is in {found}, and the calibration's in {expected}: say which it is (`rate_unit`)")]
     Unit {
@@ -140,22 +132,16 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
     let calibrated = calibrated(calibration, options.sensor);
     let known = |axis| Known::of_fit(axis);
     let logged: Vec<Known<'_>> = fit.axes.iter().map(known).collect();
-    let places = matched(&calibrated, &logged).map_err(|error| no_test(error.into()))?;
+    let places = places(&calibrated, &logged).map_err(|error| no_test(error.into()))?;
     let mut axes = Vec::new();
     let mut notes = fit.notes.clone();
     for (own, place) in calibrated.iter().zip(&places) {
         let Some(axis) = place.map(|place| &fit.axes[place]) else { continue };
-        if axis.name != own.name {
-            notes.push(format!("'{}' of the log is taken for {} of the calibration", axis.name, own.name));
-        }
+        notes.extend(renamed(&axis.name, own.name));
         let verified = axis::verify(own.name, &calibration.axes[own.name], axis, calibration.temperature_unit);
         let mut verified = verified.map_err(no_test)?;
         verified.missed = options.limits.missed(&verified)?;
         axes.push(verified);
-    }
-    if axes.is_empty() {
-        let names = |axes: &[Known<'_>]| axes.iter().map(|axis| axis.name).collect::<Vec<_>>().join(", ");
-        return Err(no_test(NoTest::NoAxis { found: names(&logged), expected: names(&calibrated) }));
     }
     let absent = calibrated.iter().zip(&places).filter(|(_, place)| place.is_none());
     let missing: Vec<String> = absent.map(|(own, _)| missing(own, &fit)).collect();

@@ -120,8 +120,8 @@ impl Attempt {
         let statistics = FitStatistics {
             candidates: chosen.candidates,
             nested: Some(outer.figures()),
-            deployed: outer.deployed(),
-            uncorrected: outer.uncorrected(),
+            deployed: outer.deployed(series),
+            uncorrected: outer.uncorrected(series),
             ..FitStatistics::new(ResidualOver::Groups, made.solution.rows, in_sample, held_out, covariance)
         };
         let static_cubic = nested::static_cubic(whole, &made, &outer);

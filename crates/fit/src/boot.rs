@@ -6,12 +6,17 @@ use crate::residual::ResidualStatistics;
 /// a group.
 pub const BOOT_S: f64 = 30.0;
 
+/// How many of the rows `used`, in order, fall into their first half minute: one at least, half of them at most; 0 of none.
+pub(crate) fn booted(time_s: &[f64], used: &[usize]) -> usize {
+    let Some(&first) = used.first() else { return 0 };
+    let within = |&&row: &&usize| time_s[row] - time_s[first] < BOOT_S;
+    used.iter().take_while(within).count().clamp(1, (used.len() / 2).max(1))
+}
+
 /// Takes the mean of the first half minute of the rows `used`, in order, off all of them; that half minute is left NaN,
 /// for it is no prediction. One row at least is the start, half of them at most. Times in seconds; rates in any unit.
 pub fn take_zero_off(residuals: &mut [f64], time_s: &[f64], used: &[usize]) {
-    let Some(&first) = used.first() else { return };
-    let within = |&&row: &&usize| time_s[row] - time_s[first] < BOOT_S;
-    let booted = used.iter().take_while(within).count().clamp(1, (used.len() / 2).max(1));
+    let booted = booted(time_s, used);
     let zero = used[..booted].iter().map(|&row| residuals[row]).sum::<f64>() / booted as f64;
     for (place, &row) in used.iter().enumerate() {
         residuals[row] = if place < booted { f64::NAN } else { residuals[row] - zero };

@@ -32,6 +32,20 @@ pub struct BandPoint {
     pub half_width: f64,
 }
 
+impl BandPoint {
+    /// The half-width at a temperature: on the straight line between two points of a band, and beyond them its end's. NaN of
+    /// a band of fewer than two points.
+    #[must_use]
+    pub fn half_width_at(band: &[Self], temperature: f64) -> f64 {
+        let mut pairs = band.windows(2);
+        let Some([from, to]) = pairs.find(|pair| temperature <= pair[1].temperature).or(band.windows(2).last()) else {
+            return f64::NAN;
+        };
+        let share = ((temperature - from.temperature) / (to.temperature - from.temperature)).clamp(0.0, 1.0);
+        from.half_width + share * (to.half_width - from.half_width)
+    }
+}
+
 /// The best static cubic: what an autopilot that knows no more than a cubic can hold. Of the same conditioned data and by
 /// the same robust loss as the model chosen.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,13 +3,12 @@
 use std::io::{self, Write};
 
 use thiserror::Error;
-use zerorate_core::drift::{Coverage, Knowledge};
 use zerorate_fit::predict::{DriftModel, Predictor, Start};
 
-use super::{Applied, ApplyError, cell};
+use super::{Applied, ApplyError, RowTold, cell};
 use crate::calibration::Calibration;
 use crate::log::{LogFile, Rows, SensorChoice, Sink, Stream};
-use crate::matching::{Ambiguous, Known, calibrated, matched};
+use crate::matching::{Known, Unmatched, calibrated, places, renamed};
 use crate::source::Source;
 use crate::table::Columns;
 use crate::units::{RateUnit, TemperatureUnit};
@@ -50,17 +49,9 @@ pub struct AppliedSensors {
 /// Why a calibration cannot be applied to a log's sensors.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum SensorFault {
-    /// No axis in common.
-    #[error("it has {found}, and the calibration is for {expected}")]
-    NoAxis {
-        /// Its axes.
-        found: String,
-        /// The calibration's.
-        expected: String,
-    },
-    /// Axes that could be one another.
+    /// Its axes are not the calibration's.
     #[error(transparent)]
-    Ambiguous(#[from] Ambiguous),
+    Unmatched(#[from] Unmatched),
     /// Units that cannot be converted.
     #[error("{axis} is in {found}, and the calibration in {expected}: fit a log of this kind")]
     Unit {
@@ -97,11 +88,7 @@ pub fn apply_to_sensors(
     let logged: Vec<Known<'_>> = axes.iter().map(|(sensor, at)| Known::of_stream(&met.0[*sensor], *at)).collect();
     let own = calibrated(calibration, sensor);
     let faulty = |fault: SensorFault| ApplyError::from(log.faulty::<SensorFault>(fault));
-    let places = matched(&own, &logged).map_err(|error| faulty(error.into()))?;
-    if places.iter().all(Option::is_none) {
-        let names = |axes: &[Known<'_>]| axes.iter().map(|axis| axis.name).collect::<Vec<_>>().join(", ");
-        return Err(faulty(SensorFault::NoAxis { found: names(&logged), expected: names(&own) }));
-    }
+    let places = places(&own, &logged).map_err(|error| faulty(error.into()))?;
     let mut done = AppliedSensors {
         applied: Applied::default(),
         corrected: Vec::new(),
@@ -126,10 +113,7 @@ pub fn apply_to_sensors(
         let (valid, [min, max]) = (calibration.axes[own.name].drift().valid, done.calibrated_temperature);
         done.calibrated_temperature = [min.max(valid.min()), max.min(valid.max())];
         done.corrected.push(logged[place].name.to_owned());
-        if own.name != logged[place].name {
-            let note = format!("'{}' of the log is taken for {} of the calibration", logged[place].name, own.name);
-            done.notes.push(note);
-        }
+        done.notes.extend(renamed(logged[place].name, own.name));
     }
     let of_none = sensors.iter().filter(|sensor| !sensor.is_wanted());
     done.passed_over.extend(of_none.map(|sensor| sensor.name.clone()));
@@ -242,21 +226,18 @@ impl<W: Write> Writing<'_, W> {
         for (row, (&time_s, &temperature)) in rows.time_s.iter().zip(rows.temperature).enumerate() {
             let mut cells = vec![sensor.name.clone(), sensor.unit.to_string(), cell(time_s), cell(temperature)];
             cells.extend(rows.values.iter().map(|values| cell(values[row])));
-            let (mut outside, mut uncertain) = (false, false);
+            // Of a row that no model is for, the temperature is told all the same.
+            let mut told = RowTold { without_temperature: temperature.is_nan(), ..RowTold::default() };
             for (axis, values) in sensor.axes.iter_mut().zip(rows.values) {
                 let bias = axis.as_mut().map_or(f64::NAN, |axis| {
                     let predicted = axis.predictor.predict(time_s, temperature);
-                    outside |= matches!(predicted.coverage, Coverage::Below | Coverage::Above);
-                    uncertain |= predicted.knowledge == Knowledge::Uncertain && !temperature.is_nan();
+                    told.take(temperature, &predicted);
                     axis.factor * predicted.bias
                 });
                 cells.extend([bias, values[row] - bias].map(cell));
             }
             self.writer.write_record(&cells)?;
-            self.applied.rows += 1;
-            self.applied.without_temperature += u64::from(temperature.is_nan());
-            self.applied.outside += u64::from(outside);
-            self.applied.uncertain += u64::from(uncertain);
+            self.applied.count(told);
         }
         Ok(())
     }

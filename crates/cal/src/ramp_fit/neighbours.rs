@@ -3,6 +3,8 @@
 //! A wild group stands out from its neighbours. What a curve that is too poor leaves does not, however large it is: the
 //! drift, the settling after a chamber is switched, a gyro's slow noise all take many groups to come and go.
 
+use zerorate_fit::robust::median;
+
 /// Neighbours of a group: six seconds to each side of it, over which a die of some seconds moves little. The median of
 /// eight is not moved by three wild ones in a row.
 const NEIGHBOURS: usize = 8;
@@ -17,8 +19,7 @@ pub(super) fn distances(residuals: &[f64]) -> impl Iterator<Item = f64> {
         let mut beside = [0.0; NEIGHBOURS];
         let others = (first..=first + NEIGHBOURS).filter(|other| *other != group);
         beside.iter_mut().zip(others).for_each(|(place, other)| *place = residuals[other]);
-        beside.sort_by(f64::total_cmp);
-        residuals[group] - f64::midpoint(beside[NEIGHBOURS / 2 - 1], beside[NEIGHBOURS / 2])
+        residuals[group] - median(&mut beside)
     })
 }
 

@@ -118,12 +118,7 @@ impl WrittenRate {
             Self::MilliDps | Self::MilliRadPerS => 1e-3,
             Self::DegPerHour => 1.0 / 3600.0,
         };
-        match (self.unit(), unit) {
-            (from, to) if from == to => Some(own),
-            (RateUnit::Dps, RateUnit::RadPerS) => Some(own.to_radians()),
-            (RateUnit::RadPerS, RateUnit::Dps) => Some(own.to_degrees()),
-            _ => None,
-        }
+        self.unit().in_unit(unit).map(|factor| own * factor)
     }
 
     /// The unit itself, as a column is written in it; `None` for that of accelerometers.

@@ -50,8 +50,10 @@ pub(super) fn band(
         .map(|point| measured.min() + span * point as f64 / (POINTS - 1) as f64)
         .map(|temperature| BandPoint { temperature, half_width: nearby(temperature) })
         .collect();
-    let mut ratios: Vec<(f64, f64)> =
-        residuals.iter().map(|own| (own.size / between(&points, own.temperature), own.weight)).collect();
+    let mut ratios: Vec<(f64, f64)> = residuals
+        .iter()
+        .map(|own| (own.size / BandPoint::half_width_at(&points, own.temperature), own.weight))
+        .collect();
     ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
     let whole: f64 = ratios.iter().map(|(_, weight)| weight).sum();
     let mut within = 0.0;
@@ -62,14 +64,6 @@ pub(super) fn band(
     let factor = ratios.iter().find(covers).map_or(f64::NAN, |(ratio, _)| *ratio);
     let sized = points.into_iter().map(|point| BandPoint { half_width: factor * point.half_width, ..point });
     sized.filter(|point| point.half_width.is_finite()).collect()
-}
-
-/// The half-width at a temperature, on the straight line between two points.
-fn between(points: &[BandPoint], temperature: f64) -> f64 {
-    let after = points.partition_point(|point| point.temperature < temperature).clamp(1, points.len() - 1);
-    let [from, to] = [&points[after - 1], &points[after]];
-    let share = ((temperature - from.temperature) / (to.temperature - from.temperature)).clamp(0.0, 1.0);
-    from.half_width + share * (to.half_width - from.half_width)
 }
 
 /// One residual, and how much it says.

@@ -26,10 +26,6 @@ pub(super) struct Outer {
     pub deployed: Vec<f64>,
     /// The same, and a zero taken off.
     warm: Vec<f64>,
-    /// As `warm`, and the zero taken once, where each log begins: not anew with each fold.
-    whole: Vec<f64>,
-    /// The rates themselves, less that zero.
-    uncorrected: Vec<f64>,
     cold: Vec<f64>,
     cubic: Vec<f64>,
     cubic_deployed: Vec<f64>,
@@ -50,17 +46,24 @@ impl Outer {
     }
 
     /// What a deployed device has left over whole logs like these.
-    pub(super) fn deployed(&self) -> Option<ResidualStatistics> {
-        self.of_whole_logs(&self.whole)
+    pub(super) fn deployed(&self, series: &Series<'_>) -> Option<ResidualStatistics> {
+        self.of_whole_logs(series, &self.deployed)
     }
 
     /// What it has left without a model.
-    pub(super) fn uncorrected(&self) -> Option<ResidualStatistics> {
-        self.of_whole_logs(&self.uncorrected)
+    pub(super) fn uncorrected(&self, series: &Series<'_>) -> Option<ResidualStatistics> {
+        self.of_whole_logs(series, series.rate)
     }
 
-    fn of_whole_logs(&self, left: &[f64]) -> Option<ResidualStatistics> {
-        let left = ResidualStatistics::of(left.iter().copied());
+    /// What is left of the predicted groups where the zero is taken once, where each log begins, and not anew with each
+    /// fold: a device is switched on once a log.
+    fn of_whole_logs(&self, series: &Series<'_>, left: &[f64]) -> Option<ResidualStatistics> {
+        let predicted: Vec<usize> = (0..left.len()).filter(|&group| self.deployed[group].is_finite()).collect();
+        let mut zeroed = left.to_vec();
+        for log in predicted.chunk_by(|&a, &b| series.log[a] == series.log[b]) {
+            take_zero_off(&mut zeroed, series.time_s, log);
+        }
+        let left = ResidualStatistics::of(predicted.into_iter().map(|group| zeroed[group]));
         (self.complete() && left.rms.is_finite()).then_some(left)
     }
 
@@ -88,8 +91,6 @@ pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinn
         residuals: nothing(),
         deployed: nothing(),
         warm: nothing(),
-        whole: nothing(),
-        uncorrected: nothing(),
         cold: nothing(),
         cubic: nothing(),
         cubic_deployed: nothing(),
@@ -115,7 +116,6 @@ pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinn
         outer.predict(series, &made, &out, &used);
         outer.cubics.push(made.cubic);
     }
-    outer.take_zeros_of_logs(series);
     outer
 }
 
@@ -128,8 +128,6 @@ impl Outer {
             self.residuals[group] = known[group];
             self.deployed[group] = warm[group];
             self.warm[group] = warm[group];
-            self.whole[group] = warm[group];
-            self.uncorrected[group] = series.rate[group];
             self.cold[group] = cold[group - out.start];
             if let Some(cubic) = &made.cubic {
                 self.cubic[group] = series.rate[group] - cubic.evaluate(series.temperature[group]).0;
@@ -138,15 +136,6 @@ impl Outer {
         self.cubic_deployed[out.clone()].copy_from_slice(&self.cubic[out.clone()]);
         for residuals in [&mut self.warm, &mut self.cold, &mut self.cubic_deployed] {
             take_zero_off(residuals, series.time_s, used);
-        }
-    }
-
-    /// A device is switched on once a log, and takes its zero then.
-    fn take_zeros_of_logs(&mut self, series: &Series<'_>) {
-        let predicted: Vec<usize> = (0..self.whole.len()).filter(|&group| self.whole[group].is_finite()).collect();
-        for log in predicted.chunk_by(|&a, &b| series.log[a] == series.log[b]) {
-            take_zero_off(&mut self.whole, series.time_s, log);
-            take_zero_off(&mut self.uncorrected, series.time_s, log);
         }
     }
 }

@@ -36,8 +36,9 @@ impl<'a> Sample<'a> {
         self.series.temperature[group]
     }
 
-    pub(super) fn time(&self, group: usize) -> f64 {
-        self.series.time_s[group]
+    /// The times of all groups of the series.
+    pub(super) fn times(&self) -> &[f64] {
+        self.series.time_s
     }
 
     /// Less the mean.

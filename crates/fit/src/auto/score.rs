@@ -4,7 +4,7 @@ use super::candidates::Spec;
 use super::features::Features;
 use super::gram::Gram;
 use super::sample::Sample;
-use crate::boot::BOOT_S;
+use crate::boot::booted;
 use crate::choose::standard_error;
 use crate::folds::{FOLDS, rows_of_fold};
 
@@ -148,7 +148,7 @@ impl Fold {
 
     /// Takes in a visit less the mean of its first half minute.
     fn push_zeroed(&mut self, features: &Features, sample: &Sample<'_>, visit: &[usize]) {
-        let booted = booted(sample, visit);
+        let booted = booted(sample.times(), visit);
         let mut zero = vec![0.0; features.columns];
         let mut zero_rate = 0.0;
         for &group in &visit[..booted] {
@@ -161,13 +161,6 @@ impl Fold {
             self.zeroed.push(&row, sample.rate(group) - zero_rate, sample.weight(group));
         }
     }
-}
-
-/// How many groups of a fold fall into its first half minute: one at least, half of it at most.
-pub(super) fn booted(sample: &Sample<'_>, part: &[usize]) -> usize {
-    let Some(&first) = part.first() else { return 0 };
-    let within = |&&group: &&usize| sample.time(group) - sample.time(first) < BOOT_S;
-    part.iter().take_while(within).count().clamp(1, (part.len() / 2).max(1))
 }
 
 /// The place of the simplest candidate that is not worse: within one standard error of the best, from the differences

@@ -5,6 +5,7 @@ use zerorate_cal::condition::Excluded;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::trace::TracePoint;
 use zerorate_fit::direction::warming;
+use zerorate_fit::drift_fit::BandPoint;
 
 use super::degree;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample, holding};
@@ -46,19 +47,14 @@ impl Time {
 /// with a history is a loop.
 fn band(axis: &AxisFit) -> Vec<Vec<(f64, f64)>> {
     let band = &axis.calibration.fit.band;
-    let [Some(first), Some(last)] = [band.first(), band.last()] else { return Vec::new() };
-    let half_width = |temperature: f64| {
-        let held = temperature.clamp(first.temperature, last.temperature);
-        let after = band.partition_point(|point| point.temperature < held).clamp(1, band.len() - 1);
-        let [from, to] = [&band[after - 1], &band[after]];
-        let share = (held - from.temperature) / (to.temperature - from.temperature);
-        from.half_width + share * (to.half_width - from.half_width)
-    };
+    if band.is_empty() {
+        return Vec::new();
+    }
     let places: Vec<(f64, f64)> = axis.trace.iter().map(|point| (point.time_s, point.temperature)).collect();
     let predicted = axis.calibration.fit.model.biases(places.iter().copied());
     let edge = |sign: f64| {
         let points = places.iter().zip(&predicted).filter(|(_, bias)| bias.is_finite());
-        points.map(|((_, t), bias)| (*t, bias + sign * half_width(*t))).collect()
+        points.map(|((_, t), bias)| (*t, bias + sign * BandPoint::half_width_at(band, *t))).collect()
     };
     vec![edge(-1.0), edge(1.0)]
 }
