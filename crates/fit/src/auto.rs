@@ -30,7 +30,7 @@ use crate::model::Model;
 use crate::predict::{DriftModel, Predictor, Start};
 use crate::residual::ResidualStatistics;
 use crate::series::Series;
-use candidates::{Spec, candidates};
+use candidates::{Among, Spec, candidates};
 use features::{Features, TABLE_INTERVALS};
 use nested::Outer;
 use sample::Sample;
@@ -74,14 +74,17 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
     if used < coefficients {
         return Err(FitError::TooFewRows { rows: used as u64, coefficients });
     }
-    let attempt = |asked: Model| {
-        let chosen = coarse.choose(asked, |_| true)?;
+    let attempt = |among: Among| {
+        let chosen = coarse.choose(among, |_| true)?;
         let made = whole.fit(&chosen.spec, |_| true)?;
-        Some(Attempt { chosen, made, outer: nested::outer(&whole, &coarse, &thinned, asked) })
+        Some(Attempt { chosen, made, outer: nested::outer(&whole, &coarse, &thinned, among) })
     };
-    let mut best = attempt(asked).ok_or(FitError::Undetermined { coefficients })?;
-    if asked == Model::Auto && !best.chosen.spec.is_plain(PLAINEST) && best.outer.is_worse_than_the_cubic() {
-        best = plainer(best, (1..=PLAINEST).filter_map(|order| attempt(Model::Poly(order))));
+    let among = if asked == Model::Auto { Among::All } else { Among::Curve(asked) };
+    let mut best = attempt(among).ok_or(FitError::Undetermined { coefficients })?;
+    if among == Among::All && best.outer.is_worse_than_the_cubic() {
+        // A drift in time that was found is no part of what is deployed, but a curve fitted as if there were none is bent by it.
+        let plain = if best.chosen.spec.terms.time { Among::CurveInTime } else { Among::Curve };
+        best = plainer(best, (1..=PLAINEST).filter_map(|order| attempt(plain(Model::Poly(order)))));
     }
     Ok(best.finish(&whole, measured))
 }
@@ -185,15 +188,14 @@ impl<'a> Prepared<'a> {
     }
 
     /// Compares the candidates on the groups that `keep` keeps.
-    fn choose(&self, asked: Model, keep: impl Fn(usize) -> bool) -> Option<Chosen> {
+    fn choose(&self, among: Among, keep: impl Fn(usize) -> bool) -> Option<Chosen> {
         let mut sample = Sample::new(self.series, &self.directions, keep);
         self.believe(&mut sample);
-        let specs = candidates(&self.features, asked);
+        let specs = candidates(&self.features, among);
         let folds = FoldSums::new(&self.features, &sample);
         let scored = folds.score(&specs);
         // A smoothed table is settled by one temperature; a curve is not.
-        if asked == Model::Auto
-            && !specs.iter().zip(&scored).any(|(spec, scored)| spec.is_static(1) && scored.is_some())
+        if among == Among::All && !specs.iter().zip(&scored).any(|(spec, scored)| spec.is_static(1) && scored.is_some())
         {
             return None;
         }

@@ -80,11 +80,6 @@ impl Spec {
         Penalised { columns: &self.columns, shrinkage: &self.shrinkages, knots, smooth: self.smooth }
     }
 
-    /// Whether it is a polynomial of an order at most, without a history; a drift in time is no part of what is deployed.
-    pub(super) fn is_plain(&self, most: usize) -> bool {
-        matches!(self.model, Model::Poly(order) if order <= most) && self.memories.is_empty()
-    }
-
     /// Whether it is the static curve of an order and nothing else.
     pub(super) fn is_static(&self, order: usize) -> bool {
         self.model == Model::Poly(order) && self.memories.is_empty() && !self.terms.time
@@ -106,17 +101,36 @@ impl fmt::Display for Spec {
     }
 }
 
-/// All candidates of a model asked for, simplest first.
-///
-/// `auto` compares polynomials of order 1 to 5 and a smoothed table; each alone, with all plays, with all lags, with
-/// both; each with and without a drift in time. Another model is one candidate, its curve alone.
-pub(super) fn candidates(features: &Features, asked: Model) -> Vec<Spec> {
-    if asked != Model::Auto {
-        let mut spec = Spec::new(features, asked, &[], false, 0.0);
-        // A knot without data near it lies on the line through its neighbours; one with data is moved by nothing.
-        spec.smooth = 1e-9;
-        return vec![spec];
+/// What may be chosen among.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Among {
+    /// Of `auto`: polynomials of order 1 to 5 and a smoothed table; each alone, with all plays, with all lags, with both;
+    /// each with and without a drift in time.
+    All,
+    /// One curve alone.
+    Curve(Model),
+    /// One curve with a drift in time, whose strength is what is chosen.
+    CurveInTime(Model),
+}
+
+/// All candidates, simplest first.
+pub(super) fn candidates(features: &Features, among: Among) -> Vec<Spec> {
+    match among {
+        Among::All => all(features),
+        Among::Curve(model) => {
+            let mut spec = Spec::new(features, model, &[], false, 0.0);
+            // A knot without data near it lies on the line through its neighbours; one with data is moved by nothing.
+            spec.smooth = 1e-9;
+            vec![spec]
+        }
+        Among::CurveInTime(model) => {
+            let with = |&shrinkage: &f64| Spec::new(features, model, &[], true, shrinkage);
+            SHRINKAGES.iter().rev().map(with).collect()
+        }
     }
+}
+
+fn all(features: &Features) -> Vec<Spec> {
     let plays: Vec<usize> = places(features, |memory| matches!(memory, Memory::Play { .. }));
     let lags: Vec<usize> = places(features, |memory| matches!(memory, Memory::Lag { .. }));
     let both: Vec<usize> = plays.iter().chain(&lags).copied().collect();

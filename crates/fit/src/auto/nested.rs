@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use zerorate_core::drift::Drift;
 
+use super::candidates::Among;
 use super::thinned::Thinned;
 use super::{Made, Prepared, in_recording, predict};
 use crate::boot::take_zero_off;
 use crate::drift_fit::{HeldOut, StaticCubic};
 use crate::folds::{FOLDS, rows_of_fold};
-use crate::model::Model;
 use crate::predict::Start;
 use crate::residual::ResidualStatistics;
 use crate::series::Series;
@@ -83,7 +83,7 @@ impl Outer {
 }
 
 /// Predicts every fold.
-pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinned, asked: Model) -> Outer {
+pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinned, among: Among) -> Outer {
     let series = whole.series;
     let groups = series.rate.len();
     let nothing = || vec![f64::NAN; groups];
@@ -106,7 +106,7 @@ pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinn
         }
         // A coarse group that holds any group of the fold is no part of the choice.
         let made = coarse
-            .choose(asked, |group| !thinned.holds_any(group, &out))
+            .choose(among, |group| !thinned.holds_any(group, &out))
             .and_then(|chosen| whole.fit(&chosen.spec, |group| !out.contains(&group)));
         let Some(made) = made else {
             outer.failed = true;
