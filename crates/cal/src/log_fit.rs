@@ -8,6 +8,7 @@ mod gather;
 mod grouped;
 mod json;
 mod one_way;
+mod overlap;
 mod plain;
 mod words;
 
@@ -77,6 +78,18 @@ pub enum LogFitError {
         first: String,
         /// Its copy.
         second: String,
+    },
+    /// Rows of one log are rows of another: they would be held out while they are fitted.
+    #[error(
+        "{second}: {part} of its rows are in {first} as well: what is held out would be fitted all the same; give each row once"
+    )]
+    Overlapping {
+        /// The log.
+        first: String,
+        /// The log that has rows of it.
+        second: String,
+        /// How much of it, in words.
+        part: String,
     },
     /// The plain fit was asked for of several logs.
     #[error("the plain fit is of one log, to compare it with other tools: give one log, or leave out `plain`")]

@@ -1,5 +1,6 @@
 //! From logs to the groups of every sensor wanted.
 
+use super::overlap::Fingerprint;
 use super::{FitOptions, LogFitError};
 use crate::condition::{GROUP_S, Group, Grouping, Length, MIN_GROUPS, Tally};
 use crate::log::{LogFile, Rows, Sensor, SensorKind, Sink, Stream};
@@ -31,6 +32,8 @@ pub(super) struct Logs {
     pub autopilot: Option<imu_logs::Format>,
     /// The sensors that the logs have, wanted or not.
     pub seen: Vec<Sensor>,
+    /// By which rows each log is known, with its name; nothing where there is one log.
+    fingerprints: Vec<(String, Vec<Fingerprint>)>,
     /// The logs without a row.
     empty: Vec<String>,
     /// Uninterrupted logs so far.
@@ -42,7 +45,7 @@ pub(super) struct Logs {
 pub(super) fn gather(sources: &[Source], options: &FitOptions) -> Result<Logs, LogFitError> {
     let mut logs = Logs::default();
     for source in sources {
-        logs.read(source, options)?;
+        logs.read(source, options, sources.len() > 1)?;
     }
     // A log alone that is empty is rejected as any log without rows is.
     if sources.len() > 1 {
@@ -53,18 +56,19 @@ pub(super) fn gather(sources: &[Source], options: &FitOptions) -> Result<Logs, L
 }
 
 impl Logs {
-    fn read(&mut self, source: &Source, options: &FitOptions) -> Result<(), LogFitError> {
+    fn read(&mut self, source: &Source, options: &FitOptions, of_several: bool) -> Result<(), LogFitError> {
         let file = LogFile::open(source, &options.columns)?;
         let length = match file.extent() {
             Some((rows, step_s)) => Length::of_extent(rows, step_s, options.group_s),
             None => Length::Seconds(options.group_s.unwrap_or(GROUP_S)),
         };
-        let mut taken = Taking::new(options, vec![length], self.logs);
+        let mut taken = Taking::new(options, vec![length], self.logs, of_several);
         let mut ending = file.read(&mut taken)?;
         if let Some(lengths) = taken.shorter(options) {
-            taken = Taking::new(options, lengths, self.logs);
+            taken = Taking::new(options, lengths, self.logs, of_several);
             ending = file.read(&mut taken)?;
         }
+        self.refuse_overlap(source, &mut taken)?;
         for note in ending.notes {
             if !self.notes.contains(&note) {
                 self.notes.push(note);
@@ -72,6 +76,21 @@ impl Logs {
         }
         self.reasons.extend(ending.reasons);
         self.add(source, file.autopilot(), taken)
+    }
+
+    /// Refuses a log that shares rows with one before it.
+    fn refuse_overlap(&mut self, source: &Source, taken: &mut Taking<'_>) -> Result<(), LogFitError> {
+        let own: Vec<Fingerprint> = taken.sensors.iter_mut().filter_map(|taken| taken.fingerprint.take()).collect();
+        for (first, theirs) in &self.fingerprints {
+            let parts = own.iter().flat_map(|own| theirs.iter().filter_map(|theirs| own.part_in(theirs)));
+            if let Some(part) = parts.max_by(f64::total_cmp) {
+                let part = if part < 0.99 { format!("about {:.0} %", (100.0 * part).max(1.0)) } else { "all".into() };
+                let second = source.name().to_owned();
+                return Err(LogFitError::Overlapping { first: first.clone(), second, part });
+            }
+        }
+        self.fingerprints.push((source.name().to_owned(), own));
+        Ok(())
     }
 
     /// Joins what was gathered of one more log to what was gathered before.
@@ -182,6 +201,8 @@ struct Taking<'a> {
     /// One for all, or one a sensor wanted.
     lengths: Vec<Length>,
     log: u32,
+    /// Whether it is one of several logs, which must not overlap.
+    of_several: bool,
     /// For each sensor met, its place among those wanted.
     places: Vec<Option<usize>>,
     sensors: Vec<Taken>,
@@ -191,14 +212,15 @@ struct Taking<'a> {
 struct Taken {
     stream: Stream,
     grouping: Grouping,
+    fingerprint: Option<Fingerprint>,
     rows: u64,
     first_s: f64,
     last_s: f64,
 }
 
 impl<'a> Taking<'a> {
-    fn new(options: &'a FitOptions, lengths: Vec<Length>, log: u32) -> Self {
-        Self { options, lengths, log, places: Vec::new(), sensors: Vec::new(), seen: Vec::new() }
+    fn new(options: &'a FitOptions, lengths: Vec<Length>, log: u32, of_several: bool) -> Self {
+        Self { options, lengths, log, of_several, places: Vec::new(), sensors: Vec::new(), seen: Vec::new() }
     }
 
     /// The lengths of groups by which a log that turned out to be short is to be read again, if any.
@@ -224,7 +246,9 @@ impl Sink for Taking<'_> {
         if wanted {
             let length = self.lengths.get(self.sensors.len()).unwrap_or(&self.lengths[0]);
             let grouping = Grouping::new(stream.names.len(), *length, stream.temperature_unit, self.log);
-            self.sensors.push(Taken { stream: stream.clone(), grouping, rows: 0, first_s: f64::NAN, last_s: f64::NAN });
+            let fingerprint = self.of_several.then(Fingerprint::default);
+            let (first_s, last_s) = (f64::NAN, f64::NAN);
+            self.sensors.push(Taken { stream: stream.clone(), grouping, fingerprint, rows: 0, first_s, last_s });
         }
         wanted
     }
@@ -235,6 +259,7 @@ impl Sink for Taking<'_> {
         taken.first_s = if taken.first_s.is_nan() { rows.time_s[0] } else { taken.first_s };
         taken.last_s = rows.time_s[rows.time_s.len() - 1];
         taken.grouping.push_rows(rows);
+        taken.fingerprint.iter_mut().for_each(|fingerprint| fingerprint.push_rows(rows));
     }
 }
 

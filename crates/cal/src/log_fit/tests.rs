@@ -191,6 +191,26 @@ fn the_same_log_twice_is_refused_by_its_content() {
 }
 
 #[test]
+fn logs_that_overlap_are_refused_and_successive_ones_are_not() {
+    let noise = |row: i32| f64::from(row.wrapping_mul(1_103_515_245).wrapping_add(12_345) >> 16 & 255) * 1e-6;
+    let part = |name: &str, rows: std::ops::Range<i32>| {
+        let start = rows.start;
+        // Times from each file's own start.
+        let line = |i: i32| format!("{},{},{}\n", i - start, 20.0 + 0.01 * f64::from(i), noise(i));
+        let rows: String = rows.map(line).collect();
+        Source::bytes(name, format!("time_s,temperature_c,gyro_x_rad_s\n{rows}").into_bytes())
+    };
+    let [first, next, overlapping] =
+        [part("first.csv", 0..2000), part("next.csv", 2000..4000), part("overlapping.csv", 1500..3500)];
+    assert!(fit_logs(&[first.clone(), next], &FitOptions::default()).is_ok());
+    let refused = fit_logs(&[first, overlapping], &FitOptions::default()).unwrap_err().to_string();
+    assert!(
+        refused.starts_with("overlapping.csv: about 2") && refused.contains(" % of its rows are in first.csv"),
+        "{refused}"
+    );
+}
+
+#[test]
 fn what_is_told_is_of_what_was_measured_and_how_far_it_is_believed_stands_beside_it() {
     let (temperatures, rates) = cycle();
     let fit = fit(&temperatures, &rates, &FitOptions::default());

@@ -1,0 +1,136 @@
+//! Rows that two logs have in common: a log cut into files that overlap, one log saved in two forms.
+//!
+//! Each log is known by some of its runs of 64 successive rows, those whose hash ends in zeros: which ones does not depend
+//! on where the log begins, so that what overlaps gives the same runs in both (fingerprints by a rolling hash: Schleimer,
+//! Wilkerson and Aiken, "Winnowing", 2003). Times are no part of a row: they are told from each log's own start.
+
+use std::collections::BTreeSet;
+
+use crate::log::Rows;
+
+/// Rows in a run: more than noise repeats, in the coarsest of sensors.
+const RUN: usize = 64;
+
+/// A run has at least so many rows that are unlike the row before: a sensor that is stuck, or rests below its own
+/// resolution, is like any other that does.
+const LEAST_CHANGES: usize = RUN / 4;
+
+/// Runs that are kept of a sensor's log.
+const MOST_KEPT: usize = 4096;
+
+/// Runs in common from which on two logs overlap.
+const LEAST_IN_COMMON: usize = 2;
+
+/// An odd number of well mixed bits, the base of the rolling hash (the golden ratio's).
+const BASE: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// What one sensor's rows in one log are known by.
+#[derive(Debug, Clone)]
+pub(super) struct Fingerprint {
+    /// The hashes of the last rows and whether each was unlike the one before, by the row's number modulo [`RUN`].
+    last: [(u64, bool); RUN],
+    rows: usize,
+    changes: usize,
+    rolling: u64,
+    /// `BASE` to the power of [`RUN`].
+    base_of_run: u64,
+    /// Of the hashes with so many zeros at their end all are kept.
+    zeros: u32,
+    kept: BTreeSet<u64>,
+}
+
+impl Default for Fingerprint {
+    fn default() -> Self {
+        let base_of_run = (0..RUN).fold(1_u64, |power, _| power.wrapping_mul(BASE));
+        let last = [(0, false); RUN];
+        Self { last, rows: 0, changes: 0, rolling: 0, base_of_run, zeros: 0, kept: BTreeSet::new() }
+    }
+}
+
+impl Fingerprint {
+    /// Takes in successive rows.
+    pub(super) fn push_rows(&mut self, rows: &Rows<'_>) {
+        for (row, temperature) in rows.temperature.iter().enumerate() {
+            let values = rows.values.iter().map(|axis| axis[row]);
+            self.push(std::iter::once(*temperature).chain(values).fold(0, |hash, value| mixed(hash ^ value.to_bits())));
+        }
+    }
+
+    fn push(&mut self, row: u64) {
+        let place = self.rows % RUN;
+        let before = self.last[(self.rows + RUN - 1) % RUN].0;
+        let (gone, gone_changed) = std::mem::replace(&mut self.last[place], (row, row != before));
+        self.changes = self.changes + usize::from(row != before) - usize::from(gone_changed);
+        self.rolling =
+            self.rolling.wrapping_mul(BASE).wrapping_add(row).wrapping_sub(gone.wrapping_mul(self.base_of_run));
+        self.rows += 1;
+        let run = mixed(self.rolling);
+        if self.rows < RUN || self.changes < LEAST_CHANGES || run.trailing_zeros() < self.zeros {
+            return;
+        }
+        self.kept.insert(run);
+        while self.kept.len() > MOST_KEPT {
+            self.zeros += 1;
+            self.kept.retain(|run| run.trailing_zeros() >= self.zeros);
+        }
+    }
+
+    /// The part of these rows that another log has too; `None` where the two have nothing in common.
+    pub(super) fn part_in(&self, other: &Self) -> Option<f64> {
+        let zeros = self.zeros.max(other.zeros);
+        let of_both = |run: &&u64| run.trailing_zeros() >= zeros;
+        let (own, common) = self
+            .kept
+            .iter()
+            .filter(of_both)
+            .fold((0, 0), |(own, common), run| (own + 1, common + usize::from(other.kept.contains(run))));
+        (common >= LEAST_IN_COMMON).then(|| common as f64 / f64::from(own))
+    }
+}
+
+/// Every bit of the result depends on every bit of the number (the finaliser of splitmix64).
+fn mixed(number: u64) -> u64 {
+    let number = (number ^ (number >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let number = (number ^ (number >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    number ^ (number >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of a gyro with noise of a few of its steps.
+    fn rows(range: std::ops::Range<u64>) -> Fingerprint {
+        let mut log = Fingerprint::default();
+        for row in range {
+            let value = |axis: u64| (mixed(mixed(row) ^ axis) % 7) as f64;
+            let values = [vec![value(1)], vec![value(2)], vec![value(3)]];
+            log.push_rows(&Rows {
+                sensor: 0,
+                part: 0,
+                first_row: row,
+                time_s: &[f64::NAN],
+                temperature: &[20.0],
+                values: &values,
+            });
+        }
+        log
+    }
+
+    #[test]
+    fn what_two_logs_have_in_common_is_found_wherever_each_begins() {
+        let (first, second) = (rows(0..60_000), rows(45_017..105_017));
+        let part = second.part_in(&first).unwrap();
+        assert!((part - 14_983.0 / 60_000.0).abs() < 0.03, "{part}");
+        assert_eq!(rows(60_000..120_000).part_in(&first), None);
+        // A short one in a long one.
+        assert!(rows(1000..1400).part_in(&rows(0..60_000)).is_some_and(|part| part > 0.9));
+    }
+
+    #[test]
+    fn a_sensor_that_is_stuck_is_in_no_other_log() {
+        let mut stuck = Fingerprint::default();
+        (0..1000).for_each(|row| stuck.push(row / 10));
+        assert_eq!(stuck.part_in(&stuck), None);
+    }
+}
