@@ -11,6 +11,7 @@ use zerorate_bench::error::BenchError;
 use zerorate_bench::recorded;
 use zerorate_bench::whole_file::write_whole;
 use zerorate_cal::calibration::{Calibration, CalibrationFault};
+use zerorate_cal::device_record::StoredRecord;
 use zerorate_cal::fit::fit;
 use zerorate_cal::log_fit::{FitOptions, LogFit, LogFitError};
 use zerorate_cal::source::Source;
@@ -18,9 +19,14 @@ use zerorate_fit::model::Model;
 
 use crate::dataset::{Place, PlaceError, bytes};
 use crate::models::{self, ModelRow, ModelsError};
+use crate::out::{self, OutError};
 
 /// How far a curve may be from its row's, in parts of its range.
 const AGREES: f64 = 1e-9;
+
+/// The files of a unit.
+const CALIBRATION: &str = "calibration.json";
+const RECORD: &str = "device-record.bin";
 
 /// What was exported.
 #[derive(Debug, Clone)]
@@ -87,6 +93,9 @@ pub enum ExportError {
     /// The calibration cannot be written.
     #[error(transparent)]
     Calibration(#[from] CalibrationFault),
+    /// A file would go over something else.
+    #[error(transparent)]
+    Out(#[from] OutError),
     /// A file cannot be written.
     #[error("{path}: cannot be written: {source}")]
     Write {
@@ -113,6 +122,11 @@ pub async fn export(models: &Path, dataset: Option<&str>, unit: &str, out: &Path
         let reasons: Vec<String> = row.reason_list().into_iter().map(|reason| reason.text).collect();
         return Err(ExportError::Rejected { unit: unit.to_owned(), reasons: reasons.join("; ") });
     };
+    let of_unit =
+        |path: &Path| Calibration::read(&path.into()).is_ok_and(|there| there.unit_serial.as_deref() == Some(unit));
+    out::check_kind(&out.join(CALIBRATION), "this unit's calibration", of_unit)?;
+    let of_unit = |path: &Path| StoredRecord::read(&path.into()).is_ok_and(|there| there.record.unit.as_str() == unit);
+    out::check_kind(&out.join(RECORD), "this unit's device record", of_unit)?;
     let (recording, fit) = refit(first, dataset).await?;
     let disagreement = sound.iter().map(|row| distance(row, &fit)).fold(0.0, f64::max);
     if disagreement.is_nan() || disagreement > AGREES {
@@ -156,7 +170,7 @@ fn distance(row: &ModelRow, fit: &LogFit) -> f64 {
 
 fn write(calibration: &Calibration, out: &Path) -> Result<(PathBuf, PathBuf), ExportError> {
     fs::create_dir_all(out).map_err(cannot(out))?;
-    let (path, record) = (out.join("calibration.json"), out.join("device-record.bin"));
+    let (path, record) = (out.join(CALIBRATION), out.join(RECORD));
     let bytes = recorded::device_record(calibration)?;
     write_whole(&record, &bytes).map_err(cannot(&record))?;
     write_whole(&path, calibration.to_json()?.as_bytes()).map_err(cannot(&path))?;

@@ -18,10 +18,12 @@ pub enum OutError {
         path: String,
     },
     /// It holds something else.
-    #[error("{path}: there is a file already that holds no models, and would be lost: give `out` another name")]
-    NoModels {
+    #[error("{path}: there is a file already that is not {wanted}, and it is kept: give `out` another name")]
+    Other {
         /// The place.
         path: String,
+        /// What may be written over, in words.
+        wanted: &'static str,
     },
 }
 
@@ -42,17 +44,17 @@ pub fn check<'a>(out: &Path, mut inputs: impl Iterator<Item = &'a Path>) -> Resu
     if inputs.any(same) { Err(OutError::Input { path: path() }) } else { Ok(()) }
 }
 
-/// The same for models, which may go over earlier models and over nothing else.
+/// Whether what is at `out`, if anything, is `wanted`, which the same command wrote before and may write over.
 ///
 /// # Errors
 /// [`OutError`].
-pub fn check_models(out: &Path) -> Result<(), OutError> {
+pub fn check_kind(out: &Path, wanted: &'static str, is_one: impl FnOnce(&Path) -> bool) -> Result<(), OutError> {
     check(out, std::iter::empty())?;
     let empty = out.metadata().is_ok_and(|metadata| metadata.len() == 0);
-    if !out.exists() || empty || crate::models::are_in(out) {
+    if !out.exists() || empty || is_one(out) {
         return Ok(());
     }
-    Err(OutError::NoModels { path: out.display().to_string() })
+    Err(OutError::Other { path: out.display().to_string(), wanted })
 }
 
 #[cfg(test)]
@@ -63,10 +65,14 @@ mod tests {
     fn nothing_goes_over_a_folder_an_input_or_another_kind_of_file() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.parquet");
-        assert!(check_models(&file).is_ok());
-        assert!(matches!(check_models(folder.path()), Err(OutError::NoFile { .. })));
+        let models = |out: &Path| check_kind(out, "models", crate::models::are_in);
+        assert!(models(&file).is_ok());
+        assert!(matches!(models(folder.path()), Err(OutError::NoFile { .. })));
+        std::fs::write(&file, "").unwrap();
+        assert!(models(&file).is_ok());
         std::fs::write(&file, "a recording, say").unwrap();
-        assert!(matches!(check_models(&file), Err(OutError::NoModels { .. })));
+        let kept = models(&file).unwrap_err().to_string();
+        assert!(kept.contains("is not models, and it is kept"), "{kept}");
         assert!(matches!(check(&file, [file.as_path()].into_iter()), Err(OutError::Input { .. })));
         assert!(check(&file, [folder.path()].into_iter()).is_ok());
     }

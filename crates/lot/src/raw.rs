@@ -9,6 +9,7 @@ use std::time::Instant;
 use arrow_array::{Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
 use crate::dataset::{Place, PlaceError, footer};
 use crate::engine::{Engine, EngineError, column, count};
@@ -98,6 +99,7 @@ pub async fn group(engine: &Engine, dataset: &str, out: &Path) -> Result<Grouped
     }
     let local: Vec<PathBuf> = files.iter().filter_map(|meta| place.local(meta)).collect();
     out::check(out, local.iter().map(PathBuf::as_path))?;
+    out::check_kind(out, "sums of `zerorate lot group`", are_sums)?;
     for meta in &files {
         let samples = |reason| RawError::Samples { file: place.name_of(&meta.location), reason };
         footer::read(place.store.as_ref(), meta).await.and_then(|footer| check(&footer)).map_err(samples)?;
@@ -116,6 +118,16 @@ pub async fn group(engine: &Engine, dataset: &str, out: &Path) -> Result<Grouped
     write(out, &batches)
         .map_err(|reason| RawError::Write { path: out.display().to_string(), reason: reason.to_string() })?;
     Ok(Grouped { rows: batches.iter().map(RecordBatch::num_rows).sum(), seconds })
+}
+
+/// Whether a file holds sums and nothing that a recording has beside them.
+fn are_sums(path: &Path) -> bool {
+    let file = std::fs::File::open(path).ok();
+    let builder = file.and_then(|file| ParquetRecordBatchReaderBuilder::try_new(file).ok());
+    builder.is_some_and(|builder| {
+        let has = |column| builder.schema().column_with_name(column).is_some();
+        has("zro_sum") && has("zro_sq_sum") && !has("phase")
+    })
 }
 
 /// The sums with their files' names for their places.

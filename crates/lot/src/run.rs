@@ -139,7 +139,7 @@ impl FitRun {
     /// [`RunError`]; what was done is kept beside `out`, and the same command goes on from there.
     pub async fn run(&self, progress: &dyn Fn(usize, usize)) -> Result<Summary, RunError> {
         let began = Instant::now();
-        out::check_models(&self.out)?;
+        out::check_kind(&self.out, "models of `zerorate lot fit`", models::are_in)?;
         let Dataset { place, found, mut skipped, other_procedures } = Dataset::open(&self.dataset).await?;
         let others: u64 = other_procedures.values().sum();
         if found.is_empty() {
@@ -150,6 +150,12 @@ impl FitRun {
             let files = skipped.len() + usize::try_from(others).unwrap_or(usize::MAX);
             return Err(RunError::NothingToFit { dataset: self.dataset.clone(), files, first });
         }
+        // Models of another version cannot be read, and are made anew.
+        let before = models::read(&self.out).unwrap_or_default();
+        let of_this_lot = |row: &ModelRow| found.iter().any(|own| own.info.unit_serial == row.unit_serial);
+        out::check_kind(&self.out, "the models of this lot's units", |_| {
+            before.is_empty() || before.iter().any(of_this_lot)
+        })?;
         let asked = self.asked();
         let mut earlier = Earlier::open(&self.out, &asked, self.fresh)?;
         let (mut rows, mut todo) = (Vec::with_capacity(2 * found.len()), Vec::new());

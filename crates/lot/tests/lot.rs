@@ -276,6 +276,11 @@ fn an_exported_unit_is_what_fit_makes_of_its_recording_alone() {
         );
     }
     let out = folder.path().join("poly:3.parquet");
+    let mine = folder.path().join("mine");
+    fs::create_dir(&mine).unwrap();
+    fs::write(mine.join("calibration.json"), "of another unit").unwrap();
+    assert!(matches!(wait(export(&out, None, "ZR-000004", &mine)), Err(ExportError::Out(_))));
+    assert_eq!(fs::read_to_string(mine.join("calibration.json")).unwrap(), "of another unit");
     assert!(matches!(wait(export(&out, None, "ZR-9", folder.path())), Err(ExportError::NoSuchUnit { .. })));
     // A recording that is another one by now is no source of the row's calibration.
     fs::copy(lot.join("ZR-000005.parquet"), lot.join("ZR-000004.parquet")).unwrap();

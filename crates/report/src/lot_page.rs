@@ -13,6 +13,10 @@ use super::{figure, log_page};
 /// Rejected units listed, at most: the rows have all.
 const LISTED: usize = 200;
 
+fn title(source: &str) -> String {
+    format!("Lot {source}")
+}
+
 impl LotReport {
     /// The report as one self-contained HTML file. Equal reports make equal bytes.
     #[must_use]
@@ -37,7 +41,13 @@ impl LotReport {
             chapters.push(("rejected", "Rejected", self.rejected_units()));
         }
         chapters.push(("reading", "How to read the numbers", definitions()));
-        page::page(&format!("Lot {}", self.source), &self.headline(), &chapters)
+        page::page(&title(&self.source), &self.headline(), &chapters)
+    }
+
+    /// Whether a page is the report of a source's rows.
+    #[must_use]
+    pub fn is_page_of(page: &str, source: &str) -> bool {
+        page.contains(&html! { title { (title(source)) } }.into_string())
     }
 
     fn headline(&self) -> Markup {

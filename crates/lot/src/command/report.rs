@@ -1,11 +1,13 @@
 //! `zerorate lot report`.
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Args;
 use zerorate_bench::whole_file::write_whole;
 use zerorate_lot::{out, report};
+use zerorate_report::LotReport;
 
 use super::{Outcome, tell, wait};
 
@@ -35,6 +37,9 @@ pub struct Report {
 impl Report {
     pub fn run(&self) -> Result<Outcome> {
         out::check(&self.out, [self.models.as_path()].into_iter())?;
+        let models = self.models.display().to_string();
+        let is_one = |path: &Path| fs::read_to_string(path).is_ok_and(|page| LotReport::is_page_of(&page, &models));
+        out::check_kind(&self.out, "the page of these models", is_one)?;
         let limits = self.limits.as_deref().map(report::limits).transpose()?.unwrap_or_default();
         let report = wait(report::report(&self.models, self.dataset.as_deref(), limits))??;
         write_whole(&self.out, report.to_html().as_bytes())
