@@ -12,6 +12,7 @@ fn info() -> RecordingInfo {
         set_up: "[bench]\ngroup_length = 500\n".into(),
         firmware: "0.1.0".into(),
         seed: Some(1),
+        started: Some("2026-03-01T08:00:00Z".parse().unwrap()),
         labels: [("station".to_owned(), "S-3".to_owned())].into(),
     }
 }
@@ -32,7 +33,7 @@ fn group(number: u32) -> [GroupRow; 2] {
             mode: Mode::Hybrid,
             chamber_set_c: -40.0,
             chamber_c: f64::from(number) - 39.5,
-            flags: 3,
+            status_bits: 3,
         }
     })
 }

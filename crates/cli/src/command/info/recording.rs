@@ -1,7 +1,7 @@
 //! What is in a recording of the bench.
 
 use serde::Serialize;
-use zerorate_cal::recording::{GroupRow, Recording, flags};
+use zerorate_cal::recording::{GroupRow, Recording, status};
 
 use crate::screen::{Grid, Page, thousands};
 
@@ -41,7 +41,7 @@ impl Facts {
         let rows = &recording.rows;
         let info = &recording.info;
         let times = range(rows.iter().map(|row| row.t_s));
-        let flagged = |which: u16| rows.iter().filter(|row| row.flags & which != 0).count();
+        let flagged = |which: u16| rows.iter().filter(|row| row.status_bits & which != 0).count();
         Self {
             unit_serial: info.unit_serial.clone(),
             procedure: info.procedure.clone(),
@@ -53,9 +53,9 @@ impl Facts {
             samples_per_group: extremes(rows.iter().map(|row| row.sums.n)),
             seconds: if rows.is_empty() { 0.0 } else { times[1] - times[0] },
             chamber_c: range(rows.iter().map(|row| row.chamber_c)),
-            saturated_rows: flagged(flags::SATURATED),
-            unbelieved_rows: flagged(flags::STUCK | flags::JUMPED | flags::TEMPERATURE_SATURATED),
-            trim_failed_rows: flagged(flags::TRIM_FAILED),
+            saturated_rows: flagged(status::SATURATED),
+            unbelieved_rows: flagged(status::STUCK | status::JUMPED | status::TEMPERATURE_SATURATED),
+            trim_failed_rows: flagged(status::TRIM_FAILED),
             parts: parts(rows),
         }
     }
