@@ -33,7 +33,12 @@ pub(super) static COLUMNS: [Column; 17] = [
     column("compensation_mode", DataType::Utf8, "none", "What compensated the axis: off, trim, digital or hybrid."),
     column("chamber_set_c", DataType::Float64, "°C", "The chamber's set point; NaN where it is not known."),
     column("chamber_c", DataType::Float64, "°C", "The chamber's air; NaN where it is not known."),
-    column("status_bits", DataType::UInt16, "none", "What the device said of the group: the bits are in zerorate.status_bits."),
+    column(
+        "status_bits",
+        DataType::UInt16,
+        "none",
+        "What the device said of the group: the bits are in zerorate.status_bits.",
+    ),
 ];
 
 /// The columns whose names were others in schema version 1: words that SQL and pandas keep for themselves.

@@ -1,5 +1,6 @@
 //! What is in a recording of the bench.
 
+use chrono::SecondsFormat;
 use serde::Serialize;
 use zerorate_cal::recording::{GroupRow, Recording, status};
 
@@ -11,6 +12,7 @@ pub struct Facts {
     procedure: String,
     firmware: String,
     seed: Option<u64>,
+    started: Option<String>,
     /// Not finished: cut off, or still being written.
     cut: bool,
     whole_groups: usize,
@@ -47,6 +49,7 @@ impl Facts {
             procedure: info.procedure.clone(),
             firmware: info.firmware.clone(),
             seed: info.seed,
+            started: info.started.map(|started| started.to_rfc3339_opts(SecondsFormat::Secs, true)),
             cut: recording.cut,
             whole_groups: recording.groups(),
             rows: rows.len(),
@@ -77,6 +80,7 @@ impl Facts {
             ("firmware", given(&self.firmware)),
         ];
         facts.extend(self.seed.map(|seed| ("bench", format!("simulated, seed {seed}"))));
+        facts.extend(self.started.clone().map(|started| ("started", started)));
         facts.push(("groups", format!("{groups} of {samples} samples, {}", duration(self.seconds))));
         if self.chamber_c[0].is_finite() {
             facts.push(("chamber", format!("{:.1} to {:.1} C", self.chamber_c[0], self.chamber_c[1])));
