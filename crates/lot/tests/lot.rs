@@ -163,11 +163,14 @@ fn files_that_are_damaged_empty_or_foreign_are_named_and_the_rest_is_fitted() {
     }
 }
 
+fn in_version_1(name: &str) -> &str {
+    name_in_version_1(name).unwrap_or(name)
+}
+
 /// Writes a recording again as schema version 1 had it.
 fn to_version_1(path: &Path) {
     let builder = ParquetRecordBatchReaderBuilder::try_new(fs::File::open(path).unwrap()).unwrap();
-    let earlier = |name| name_in_version_1(name).unwrap_or(name);
-    let field = |field: &FieldRef| Field::new(earlier(field.name()), field.data_type().clone(), false);
+    let field = |field: &FieldRef| Field::new(in_version_1(field.name()), field.data_type().clone(), false);
     let fields: Vec<Field> = builder.schema().fields().iter().map(field).collect();
     let mut metadata = builder.schema().metadata().clone();
     metadata.insert("zerorate.schema_version".into(), "1".into());

@@ -9,6 +9,7 @@ mod characterise;
 mod export;
 mod fault;
 mod fit;
+mod forms;
 mod help;
 mod info;
 mod kept;
