@@ -1,7 +1,7 @@
 //! The main job: the paper's whole experiment on one unit, from the first ramp to the report.
 
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 use zerorate_cal::board_run::{FULL_TEMPERATURE, HYBRID_TEST, TRIM_TEST};
 use zerorate_cal::calibration::Origin;
@@ -81,6 +81,7 @@ fn run(
         set_up: setup.to_toml(),
         firmware: format!("{major}.{minor}.{patch}"),
         seed: unit.plant.map(|(_, seed)| seed),
+        started: unit.plant.is_none().then(|| SystemTime::now().into()),
         labels: setup.labels.clone(),
     };
     let mut session = Session::new(bench, setup, progress);

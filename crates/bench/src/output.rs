@@ -72,10 +72,11 @@ impl OutputFolder {
             self.files.push(file);
             return Ok(Recorder::discarding());
         }
-        let rows = Recording::read(&(&stream).into())?.rows;
+        let earlier = Recording::read(&(&stream).into())?;
         self.set_aside(&path);
-        let mut writer = RecordingWriter::create(&path, info)?;
-        for group in rows.chunk_by(|a, b| a.group == b.group).filter(|group| group[0].group < extent.0) {
+        let info = RecordingInfo { started: earlier.info.started, ..info.clone() };
+        let mut writer = RecordingWriter::create(&path, &info)?;
+        for group in earlier.rows.chunk_by(|a, b| a.group == b.group).filter(|group| group[0].group < extent.0) {
             writer.write_group(group)?;
         }
         self.files.push(file);

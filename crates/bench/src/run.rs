@@ -6,7 +6,7 @@ mod warnings;
 use serde::{Deserialize, Serialize};
 pub use warnings::Warnings;
 pub use zerorate_cal::recording::Phase;
-use zerorate_cal::recording::{GroupRow, RecordingWriter, flags};
+use zerorate_cal::recording::{GroupRow, RecordingWriter, status};
 use zerorate_core::drift::Coverage;
 use zerorate_core::units::{Axis, Celsius, Counts, Kelvins, Seconds};
 use zerorate_core::wire::{GroupReport, Request, SampleWindow, TemperatureCheck};
@@ -364,20 +364,20 @@ impl Recorder {
 #[must_use]
 pub fn row(taken: &Taken, axis: Axis, (group, t_s): (u32, f64), chamber_set: Celsius, air: Celsius) -> GroupRow {
     let report = &taken.report.axes[axis.index()];
-    let mut flags = match report.coverage {
-        Coverage::Below => flags::BELOW,
-        Coverage::Above => flags::ABOVE,
+    let mut status_bits = match report.coverage {
+        Coverage::Below => status::BELOW,
+        Coverage::Above => status::ABOVE,
         Coverage::Inside | Coverage::Invalid => 0,
     };
-    flags |= if report.saturated { flags::SATURATED } else { 0 };
-    flags |= if report.moved_to.is_some() { flags::MOVED } else { 0 };
-    flags |= match report.temperature {
+    status_bits |= if report.saturated { status::SATURATED } else { 0 };
+    status_bits |= if report.moved_to.is_some() { status::MOVED } else { 0 };
+    status_bits |= match report.temperature {
         TemperatureCheck::Believed => 0,
-        TemperatureCheck::Stuck => flags::STUCK,
-        TemperatureCheck::Jumped => flags::JUMPED,
-        TemperatureCheck::Saturated => flags::TEMPERATURE_SATURATED,
+        TemperatureCheck::Stuck => status::STUCK,
+        TemperatureCheck::Jumped => status::JUMPED,
+        TemperatureCheck::Saturated => status::TEMPERATURE_SATURATED,
     };
-    flags |= if report.trim_failed { flags::TRIM_FAILED } else { 0 };
+    status_bits |= if report.trim_failed { status::TRIM_FAILED } else { 0 };
     GroupRow {
         group,
         t_s,
@@ -389,6 +389,6 @@ pub fn row(taken: &Taken, axis: Axis, (group, t_s): (u32, f64), chamber_set: Cel
         mode: report.mode,
         chamber_set_c: chamber_set.0,
         chamber_c: air.0,
-        flags,
+        status_bits,
     }
 }

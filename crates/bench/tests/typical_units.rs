@@ -172,7 +172,7 @@ fn a_wild_group_is_found_in_the_ramp_of_every_unit() {
                 temperature: taken.temperature(Axis::X).0,
                 reading,
                 samples: 500,
-                flags: 0,
+                status_bits: 0,
                 tap: 511,
             });
         }

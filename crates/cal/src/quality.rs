@@ -35,6 +35,18 @@ pub enum Verdict {
     Rejected,
 }
 
+impl Verdict {
+    /// The one word for it, on screens as in JSON and tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Warning => "warning",
+            Self::Rejected => "rejected",
+        }
+    }
+}
+
 /// What a verdict rests on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -298,7 +310,9 @@ mod tests {
     fn reasons_are_written_in_kebab_case() {
         let reason = Reason::new(ReasonKind::NarrowSpan, "too narrow");
         assert_eq!(serde_json::to_string(&reason).unwrap(), r#"{"kind":"narrow-span","text":"too narrow"}"#);
-        assert_eq!(serde_json::to_string(&Verdict::Good).unwrap(), r#""good""#);
+        for verdict in [Verdict::Good, Verdict::Warning, Verdict::Rejected] {
+            assert_eq!(serde_json::to_value(verdict).unwrap(), verdict.name());
+        }
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub use survey::{AxisSurvey, FoldSurvey, fold_of};
 use crate::calibration::AxisCalibration;
 use crate::log_fit::{AxisFit, AxisVerdict, FitOptions, LogFit};
 use crate::quality::{Judgement, Reason, ReasonKind, Verdict};
-use crate::recording::{GroupRow, Recording, flags};
+use crate::recording::{GroupRow, Recording, status};
 use crate::source::Source;
 use crate::trace::{self, TracePoint};
 use crate::units::{RateUnit, TemperatureUnit};
@@ -40,8 +40,8 @@ pub struct RampGroup {
     pub reading: f64,
     /// Samples in it.
     pub samples: u32,
-    /// The device's flags.
-    pub flags: u16,
+    /// What the device said of it: bits of [`status`].
+    pub status_bits: u16,
     /// The wiper's position, taps.
     pub tap: u16,
 }
@@ -54,7 +54,7 @@ impl From<&GroupRow> for RampGroup {
             temperature: row.sums.mean_temperature().0,
             reading: row.sums.mean_zro().0,
             samples: row.sums.n,
-            flags: row.flags,
+            status_bits: row.status_bits,
             tap: row.tap,
         }
     }
@@ -101,7 +101,7 @@ impl RampMeans {
         self.temperatures.push(group.temperature);
         self.readings.push(group.reading);
         self.samples += u64::from(group.samples);
-        self.saturated += u64::from(group.flags & flags::SATURATED != 0);
+        self.saturated += u64::from(group.status_bits & status::SATURATED != 0);
         let (lowest, highest) = self.taps.unwrap_or((group.tap, group.tap));
         self.taps = Some((lowest.min(group.tap), highest.max(group.tap)));
     }

@@ -1,24 +1,29 @@
 //! The bench's own recordings: one row a group and axis, readable up to the last whole group however they end.
 //!
 //! While it is being written a recording is an Arrow IPC stream (`.arrows`), one batch a group; finished, it is Parquet.
-//! Both open in pandas, polars, DuckDB and MATLAB. Format version 1: readers take the versions they know and refuse
-//! others; a column is never removed or given another meaning within a version.
+//! Both open in pandas, polars, DuckDB and MATLAB, and say in their metadata what each column is and in what unit. Schema
+//! version 2: readers take the versions they know, 1 too, and refuse others; a column is never removed, renamed or given
+//! another meaning within a version.
 
+mod columns;
 mod error;
 mod header;
 mod phase;
 mod reader;
 mod schema;
+pub mod status;
 mod writer;
 
 use std::collections::BTreeMap;
 
+use chrono::{DateTime, Utc};
 use zerorate_core::compensate::Mode;
 use zerorate_core::group::GroupSums;
 use zerorate_core::units::Axis;
 
+pub use columns::name_in_version_1;
 pub use error::{RecordingError, RecordingFault, WriteError};
-pub use phase::{Phase, flags};
+pub use phase::Phase;
 pub use reader::Recording;
 pub use schema::SCHEMA_VERSION;
 pub use writer::RecordingWriter;
@@ -36,6 +41,9 @@ pub struct RecordingInfo {
     pub firmware: String,
     /// The seed of a simulated bench.
     pub seed: Option<u64>,
+    /// When it was begun, by the bench's clock: before its first group. None of a simulated bench, whose recordings are
+    /// the same from run to run.
+    pub started: Option<DateTime<Utc>>,
     /// What the line knows of it, by name, as `station`, `operator`, `recorded_at`.
     pub labels: BTreeMap<String, String>,
 }
@@ -77,8 +85,8 @@ pub struct GroupRow {
     pub chamber_set_c: f64,
     /// The chamber's air, degrees C; NaN if not known.
     pub chamber_c: f64,
-    /// What the device said of the group: bits of [`flags`].
-    pub flags: u16,
+    /// What the device said of the group: bits of [`status`].
+    pub status_bits: u16,
 }
 
 #[cfg(test)]

@@ -17,7 +17,10 @@ use crate::recording::Phase;
 use crate::source::{Faulty, Source, in_quotes};
 
 /// The version of the summary's form.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
+
+/// The oldest version that is read: its checks have `pass` for `passed`.
+const OLDEST_SCHEMA: u32 = 1;
 
 /// The run in numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -146,6 +149,7 @@ pub struct Check {
     /// What was measured, with its unit.
     pub measured: String,
     /// Whether it is within the limit.
+    #[serde(rename = "passed", alias = "pass")]
     pub pass: bool,
 }
 
@@ -208,7 +212,7 @@ pub enum SummaryFault {
     #[error("not the summary of a run, or written by an older zerorate: {}: calibrate the unit again", in_quotes(&.0.to_string()))]
     NotOne(#[from] serde_json::Error),
     /// A schema that this code does not know.
-    #[error("schema {found}, and this program knows schema {SCHEMA}: use a newer zerorate")]
+    #[error("schema {found}, and this program knows schemas {OLDEST_SCHEMA} to {SCHEMA}: use a newer zerorate")]
     UnknownSchema {
         /// The schema found.
         found: u32,
@@ -224,7 +228,7 @@ impl Summary {
         let read = || {
             let text = io::read_to_string(source.open()?)?;
             let summary: Self = serde_json::from_str(&text)?;
-            if summary.schema == SCHEMA {
+            if (OLDEST_SCHEMA..=SCHEMA).contains(&summary.schema) {
                 Ok(summary)
             } else {
                 Err(SummaryFault::UnknownSchema { found: summary.schema })

@@ -9,6 +9,10 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+#[allow(dead_code)] // The other tests hold what commands print, too.
+#[path = "command/schema.rs"]
+mod schema;
+
 const FILES: [&str; 9] = [
     "calibration.json",
     "compensation-test-hybrid.parquet",
@@ -48,7 +52,12 @@ fn the_main_job_writes_its_nine_files_and_the_same_json_twice() {
     let printed: Value = serde_json::from_slice(&first.stdout).unwrap();
     let written: Value = serde_json::from_slice(&fs::read(out.join("summary.json")).unwrap()).unwrap();
     assert_eq!(printed, written);
-    assert_eq!((&printed["schema"], &printed["plant"], &printed["seed"]), (&1.into(), &"paper".into(), &1.into()));
+    schema::hold("summary.json", &written);
+    schema::hold(
+        "calibration.json",
+        &serde_json::from_slice(&fs::read(out.join("calibration.json")).unwrap()).unwrap(),
+    );
+    assert_eq!((&printed["schema"], &printed["plant"], &printed["seed"]), (&2.into(), &"paper".into(), &1.into()));
     assert_eq!(printed["axes"]["x"]["drift_raw_coefficients"].as_array().unwrap().len(), 3);
     let tests: Vec<String> = printed["tests"]
         .as_array()
@@ -297,6 +306,7 @@ fn a_study_gives_a_result_a_unit_and_quantiles() {
     let folder = tempfile::tempdir().unwrap();
     let ran = zerorate(&["study", "--units", "4", "--seed", "3", "--json"], folder.path());
     let study: Value = serde_json::from_slice(&ran.stdout).unwrap();
+    schema::hold("study.json", &study);
     assert_eq!((&study["schema"], &study["units"], &study["plant"]), (&1.into(), &4.into(), &"typical".into()));
     let results = study["results"].as_array().unwrap();
     assert_eq!(results.len(), 4);

@@ -47,7 +47,7 @@ fn batch(schema: &Arc<Schema>, from: u64, to: u64) -> RecordBatch {
 fn generate(path: &str, rows: u64) -> Result<(), Box<dyn std::error::Error>> {
     let field = |name: &str, kind| Field::new(name, kind, false);
     let schema = Arc::new(Schema::new(vec![
-        field("group", DataType::UInt32),
+        field("group_number", DataType::UInt32),
         field("axis", DataType::Utf8),
         field("index", DataType::UInt16),
         field("temperature_counts", DataType::UInt16),

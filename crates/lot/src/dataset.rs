@@ -9,6 +9,7 @@ mod serials;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use chrono::SecondsFormat;
 use futures::{StreamExt, TryStreamExt};
 use object_store::{ObjectMeta, ObjectStore, ObjectStoreExt};
 use serde::{Deserialize, Serialize};
@@ -81,11 +82,11 @@ impl Found {
         self.info.labels.get(name).map_or("", String::as_str)
     }
 
-    /// When it was recorded: its label `recorded_at`, else when the file was written. RFC 3339.
+    /// When it was recorded: its label `recorded_at`, else when it was begun, else when the file was written. RFC 3339.
     #[must_use]
     pub fn recorded_at(&self) -> String {
         match self.label("recorded_at") {
-            "" => self.meta.last_modified.to_rfc3339_opts(chrono::SecondsFormat::Secs, true),
+            "" => self.info.started.unwrap_or(self.meta.last_modified).to_rfc3339_opts(SecondsFormat::Secs, true),
             said => said.to_owned(),
         }
     }

@@ -130,7 +130,7 @@ impl ModelRow {
                     file_bytes: found.meta.size as f64,
                     file_modified: found.meta.last_modified.to_rfc3339(),
                     model_asked: model_asked.to_owned(),
-                    verdict: word(fitted.judgement.verdict).to_owned(),
+                    verdict: fitted.judgement.verdict.name().to_owned(),
                     reasons: serde_json::to_string(&fitted.judgement.reasons).unwrap_or_default(),
                     created_by: zerorate_cal::calibration::CREATED_BY.to_owned(),
                     limit_trim_residual_pp: limit(|limits| limits.trim_residual_pp_counts),
@@ -186,23 +186,13 @@ impl ModelRow {
     /// Whether the unit was rejected.
     #[must_use]
     pub fn rejected(&self) -> bool {
-        self.verdict == word(Verdict::Rejected)
+        self.verdict == Verdict::Rejected.name()
     }
 
     /// The reasons.
     #[must_use]
     pub fn reason_list(&self) -> Vec<Reason> {
         serde_json::from_str(&self.reasons).unwrap_or_default()
-    }
-}
-
-/// The verdict's word.
-#[must_use]
-pub fn word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Good => "good",
-        Verdict::Warning => "warning",
-        Verdict::Rejected => "rejected",
     }
 }
 

@@ -20,7 +20,7 @@ use footer::Footer;
 /// The columns of raw samples that are read. Words of a letter are compared fastest as views.
 fn columns() -> Vec<(&'static str, DataType)> {
     vec![
-        ("group", DataType::UInt32),
+        ("group_number", DataType::UInt32),
         ("axis", DataType::Utf8View),
         ("temperature_counts", DataType::UInt16),
         ("zro_counts", DataType::UInt16),
@@ -34,11 +34,11 @@ fn sql(files: usize) -> String {
     format!(
         "
 WITH samples AS (
-  SELECT {file}4 * CAST(\"group\" AS BIGINT) + CASE WHEN axis = 'y' THEN 2 ELSE 0 END
+  SELECT {file}4 * CAST(group_number AS BIGINT) + CASE WHEN axis = 'y' THEN 2 ELSE 0 END
            + CASE WHEN axis = 'x' THEN 1 ELSE 0 END AS place,
          CAST(temperature_counts AS BIGINT) AS t, CAST(zro_counts AS BIGINT) AS z
   FROM files)
-SELECT {file}place / 4 AS \"group\", CASE place % 4 WHEN 1 THEN 'x' WHEN 2 THEN 'y' END AS axis, count(*) AS n,
+SELECT {file}place / 4 AS group_number, CASE place % 4 WHEN 1 THEN 'x' WHEN 2 THEN 'y' END AS axis, count(*) AS n,
        sum(t) AS temperature_sum, sum(t * t) AS temperature_sq_sum, sum(z) AS zro_sum, sum(z * z) AS zro_sq_sum
 FROM samples GROUP BY {file}place ORDER BY {file}place"
     )

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use zerorate_cal::log_fit::FitOptions;
-use zerorate_cal::quality::Reason;
+use zerorate_cal::quality::{Reason, Verdict};
 use zerorate_fit::model::Model;
 
 use crate::dataset::{Dataset, Found, Place, PlaceError, Skipped};
@@ -244,7 +244,7 @@ impl FitRun {
             units: units().count(),
             reused,
             fits: rows.iter().filter(|row| !row.model.is_empty()).count(),
-            warnings: units().filter(|row| row.verdict == "warning").count(),
+            warnings: units().filter(|row| row.verdict == Verdict::Warning.name()).count(),
             rejected: rejected.collect(),
             skipped,
             other_procedures: others,

@@ -170,6 +170,7 @@ impl Simulation {
             set_up: setup.to_toml(),
             firmware: env!("CARGO_PKG_VERSION").into(),
             seed: Some(unit.seed),
+            started: None,
             labels: setup.labels.clone(),
         };
         if let Some(defect) = unit.defect {

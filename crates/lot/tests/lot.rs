@@ -6,13 +6,18 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use arrow_array::RecordBatch;
+use arrow_schema::{Field, FieldRef, Schema};
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::fit::fit;
 use zerorate_cal::log_fit::{FitOptions, LogFit};
 use zerorate_cal::quality::ReasonKind;
 use zerorate_cal::ramp_fit::RampMeans;
-use zerorate_cal::recording::Recording;
+use zerorate_cal::recording::{Recording, name_in_version_1};
 use zerorate_core::record::DeviceRecord;
 use zerorate_core::units::Axis;
 use zerorate_fit::model::Model;
@@ -156,6 +161,41 @@ fn files_that_are_damaged_empty_or_foreign_are_named_and_the_rest_is_fitted() {
         assert!(twice.clone().all(|unit| unit.reasons[0].kind == ReasonKind::DuplicateSerial));
         assert_eq!(twice.map(|unit| unit.file.as_str()).collect::<Vec<_>>(), [spoilt[2], "copy-of-ZR-000009.parquet"]);
     }
+}
+
+fn in_version_1(name: &str) -> &str {
+    name_in_version_1(name).unwrap_or(name)
+}
+
+/// Writes a recording again as schema version 1 had it.
+fn to_version_1(path: &Path) {
+    let builder = ParquetRecordBatchReaderBuilder::try_new(fs::File::open(path).unwrap()).unwrap();
+    let field = |field: &FieldRef| Field::new(in_version_1(field.name()), field.data_type().clone(), false);
+    let fields: Vec<Field> = builder.schema().fields().iter().map(field).collect();
+    let mut metadata = builder.schema().metadata().clone();
+    metadata.insert("zerorate.schema_version".into(), "1".into());
+    let schema = Arc::new(Schema::new_with_metadata(fields, metadata));
+    let batches: Vec<RecordBatch> = builder.build().unwrap().map(Result::unwrap).collect();
+    let mut writer = ArrowWriter::try_new(fs::File::create(path).unwrap(), Arc::clone(&schema), None).unwrap();
+    for batch in batches {
+        writer.write(&RecordBatch::try_new(Arc::clone(&schema), batch.columns().to_vec()).unwrap()).unwrap();
+    }
+    writer.close().unwrap();
+}
+
+#[test]
+fn a_recording_of_schema_version_1_is_fitted_beside_newer_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let lot = folder.path().join("lot");
+    simulate(&lot, 4, 3, 0.0);
+    let (_, newer) = run(&job(&lot, &folder.path().join("newer.parquet"), "poly:2")).unwrap();
+    to_version_1(&lot.join("ZR-000002.parquet"));
+    let (summary, mixed) = run(&job(&lot, &folder.path().join("mixed.parquet"), "poly:2")).unwrap();
+    assert_eq!((summary.units, summary.skipped.len()), (4, 0), "{:?}", summary.skipped);
+    let fitted = |rows: &[ModelRow]| -> Vec<_> {
+        rows.iter().map(|row| (row.file.clone(), row.coefficients.clone(), row.reasons.clone())).collect()
+    };
+    assert_eq!(fitted(&mixed), fitted(&newer));
 }
 
 #[test]
@@ -318,15 +358,13 @@ fn the_report_has_yield_worst_units_and_the_rejected() {
 
 #[test]
 fn raw_samples_become_the_sums_of_their_recording() {
-    use std::sync::Arc;
-
-    use arrow_array::{RecordBatch, StringArray, UInt16Array, UInt32Array};
-    use arrow_schema::{DataType, Field, Schema};
+    use arrow_array::{StringArray, UInt16Array, UInt32Array};
+    use arrow_schema::DataType;
 
     let folder = tempfile::tempdir().unwrap();
     let field = |name, kind| Field::new(name, kind, false);
     let schema = Arc::new(Schema::new(vec![
-        field("group", DataType::UInt32),
+        field("group_number", DataType::UInt32),
         field("axis", DataType::Utf8),
         field("index", DataType::UInt16),
         field("temperature_counts", DataType::UInt16),
@@ -349,13 +387,13 @@ fn raw_samples_become_the_sums_of_their_recording() {
     )
     .unwrap();
     let raw = folder.path().join("raw.parquet");
-    let mut writer = parquet::arrow::ArrowWriter::try_new(fs::File::create(&raw).unwrap(), schema, None).unwrap();
+    let mut writer = ArrowWriter::try_new(fs::File::create(&raw).unwrap(), schema, None).unwrap();
     writer.write(&batch).unwrap();
     writer.close().unwrap();
     let out = folder.path().join("sums.parquet");
     let grouped = wait(raw::group(&Engine::embedded(), &raw.display().to_string(), &out)).unwrap();
     assert_eq!(grouped.rows, 14);
-    let reader = parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder::try_new(fs::File::open(&out).unwrap());
+    let reader = ParquetRecordBatchReaderBuilder::try_new(fs::File::open(&out).unwrap());
     let mut found = 0;
     for batch in reader.unwrap().build().unwrap() {
         let batch = batch.unwrap();
@@ -363,7 +401,8 @@ fn raw_samples_become_the_sums_of_their_recording() {
             arrow_cast::display::array_value_to_string(batch.column_by_name(name).unwrap(), row).unwrap()
         };
         for row in 0..batch.num_rows() {
-            let own = |it: &&(u32, &str, u16)| it.0.to_string() == text("group", row) && it.1 == text("axis", row);
+            let own =
+                |it: &&(u32, &str, u16)| it.0.to_string() == text("group_number", row) && it.1 == text("axis", row);
             let readings = || rows.iter().filter(own).map(|it| u64::from(reading(it)));
             assert_eq!(text("n", row), "50");
             assert_eq!(text("zro_sum", row), readings().sum::<u64>().to_string());
@@ -376,20 +415,18 @@ fn raw_samples_become_the_sums_of_their_recording() {
 
 #[test]
 fn raw_samples_that_cannot_be_summed_without_a_loss_are_refused() {
-    use std::sync::Arc;
-
-    use arrow_array::{ArrayRef, Float64Array, RecordBatch, StringArray, UInt16Array};
+    use arrow_array::{ArrayRef, Float64Array, StringArray, UInt16Array};
 
     let folder = tempfile::tempdir().unwrap();
     let whole = || -> ArrayRef { Arc::new(UInt16Array::from(vec![8200, 8201])) };
     let words = |words: [&str; 2]| -> ArrayRef { Arc::new(StringArray::from(words.to_vec())) };
     let refused = |axis: ArrayRef, readings: Option<ArrayRef>| {
-        let mut columns = vec![("group", whole()), ("axis", axis), ("temperature_counts", whole())];
+        let mut columns = vec![("group_number", whole()), ("axis", axis), ("temperature_counts", whole())];
         columns.extend(readings.map(|readings| ("zro_counts", readings)));
         let batch = RecordBatch::try_from_iter(columns).unwrap();
         let raw = folder.path().join("raw.parquet");
         let file = fs::File::create(&raw).unwrap();
-        let mut writer = parquet::arrow::ArrowWriter::try_new(file, batch.schema(), None).unwrap();
+        let mut writer = ArrowWriter::try_new(file, batch.schema(), None).unwrap();
         writer.write(&batch).unwrap();
         writer.close().unwrap();
         let out = folder.path().join("sums.parquet");

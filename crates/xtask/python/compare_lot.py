@@ -12,10 +12,10 @@ rows, plain = int(rows), json.loads(plain)
 ROUNDS = 3
 
 QUERY = f"""
-SELECT "group", axis, count(*) AS n, sum(temperature_counts::BIGINT) AS temperature_sum,
+SELECT group_number, axis, count(*) AS n, sum(temperature_counts::BIGINT) AS temperature_sum,
        sum(temperature_counts::BIGINT * temperature_counts) AS temperature_sq_sum, sum(zro_counts::BIGINT) AS zro_sum,
        sum(zro_counts::BIGINT * zro_counts) AS zro_sq_sum
-FROM '{raw}' GROUP BY "group", axis"""
+FROM '{raw}' GROUP BY group_number, axis"""
 
 
 def ours():
@@ -37,7 +37,7 @@ for _ in range(ROUNDS):
     seconds, connection = duck()
     times["DuckDB"].append(seconds)
 
-names = '"group", axis, n, temperature_sum, temperature_sq_sum, zro_sum, zro_sq_sum'
+names = 'group_number, axis, n, temperature_sum, temperature_sq_sum, zro_sum, zro_sq_sum'
 differing = connection.execute(
     f"SELECT count(*) FROM ((SELECT {names} FROM sums EXCEPT SELECT {names} FROM '{sums}')"
     f" UNION ALL (SELECT {names} FROM '{sums}' EXCEPT SELECT {names} FROM sums))"

@@ -101,7 +101,7 @@ def compensation_tests(differences, folder, printed):
         groups = recording(folder, f"compensation-test-{test['mode']}")
         axis, other = test["axis"], test["control"]
         # An axis's own ramp is the one in which it is compensated.
-        keep = (groups[axis]["phase"] == test["direction"]) & (groups[axis]["mode"] == test["mode"])
+        keep = (groups[axis]["phase"] == test["direction"]) & (groups[axis]["compensation_mode"] == test["mode"])
         corrected, tap = groups[axis]["corrected_counts"][keep], groups[axis]["tap"][keep].astype(int)
         name = f"summary.json {axis} {test['mode']} {test['direction']}"
         hold = lambda field, value, tolerance: differences.hold(f"{name} {field}", test[field], value, tolerance)

@@ -61,7 +61,7 @@ fn board_axis(shift: f64) -> AxisCalibration {
     let mut means = RampMeans::default();
     for (group, (temperature, reading)) in (0..).zip(temperatures.iter().copied().zip(readings)) {
         let time_s = 1.5 * f64::from(group);
-        means.push(&RampGroup { group, time_s, temperature, reading, samples: 500, flags: 0, tap: 511 });
+        means.push(&RampGroup { group, time_s, temperature, reading, samples: 500, status_bits: 0, tap: 511 });
     }
     let options = FitOptions { model: Model::Poly(2), ..FitOptions::default() };
     let fit = fit_axis("x", &means, None, &options, &mut Judgement::default()).unwrap();

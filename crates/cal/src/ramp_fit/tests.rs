@@ -1,7 +1,7 @@
 use super::*;
 
 fn group_of(group: u32, temperature: f64, reading: f64) -> RampGroup {
-    RampGroup { group, time_s: f64::from(group) * 1.5, temperature, reading, samples: 500, flags: 0, tap: 511 }
+    RampGroup { group, time_s: f64::from(group) * 1.5, temperature, reading, samples: 500, status_bits: 0, tap: 511 }
 }
 
 /// A ramp of 2400 groups with a quadratic drift and a noise of +-1 count.
@@ -61,7 +61,7 @@ fn a_few_outlying_groups_are_outliers_and_the_fit_can_be_looked_at() {
 #[test]
 fn a_group_at_the_converters_end_is_told_and_one_without_samples_left_out() {
     let mut means = ramp();
-    means.push(&RampGroup { flags: flags::SATURATED, ..group_of(2420, 12_000.0, 16_383.0) });
+    means.push(&RampGroup { status_bits: status::SATURATED, ..group_of(2420, 12_000.0, 16_383.0) });
     means.push(&RampGroup { samples: 0, ..group_of(2421, f64::NAN, f64::NAN) });
     assert_eq!(means.groups.len(), 2401);
     assert_eq!(kinds(&means, None), (vec![ReasonKind::Saturated], false));

@@ -30,7 +30,7 @@ pub enum RecordingFault {
     },
     /// The recording was written by another version's schema.
     #[error(
-        "written in schema version {found}; this program reads version {}: use the program that wrote it, or a later one",
+        "written in schema version {found}; this program reads versions 1 to {}: use the program that wrote it, or a later one",
         super::SCHEMA_VERSION
     )]
     UnknownVersion {

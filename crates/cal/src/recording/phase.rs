@@ -1,4 +1,4 @@
-//! The words of a recording's columns: what the chamber was doing, and the flag bits.
+//! What the chamber was doing.
 
 use serde::{Deserialize, Serialize};
 
@@ -43,24 +43,4 @@ impl Phase {
     pub const fn is_ramp(self) -> bool {
         matches!(self, Self::Heating | Self::Cooling)
     }
-}
-
-/// Bits of the column `flags`.
-pub mod flags {
-    /// The temperature was below the calibrated range.
-    pub const BELOW: u16 = 1;
-    /// The temperature was above the calibrated range.
-    pub const ABOVE: u16 = 2;
-    /// The reading was at an end of the converter.
-    pub const SATURATED: u16 = 4;
-    /// The tap changed when the group closed.
-    pub const MOVED: u16 = 8;
-    /// The temperature did not move by a count for too long, and was not believed.
-    pub const STUCK: u16 = 16;
-    /// The temperature jumped more than a temperature can, and was not believed.
-    pub const JUMPED: u16 = 32;
-    /// The temperature stood at an end of the converter, and was not believed.
-    pub const TEMPERATURE_SATURATED: u16 = 64;
-    /// The wiper could not be written when the group closed.
-    pub const TRIM_FAILED: u16 = 128;
 }

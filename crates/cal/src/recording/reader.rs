@@ -122,7 +122,9 @@ impl RecordingInfo {
 /// The metadata, if it is a recording's of a known version.
 fn check(schema: &Schema) -> Result<RecordingInfo, RecordingFault> {
     match schema::version(schema) {
-        Some(version) if version == super::SCHEMA_VERSION.to_string() => Ok(schema::info(schema)),
+        Some(version) if (1..=super::SCHEMA_VERSION).any(|known| version == known.to_string()) => {
+            Ok(schema::info(schema))
+        }
         Some(version) => Err(RecordingFault::UnknownVersion { found: version.to_owned() }),
         None => Err(RecordingFault::NotARecording),
     }

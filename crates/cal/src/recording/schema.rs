@@ -9,16 +9,21 @@ use arrow_array::{
     ArrayRef, ArrowPrimitiveType, Float64Array, PrimitiveArray, RecordBatch, StringArray, UInt16Array, UInt32Array,
     UInt64Array,
 };
-use arrow_schema::{ArrowError, DataType, Field, Schema};
+use arrow_schema::{ArrowError, Field, Schema};
+use chrono::SecondsFormat;
+use parquet::file::metadata::KeyValue;
+use serde_json::{Value, json};
 use zerorate_core::compensate::Mode;
 use zerorate_core::group::GroupSums;
 use zerorate_core::units::Axis;
 
-use super::{GroupRow, Phase, RecordingInfo};
+use super::columns::{COLUMNS, Column, name_in_version_1};
+use super::{GroupRow, Phase, RecordingInfo, status};
 use crate::named::Named;
 
-/// The version of the columns and metadata below.
-pub const SCHEMA_VERSION: u32 = 1;
+/// The version that is written. Version 1 had other names for three columns, told nothing of any, and had no start; it is
+/// read as well.
+pub const SCHEMA_VERSION: u32 = 2;
 
 const VERSION_KEY: &str = "zerorate.schema_version";
 const SERIAL_KEY: &str = "zerorate.unit_serial";
@@ -26,43 +31,58 @@ const PROCEDURE_KEY: &str = "zerorate.procedure";
 const SET_UP_KEY: &str = "zerorate.set_up";
 const FIRMWARE_KEY: &str = "zerorate.firmware";
 const SEED_KEY: &str = "zerorate.seed";
+const STARTED_KEY: &str = "zerorate.started";
+const COLUMNS_KEY: &str = "zerorate.columns";
+const STATUS_BITS_KEY: &str = "zerorate.status_bits";
 /// What a label's name stands behind.
 const LABEL_KEY: &str = "zerorate.label.";
 
+/// What a column's own metadata says of it.
+const UNIT_KEY: &str = "unit";
+const DESCRIPTION_KEY: &str = "description";
+
 /// The schema of a recording with its metadata.
 pub(super) fn schema(info: &RecordingInfo) -> Arc<Schema> {
-    let field = |(name, kind): (&str, DataType)| Field::new(name, kind, false);
-    let fields: Vec<Field> = [
-        ("group", DataType::UInt32),
-        ("t_s", DataType::Float64),
-        ("phase", DataType::Utf8),
-        ("axis", DataType::Utf8),
-        ("n", DataType::UInt32),
-        ("temperature_sum", DataType::UInt64),
-        ("temperature_sq_sum", DataType::UInt64),
-        ("zro_sum", DataType::UInt64),
-        ("zro_sq_sum", DataType::UInt64),
-        ("temperature_counts", DataType::Float64),
-        ("zro_counts", DataType::Float64),
-        ("corrected_counts", DataType::Float64),
-        ("tap", DataType::UInt16),
-        ("mode", DataType::Utf8),
-        ("chamber_set_c", DataType::Float64),
-        ("chamber_c", DataType::Float64),
-        ("flags", DataType::UInt16),
-    ]
-    .map(field)
-    .into();
+    let field = |column: &Column| {
+        let words = [(UNIT_KEY, column.unit), (DESCRIPTION_KEY, column.description)];
+        let metadata = words.map(|(key, word)| (key.to_owned(), word.to_owned()));
+        Field::new(column.name, column.kind.clone(), false).with_metadata(metadata.into())
+    };
     let mut metadata = HashMap::from([
         (VERSION_KEY.to_owned(), SCHEMA_VERSION.to_string()),
         (SERIAL_KEY.to_owned(), info.unit_serial.clone()),
         (PROCEDURE_KEY.to_owned(), info.procedure.clone()),
         (SET_UP_KEY.to_owned(), info.set_up.clone()),
         (FIRMWARE_KEY.to_owned(), info.firmware.clone()),
+        (COLUMNS_KEY.to_owned(), columns_told()),
+        (STATUS_BITS_KEY.to_owned(), status_bits_told()),
     ]);
+    let started = info.started.map(|started| started.to_rfc3339_opts(SecondsFormat::Secs, true));
+    metadata.extend(started.map(|started| (STARTED_KEY.to_owned(), started)));
     metadata.extend(info.seed.map(|seed| (SEED_KEY.to_owned(), seed.to_string())));
     metadata.extend(info.labels.iter().map(|(name, value)| (format!("{LABEL_KEY}{name}"), value.clone())));
-    Arc::new(Schema::new_with_metadata(fields, metadata))
+    Arc::new(Schema::new_with_metadata(COLUMNS.iter().map(field).collect::<Vec<_>>(), metadata))
+}
+
+/// The schema's metadata as the key-value pairs of a Parquet file, in an order that is always the same. Arrow's own copy
+/// is packed into one of them, which DuckDB and most others do not open.
+pub(super) fn key_values(schema: &Schema) -> Vec<KeyValue> {
+    let sorted: BTreeMap<&String, &String> = schema.metadata().iter().collect();
+    sorted.into_iter().map(|(key, value)| KeyValue::new(key.clone(), value.clone())).collect()
+}
+
+/// Units and meanings of all columns, as JSON.
+fn columns_told() -> String {
+    let told = |column: &Column| {
+        (column.name.to_owned(), json!({ UNIT_KEY: column.unit, DESCRIPTION_KEY: column.description }))
+    };
+    Value::Object(COLUMNS.iter().map(told).collect()).to_string()
+}
+
+/// The bits of the column `status_bits` with their meanings, as JSON.
+fn status_bits_told() -> String {
+    let told = |(bit, meaning): &(u16, &str)| (bit.to_string(), Value::from(*meaning));
+    Value::Object(status::MEANINGS.iter().map(told).collect()).to_string()
 }
 
 /// The schema version in a file's metadata, if it has one.
@@ -79,6 +99,7 @@ pub(super) fn info(schema: &Schema) -> RecordingInfo {
         set_up: text(SET_UP_KEY),
         firmware: text(FIRMWARE_KEY),
         seed: text(SEED_KEY).parse().ok(),
+        started: text(STARTED_KEY).parse().ok(),
         labels: labels(schema.metadata()),
     }
 }
@@ -112,14 +133,14 @@ pub(super) fn batch(schema: &Arc<Schema>, rows: &[GroupRow]) -> Result<RecordBat
         text(|row| row.mode.name()),
         float(|row| row.chamber_set_c),
         float(|row| row.chamber_c),
-        Arc::new(rows.iter().map(|row| row.flags).collect::<UInt16Array>()),
+        Arc::new(rows.iter().map(|row| row.status_bits).collect::<UInt16Array>()),
     ];
     RecordBatch::try_new(Arc::clone(schema), columns)
 }
 
 /// The rows of a batch, or what does not fit in it.
 pub(super) fn rows(batch: &RecordBatch) -> Result<Vec<GroupRow>, String> {
-    let group = numbers::<UInt32Type>(batch, "group")?;
+    let group = numbers::<UInt32Type>(batch, "group_number")?;
     let t_s = numbers::<Float64Type>(batch, "t_s")?;
     let phase = texts(batch, "phase")?;
     let axis = texts(batch, "axis")?;
@@ -132,10 +153,10 @@ pub(super) fn rows(batch: &RecordBatch) -> Result<Vec<GroupRow>, String> {
     let temperature_counts = numbers::<Float64Type>(batch, "temperature_counts")?;
     let corrected_counts = numbers::<Float64Type>(batch, "corrected_counts")?;
     let tap = numbers::<UInt16Type>(batch, "tap")?;
-    let mode = texts(batch, "mode")?;
+    let mode = texts(batch, "compensation_mode")?;
     let chamber_set_c = numbers::<Float64Type>(batch, "chamber_set_c")?;
     let chamber_c = numbers::<Float64Type>(batch, "chamber_c")?;
-    let flags = numbers::<UInt16Type>(batch, "flags")?;
+    let status_bits = numbers::<UInt16Type>(batch, "status_bits")?;
     (0..batch.num_rows())
         .map(|i| {
             let sums = GroupSums {
@@ -163,18 +184,24 @@ pub(super) fn rows(batch: &RecordBatch) -> Result<Vec<GroupRow>, String> {
                 mode: Mode::of_name(mode.value(i)).map_err(unknown)?,
                 chamber_set_c: chamber_set_c.value(i),
                 chamber_c: chamber_c.value(i),
-                flags: flags.value(i),
+                status_bits: status_bits.value(i),
             })
         })
         .collect()
 }
 
 fn numbers<'a, T: ArrowPrimitiveType>(batch: &'a RecordBatch, name: &str) -> Result<&'a PrimitiveArray<T>, String> {
-    let column = batch.column_by_name(name).ok_or_else(|| format!("there is no column '{name}'"))?;
+    let column = column(batch, name)?;
     column.as_primitive_opt::<T>().ok_or_else(|| format!("column '{name}' is of type {}", column.data_type()))
 }
 
 fn texts<'a>(batch: &'a RecordBatch, name: &str) -> Result<&'a StringArray, String> {
-    let column = batch.column_by_name(name).ok_or_else(|| format!("there is no column '{name}'"))?;
+    let column = column(batch, name)?;
     column.as_string_opt::<i32>().ok_or_else(|| format!("column '{name}' is of type {}", column.data_type()))
+}
+
+/// A column by its name, or by that of schema version 1.
+fn column<'a>(batch: &'a RecordBatch, name: &str) -> Result<&'a ArrayRef, String> {
+    let earlier = || batch.column_by_name(name_in_version_1(name)?);
+    batch.column_by_name(name).or_else(earlier).ok_or_else(|| format!("there is no column '{name}'"))
 }

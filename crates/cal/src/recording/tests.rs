@@ -1,6 +1,8 @@
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use parquet::file::reader::{FileReader, SerializedFileReader};
 use tempfile::TempDir;
 
 use super::*;
@@ -12,6 +14,7 @@ fn info() -> RecordingInfo {
         set_up: "[bench]\ngroup_length = 500\n".into(),
         firmware: "0.1.0".into(),
         seed: Some(1),
+        started: Some("2026-03-01T08:00:00Z".parse().unwrap()),
         labels: [("station".to_owned(), "S-3".to_owned())].into(),
     }
 }
@@ -32,7 +35,7 @@ fn group(number: u32) -> [GroupRow; 2] {
             mode: Mode::Hybrid,
             chamber_set_c: -40.0,
             chamber_c: f64::from(number) - 39.5,
-            flags: 3,
+            status_bits: 3,
         }
     })
 }
@@ -62,6 +65,64 @@ fn a_finished_recording_is_parquet_and_reads_back_exactly() {
     assert!(fs::read(&path).unwrap().starts_with(b"PAR1"));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");
     assert_eq!(Recording::read(&(&path).into()).unwrap(), Recording { info: info(), rows: rows(40), cut: false });
+}
+
+/// Read as DuckDB does: the file's own key-value pairs, without Arrow's packed schema.
+#[test]
+fn a_finished_recordings_key_values_tell_its_columns_bits_and_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = RecordingWriter::create(&folder.path().join("run.parquet"), &info()).unwrap().finish().unwrap();
+    let reader = SerializedFileReader::new(fs::File::open(path).unwrap()).unwrap();
+    let file = reader.metadata().file_metadata();
+    let pairs = file.key_value_metadata().unwrap();
+    let text = |key: &str| pairs.iter().find(|pair| pair.key == key).and_then(|pair| pair.value.clone()).unwrap();
+    let json = |key| serde_json::from_str::<serde_json::Value>(&text(key)).unwrap();
+    assert_eq!((&*text("zerorate.schema_version"), &*text("zerorate.started")), ("2", "2026-03-01T08:00:00Z"));
+    assert_eq!((&*text("zerorate.unit_serial"), &*text("zerorate.label.station")), ("G-0042", "S-3"));
+    let told = json("zerorate.columns");
+    let names: Vec<&str> = file.schema_descr().columns().iter().map(|column| column.name()).collect();
+    assert_eq!(told.as_object().unwrap().keys().map(String::as_str).collect::<Vec<_>>(), names);
+    assert_eq!((&told["t_s"]["unit"], &told["zro_sq_sum"]["unit"]), (&"s".into(), &"count^2".into()));
+    assert!(told.as_object().unwrap().values().all(|column| column["description"].as_str().unwrap().ends_with('.')));
+    assert!(["group", "mode", "flags"].iter().all(|word| !names.contains(word)), "SQL and pandas keep them");
+    let bits = json("zerorate.status_bits");
+    assert_eq!((bits.as_object().unwrap().len(), &bits["8"]), (8, &"The tap changed when the group closed.".into()));
+}
+
+#[test]
+fn the_readme_says_every_status_bit() {
+    for (bit, meaning) in status::MEANINGS {
+        let row = format!("| {bit} | {} |", meaning.trim_end_matches('.'));
+        assert!(include_str!("../../README.md").contains(&row), "{row}");
+    }
+}
+
+#[test]
+fn a_simulated_recording_has_no_start_and_the_same_bytes_every_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let bytes = |name| {
+        let info = RecordingInfo { started: None, ..info() };
+        let mut writer = RecordingWriter::create(&folder.path().join(name), &info).unwrap();
+        writer.write_group(&group(0)).unwrap();
+        fs::read(writer.finish().unwrap()).unwrap()
+    };
+    assert_eq!(bytes("first.parquet"), bytes("second.parquet"));
+    assert_eq!(Recording::read(&(&folder.path().join("first.parquet")).into()).unwrap().info.started, None);
+}
+
+/// `tests/recordings/version-1.parquet` is `soaks.parquet` as a program that wrote schema version 1 left it, of two soaks;
+/// the numbers are pyarrow's.
+#[test]
+fn a_recording_of_schema_version_1_is_read() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recordings/version-1.parquet");
+    let recording = Recording::read(&(&path).into()).unwrap();
+    assert_eq!((&*recording.info.unit_serial, recording.info.started), ("ZR-0001", None));
+    assert_eq!((recording.rows.len(), recording.groups()), (160, 80));
+    let told: BTreeSet<u16> = recording.rows.iter().map(|row| row.status_bits).collect();
+    assert_eq!(told, [0, status::BELOW, status::MOVED, status::BELOW | status::MOVED].into());
+    let last = recording.rows.last().unwrap();
+    assert_eq!((last.group, last.axis, last.mode, last.status_bits), (79, Axis::Y, Mode::Hybrid, 0));
+    assert_eq!((last.sums.zro, last.sums.temperature), (4_095_955, 5_957_686));
 }
 
 #[test]

@@ -94,7 +94,10 @@ impl RecordingWriter {
         self.writer.finish()?;
         self.writer.get_mut().flush()?;
         let stream = StreamReader::try_new(BufReader::new(File::open(&self.stream)?), None)?;
-        let properties = WriterProperties::builder().set_max_row_group_row_count(Some(ROW_GROUP_ROWS)).build();
+        let properties = WriterProperties::builder()
+            .set_max_row_group_row_count(Some(ROW_GROUP_ROWS))
+            .set_key_value_metadata(Some(schema::key_values(&self.schema)))
+            .build();
         let mut writer = ArrowWriter::try_new(File::create(partial)?, Arc::clone(&self.schema), Some(properties))?;
         for batch in stream {
             writer.write(&batch?)?;

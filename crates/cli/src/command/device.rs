@@ -92,7 +92,7 @@ impl Device {
     /// Says that something was done.
     fn done(&self, told: &impl Serialize, text: &str) -> Result<Outcome> {
         if self.json {
-            screen::print_json(told)?;
+            print_json(told)?;
         } else {
             screen::print(&format!("{text}\n"))?;
         }
@@ -103,17 +103,26 @@ impl Device {
     fn refused(&self, why: &anyhow::Error) -> Result<Outcome> {
         #[derive(Serialize)]
         struct Refused {
-            verdict: &'static str,
-            reason: String,
+            refused: String,
         }
-        let reason = sentence(why.as_ref());
         if self.json {
-            screen::print_json(&Refused { verdict: "refused", reason })?;
+            print_json(&Refused { refused: sentence(why.as_ref()) })?;
         } else {
             screen::error(why);
         }
         Ok(Outcome::Rejected)
     }
+}
+
+/// Prints one of these commands' forms, with its version.
+fn print_json(told: &impl Serialize) -> Result<()> {
+    #[derive(Serialize)]
+    struct Versioned<'a, T> {
+        schema: u32,
+        #[serde(flatten)]
+        told: &'a T,
+    }
+    screen::print_json(&Versioned { schema: 1, told })
 }
 
 /// Which axes a command is for.

@@ -22,7 +22,7 @@ pub fn group(number: u32) -> Vec<GroupRow> {
             mode: Default::default(),
             chamber_set_c: -40.0,
             chamber_c: f64::from(number).mul_add(0.01, -40.0),
-            flags: 0,
+            status_bits: 0,
         })
         .into()
 }

@@ -2,7 +2,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::log::{Log, real_file};
-use crate::{Ran, folder_with, zerorate};
+use crate::{Ran, folder_with, schema, zerorate};
 
 /// Fits a log with earlier results in its folder, and makes sure that they are as they were.
 #[track_caller]
@@ -80,6 +80,7 @@ fn logs_of_one_unit_make_one_fit_and_of_two_units_none() {
     ran.says(&["cold.ulg + warm.ulg: good", "Drift over -17.0 to 73.0 C"]);
     let calibration: serde_json::Value =
         serde_json::from_slice(&fs::read(folder.path().join("both.json")).unwrap()).unwrap();
+    schema::hold("calibration.json", &calibration);
     assert_eq!(calibration["sources"].as_array().unwrap().len(), 2);
     let mut other = whole.rows(4000..8400).ulg();
     let id = 2_621_448_u32.to_le_bytes();
@@ -110,6 +111,7 @@ fn what_was_asked_for_is_written_and_named() {
     ]);
     let calibration: serde_json::Value =
         serde_json::from_slice(&fs::read(folder.path().join("calibration.json")).unwrap()).unwrap();
+    schema::hold("calibration.json", &calibration);
     assert_eq!((&calibration["schema"], &calibration["unit_serial"]), (&2.into(), &"U7".into()));
     let report = fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert!(report.contains("<svg") && report.contains("zerorate apply calibration.json"));
@@ -305,7 +307,7 @@ fn with_json_an_error_is_json_too() {
     let folder = tempfile::tempdir().unwrap();
     let ran = zerorate(folder.path(), &["fit", "none.csv", "--json"]);
     assert_eq!(ran.code, 2);
-    let json: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    let json = ran.json();
     let error = json["error"].as_str().unwrap();
     assert!(error.contains("none.csv") && ran.err.contains("error: "), "{error} {}", ran.err);
 }

@@ -9,6 +9,7 @@ mod characterise;
 mod export;
 mod fault;
 mod fit;
+mod forms;
 mod help;
 mod info;
 mod kept;
@@ -16,6 +17,7 @@ mod killed;
 mod log;
 mod place;
 mod report;
+mod schema;
 mod setup;
 mod table;
 mod verify;
@@ -27,15 +29,19 @@ use tempfile::TempDir;
 
 /// How a command ended.
 struct Ran {
+    arguments: Vec<String>,
     code: i32,
     out: String,
     err: String,
 }
 
 impl Ran {
-    /// Standard output as JSON; it must be nothing else.
+    /// Standard output as JSON; it must be nothing else, and of its command's form.
+    #[track_caller]
     fn json(&self) -> serde_json::Value {
-        serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error}: {}", self.out))
+        let json = serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error}: {}", self.out));
+        schema::hold_printed(&self.arguments, &json);
+        json
     }
 
     /// An error: exit code 2, one line that begins with `error:`, without the insides of a program, and nothing else.
@@ -62,7 +68,7 @@ impl Ran {
 
 /// Runs the command in a folder.
 fn zerorate(folder: &Path, arguments: &[&str]) -> Ran {
-    ran(command(folder).args(arguments).output().unwrap())
+    ran(arguments, command(folder).args(arguments).output().unwrap())
 }
 
 fn command(folder: &Path) -> Command {
@@ -71,8 +77,9 @@ fn command(folder: &Path) -> Command {
     command
 }
 
-fn ran(output: Output) -> Ran {
+fn ran(arguments: &[&str], output: Output) -> Ran {
     Ran {
+        arguments: arguments.iter().map(|argument| (*argument).to_owned()).collect(),
         code: output.status.code().unwrap(),
         out: String::from_utf8(output.stdout).unwrap(),
         err: String::from_utf8(output.stderr).unwrap(),

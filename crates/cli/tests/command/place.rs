@@ -54,7 +54,7 @@ fn a_full_disk_leaves_the_earlier_output() {
              exit $code"
         );
         let unshare = Command::new("unshare").args(["-rm", "sh", "-c", &script]).current_dir(folder.path()).output();
-        unshare.ok().map(ran).filter(|ran| ran.code != 99 && !ran.err.starts_with("unshare"))
+        unshare.ok().map(|output| ran(&[], output)).filter(|ran| ran.code != 99 && !ran.err.starts_with("unshare"))
     };
     for (command, output) in [
         ("fit log.csv --out", "calibration.json"),

@@ -2,8 +2,10 @@
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, ChildStdout, Command, Output, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
+
+use crate::schema;
 
 pub struct Board {
     child: Child,
@@ -59,7 +61,13 @@ impl Board {
             .stdin(Stdio::null())
             .output()
             .unwrap();
-        output.into()
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        Ran {
+            arguments: ["device"].iter().chain(arguments).map(|argument| (*argument).to_owned()).collect(),
+            code: output.status.code(),
+            out: text(output.stdout),
+            err: text(output.stderr),
+        }
     }
 }
 
@@ -74,22 +82,19 @@ impl Drop for Board {
 /// How a command ended.
 #[derive(Debug)]
 pub struct Ran {
+    arguments: Vec<String>,
     pub code: Option<i32>,
     pub out: String,
     pub err: String,
 }
 
-impl From<Output> for Ran {
-    fn from(output: Output) -> Self {
-        let text = |bytes| String::from_utf8(bytes).unwrap();
-        Self { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
-    }
-}
-
 impl Ran {
+    /// Standard output as JSON; it must be nothing else, and of its command's form.
     #[track_caller]
     pub fn json(&self) -> serde_json::Value {
-        serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error}: {self:?}"))
+        let json = serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error}: {self:?}"));
+        schema::hold_printed(&self.arguments, &json);
+        json
     }
 
     #[track_caller]

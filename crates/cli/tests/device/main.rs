@@ -10,5 +10,8 @@
 mod bench;
 mod board;
 mod manual;
+#[allow(dead_code)] // Nor every helper.
+#[path = "../command/schema.rs"]
+mod schema;
 mod unplugged;
 mod verbs;

@@ -9,6 +9,7 @@ use serde_json::Value;
 use zerorate_cal::recording::Recording;
 
 use crate::board::{Board, await_end, send};
+use crate::schema;
 
 /// The same procedures over 30 K, with three voltages and one soak: three hours of chamber time.
 const SHORT: &str = "\
@@ -154,6 +155,7 @@ fn a_run_by_hand_that_was_stopped_goes_on_and_passes() {
     assert_eq!(run.count("the ramp has begun"), 6, "{:#?}", run.lines);
 
     let summary: Value = serde_json::from_str(&summary).unwrap();
+    schema::hold("summary.json", &summary);
     assert_eq!((&summary["verdict"], &summary["serial"]), (&"good".into(), &"ZR-0042".into()));
     assert_eq!(summary["tests"].as_array().unwrap().len(), 6);
     assert!(summary["tests"][0].get("floor_pp_counts").is_none(), "nobody knows the truth on a real bench");
@@ -163,6 +165,9 @@ fn a_run_by_hand_that_was_stopped_goes_on_and_passes() {
         ramp,
         "the first ramp is that of the first run"
     );
+    let [first, later] = ["full-temperature.parquet", "soaks.parquet"]
+        .map(|file| Recording::read(&(&out.join(file)).into()).unwrap().info.started.unwrap());
+    assert!(first < later, "each says when it was begun");
     for file in ["compensation-test-trim.parquet", "compensation-test-hybrid.parquet", "soaks.parquet", "report.html"] {
         assert!(out.join(file).exists(), "{file}");
     }

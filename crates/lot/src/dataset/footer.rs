@@ -5,6 +5,7 @@ use object_store::{ObjectMeta, ObjectStore, ObjectStoreExt};
 use parquet::arrow::parquet_to_arrow_schema;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, RowGroupMetaData};
+use zerorate_cal::recording::name_in_version_1;
 
 /// Bytes read from a file's end at first.
 const TAIL: u64 = 64 * 1024;
@@ -66,32 +67,38 @@ fn damaged(error: &ParquetError) -> String {
     format!("damaged: {error}: take another copy or record again")
 }
 
-/// The columns that the engine reads, with their types.
+/// What is read of a recording, with its types.
+static COLUMNS: [(&str, DataType); 11] = [
+    ("group_number", DataType::UInt32),
+    ("t_s", DataType::Float64),
+    ("phase", DataType::Utf8),
+    ("axis", DataType::Utf8),
+    ("n", DataType::UInt32),
+    ("temperature_sum", DataType::UInt64),
+    ("zro_sum", DataType::UInt64),
+    ("temperature_counts", DataType::Float64),
+    ("zro_counts", DataType::Float64),
+    ("tap", DataType::UInt16),
+    ("status_bits", DataType::UInt16),
+];
+
+/// The columns of the engine's table: what was renamed since schema version 1 stands there under both names, and is null
+/// under the one that a file does not have.
 pub(crate) fn columns() -> Vec<(&'static str, DataType)> {
-    vec![
-        ("group", DataType::UInt32),
-        ("t_s", DataType::Float64),
-        ("phase", DataType::Utf8),
-        ("axis", DataType::Utf8),
-        ("n", DataType::UInt32),
-        ("temperature_sum", DataType::UInt64),
-        ("zro_sum", DataType::UInt64),
-        ("temperature_counts", DataType::Float64),
-        ("zro_counts", DataType::Float64),
-        ("tap", DataType::UInt16),
-        ("flags", DataType::UInt16),
-    ]
+    let earlier = |(name, kind): &(&str, DataType)| Some((name_in_version_1(name)?, kind.clone()));
+    COLUMNS.iter().cloned().chain(COLUMNS.iter().filter_map(earlier)).collect()
 }
 
 /// Whether the columns are a recording's.
 pub(super) fn check_columns(schema: &Schema) -> Result<(), String> {
-    for (name, kind) in columns() {
-        match schema.field_with_name(name) {
-            Err(_) => return Err(format!("damaged: there is no column '{name}'")),
-            Ok(field) if *field.data_type() != kind => {
+    let field = |name: &str| schema.field_with_name(name).ok();
+    for (name, kind) in &COLUMNS {
+        match field(name).or_else(|| field(name_in_version_1(name)?)) {
+            None => return Err(format!("damaged: there is no column '{name}'")),
+            Some(field) if field.data_type() != kind => {
                 return Err(format!("damaged: column '{name}' is of type {}", field.data_type()));
             }
-            Ok(_) => {}
+            Some(_) => {}
         }
     }
     Ok(())

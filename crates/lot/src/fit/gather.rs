@@ -6,8 +6,10 @@ use crate::dataset::{Found, Place, columns};
 use crate::engine::{Engine, EngineError, column, count};
 use crate::table::Files;
 
+/// Schema version 1 of a recording has its group numbers and status bits under words that SQL keeps for itself.
 const SQL: &str = "
-SELECT file, axis = 'y' AS y, \"group\", t_s, temperature_counts, zro_counts, n, flags, tap,
+SELECT file, axis = 'y' AS y, coalesce(group_number, \"group\") AS group_number, t_s, temperature_counts, zro_counts, n,
+       coalesce(status_bits, flags) AS status_bits, tap,
        phase IN ('heating', 'cooling') AND n > 0 AS used,
        n > 0 AND (temperature_counts <> CAST(temperature_sum AS DOUBLE) / n
                   OR zro_counts <> CAST(zro_sum AS DOUBLE) / n) AS inconsistent
@@ -23,7 +25,7 @@ pub(super) struct Unit {
 }
 
 /// Reads some recordings.
-// Group numbers, counts, flags and taps fit their types in the file.
+// Group numbers, counts, bits and taps fit their types in the file.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 pub(super) async fn gather(engine: &Engine, place: &Place, files: &[&Found]) -> Result<Vec<Unit>, EngineError> {
     let table = Files::new(place.root.clone(), columns(), files.iter().map(|file| file.meta.clone()).collect());
@@ -31,9 +33,9 @@ pub(super) async fn gather(engine: &Engine, place: &Place, files: &[&Found]) -> 
     let mut rows = vec![0; files.len()];
     for batch in &engine.collect(place, table, SQL).await? {
         let get = |name| column(batch, name);
-        let (file, y, group, t_s) = (get("file")?, get("y")?, get("group")?, get("t_s")?);
+        let (file, y, group, t_s) = (get("file")?, get("y")?, get("group_number")?, get("t_s")?);
         let (temperature, reading) = (get("temperature_counts")?, get("zro_counts")?);
-        let (n, flags, tap) = (get("n")?, get("flags")?, get("tap")?);
+        let (n, status_bits, tap) = (get("n")?, get("status_bits")?, get("tap")?);
         let (used, inconsistent) = (get("used")?, get("inconsistent")?);
         for row in 0..batch.num_rows() {
             let own = file[row] as usize;
@@ -46,7 +48,7 @@ pub(super) async fn gather(engine: &Engine, place: &Place, files: &[&Found]) -> 
                     temperature: temperature[row],
                     reading: reading[row],
                     samples: n[row] as u32,
-                    flags: flags[row] as u16,
+                    status_bits: status_bits[row] as u16,
                     tap: tap[row] as u16,
                 });
             }

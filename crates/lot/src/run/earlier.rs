@@ -8,7 +8,7 @@ use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
 
 use super::{RunError, parts};
 use crate::dataset::Found;
-use crate::models::{self, ModelRow, word};
+use crate::models::{self, ModelRow};
 
 /// Rows of earlier runs by their recording, and the place for this one's.
 pub(super) struct Earlier {
@@ -106,7 +106,7 @@ fn rejudge(row: &mut ModelRow, serial: Option<&Reason>) {
         ReasonKind::NarrowSpan if narrow => Verdict::Warning,
         kind => kind.verdict(),
     });
-    row.verdict = word(verdict.max().unwrap_or(Verdict::Good)).to_owned();
+    row.verdict = verdict.max().unwrap_or(Verdict::Good).name().to_owned();
     row.reasons = serde_json::to_string(&reasons).unwrap_or_default();
 }
 

@@ -95,7 +95,7 @@ fn ramp(run: u32, direction: Phase, compensated: &Gyro, mode: Mode) -> impl Iter
                 mode: if gyro.axis == axis { mode } else { Mode::Off },
                 chamber_set_c: f64::NAN,
                 chamber_c: f64::NAN,
-                flags: 0,
+                status_bits: 0,
             }
         })
     })

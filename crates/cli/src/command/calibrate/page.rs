@@ -95,10 +95,11 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
 }
 
 fn headline(page: &mut Page, summary: &Summary) {
-    let verdict = match summary.verdict {
-        Verdict::Rejected => screen::style(Style::new().red().bold(), "rejected"),
-        Verdict::Good | Verdict::Warning => screen::style(Style::new().green().bold(), "passed"),
+    let colour = match summary.verdict {
+        Verdict::Rejected => Style::new().red(),
+        Verdict::Good | Verdict::Warning => Style::new().green(),
     };
+    let verdict = screen::style(colour.bold(), summary.verdict.name());
     let plant = summary.plant.as_ref().zip(summary.seed);
     let plant = plant.map(|(plant, seed)| format!(" ({plant} plant, seed {seed})")).unwrap_or_default();
     page.line(format!("Unit {}{plant}: {verdict}", summary.serial));

@@ -53,7 +53,7 @@ impl Deploy {
         let info = board.info()?;
         let line = board.line();
         let why_not = turned_on.as_ref().err();
-        let told = json!({ "verdict": "deployed", "record": stored, "modes": info.modes, "acquiring": info.acquiring,
+        let told = json!({ "deployed": true, "record": stored, "modes": info.modes, "acquiring": info.acquiring,
             "not_turned_on": why_not, "sent_again": line.sent_again, "damaged_frames": line.damaged_frames });
         let unit = if board.serial().is_empty() { "the board" } else { board.serial() };
         let [x, y] = info.modes;

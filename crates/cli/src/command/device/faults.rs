@@ -5,7 +5,7 @@ use clap::Args;
 
 use super::Device;
 use crate::command::Outcome;
-use crate::screen::{self, Page};
+use crate::screen::Page;
 
 /// Show how often each fault has happened since the board started
 #[derive(Debug, Args)]
@@ -20,7 +20,7 @@ impl Faults {
     pub fn run(&self, device: &Device) -> Result<Outcome> {
         let faults = serde_json::to_value(device.open()?.faults()?)?;
         if device.json {
-            screen::print_json(&faults)?;
+            super::print_json(&faults)?;
             return Ok(Outcome::Done);
         }
         let mut page = Page::default();

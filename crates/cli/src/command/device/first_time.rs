@@ -59,7 +59,7 @@ impl FirstTime {
             board.check_after_power_cycle(&mut found, &setup, POWER_CYCLE, go_on)?;
         }
         if device.json {
-            screen::print_json(&found)?;
+            super::print_json(&found)?;
         } else {
             self.page(&found).print()?;
         }

@@ -5,7 +5,7 @@ use clap::Args;
 
 use super::Device;
 use crate::command::Outcome;
-use crate::screen::{self, Page};
+use crate::screen::Page;
 
 /// Say who the board is, and what calibration it has
 #[derive(Debug, Args)]
@@ -21,7 +21,7 @@ impl Info {
     pub fn run(&self, device: &Device) -> Result<Outcome> {
         let info = device.open()?.info()?;
         if device.json {
-            screen::print_json(&info)?;
+            super::print_json(&info)?;
             return Ok(Outcome::Done);
         }
         let serial =

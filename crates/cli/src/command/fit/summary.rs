@@ -77,13 +77,12 @@ fn rejected_axes(page: &mut Page, fit: &LogFit) {
 }
 
 fn verdict(page: &mut Page, fit: &LogFit) {
-    let (colour, word, meaning) = match fit.judgement.verdict {
-        Verdict::Good => (Style::new().green(), "good", "fitted, nothing speaks against it"),
-        Verdict::Warning => (Style::new().yellow(), "warning", "fitted, with something to look at"),
-        Verdict::Rejected => {
-            (Style::new().red(), "rejected", "no calibration comes of this log, and nothing was written")
-        }
+    let (colour, meaning) = match fit.judgement.verdict {
+        Verdict::Good => (Style::new().green(), "fitted, nothing speaks against it"),
+        Verdict::Warning => (Style::new().yellow(), "fitted, with something to look at"),
+        Verdict::Rejected => (Style::new().red(), "no calibration comes of this log, and nothing was written"),
     };
+    let word = fit.judgement.verdict.name();
     page.sentence("", &format!("{}: {}: {meaning}", fit.source(), style(colour.bold(), word)));
     fit.judgement.reasons.iter().for_each(|reason| page.sentence("  - ", &reason.text));
 }
@@ -112,7 +111,7 @@ fn curves(page: &mut Page, fit: &LogFit, unit: RateUnit) {
         let model = format!("{}{beside}", axis.calibration.model());
         let used = thousands(axis.calibration.fit.statistics.samples_used);
         let cells = [&drifts, &rms, &pp, &before_rms, &before_pp].map(|column| column[place].clone());
-        grid.row([axis.name.clone(), word(axis.verdict).to_owned(), model].into_iter().chain(cells).chain([used]));
+        grid.row([axis.name.clone(), axis.verdict.name().to_owned(), model].into_iter().chain(cells).chain([used]));
     }
     page.grid(&grid);
     if believed(&axes) != measured(&axes) {
@@ -201,15 +200,6 @@ fn terms_in_recording(page: &mut Page, fit: &LogFit, over: ResidualOver) {
              cross-validation: of each of eight folds of the log, predicted by a fit of the other seven.{believed}"
         ),
     );
-}
-
-/// A verdict in a table.
-fn word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Good => "good",
-        Verdict::Warning => "usable",
-        Verdict::Rejected => "rejected",
-    }
 }
 
 /// What was measured; of several axes, the least and the greatest.

@@ -1,7 +1,8 @@
 //! What is in a recording of the bench.
 
+use chrono::SecondsFormat;
 use serde::Serialize;
-use zerorate_cal::recording::{GroupRow, Recording, flags};
+use zerorate_cal::recording::{GroupRow, Recording, status};
 
 use crate::screen::{Grid, Page, thousands};
 
@@ -11,6 +12,7 @@ pub struct Facts {
     procedure: String,
     firmware: String,
     seed: Option<u64>,
+    started: Option<String>,
     /// Not finished: cut off, or still being written.
     cut: bool,
     whole_groups: usize,
@@ -41,21 +43,22 @@ impl Facts {
         let rows = &recording.rows;
         let info = &recording.info;
         let times = range(rows.iter().map(|row| row.t_s));
-        let flagged = |which: u16| rows.iter().filter(|row| row.flags & which != 0).count();
+        let flagged = |which: u16| rows.iter().filter(|row| row.status_bits & which != 0).count();
         Self {
             unit_serial: info.unit_serial.clone(),
             procedure: info.procedure.clone(),
             firmware: info.firmware.clone(),
             seed: info.seed,
+            started: info.started.map(|started| started.to_rfc3339_opts(SecondsFormat::Secs, true)),
             cut: recording.cut,
             whole_groups: recording.groups(),
             rows: rows.len(),
             samples_per_group: extremes(rows.iter().map(|row| row.sums.n)),
             seconds: if rows.is_empty() { 0.0 } else { times[1] - times[0] },
             chamber_c: range(rows.iter().map(|row| row.chamber_c)),
-            saturated_rows: flagged(flags::SATURATED),
-            unbelieved_rows: flagged(flags::STUCK | flags::JUMPED | flags::TEMPERATURE_SATURATED),
-            trim_failed_rows: flagged(flags::TRIM_FAILED),
+            saturated_rows: flagged(status::SATURATED),
+            unbelieved_rows: flagged(status::STUCK | status::JUMPED | status::TEMPERATURE_SATURATED),
+            trim_failed_rows: flagged(status::TRIM_FAILED),
             parts: parts(rows),
         }
     }
@@ -77,6 +80,7 @@ impl Facts {
             ("firmware", given(&self.firmware)),
         ];
         facts.extend(self.seed.map(|seed| ("bench", format!("simulated, seed {seed}"))));
+        facts.extend(self.started.clone().map(|started| ("started", started)));
         facts.push(("groups", format!("{groups} of {samples} samples, {}", duration(self.seconds))));
         if self.chamber_c[0].is_finite() {
             facts.push(("chamber", format!("{:.1} to {:.1} C", self.chamber_c[0], self.chamber_c[1])));
