@@ -66,8 +66,8 @@ pub(super) fn terms(terms: &[(&str, Markup)]) -> Markup {
 /// What a page is made of, with its SHA-256, so that it can be told from another of the same name.
 pub(super) fn sources(created_by: &str, sources: &[Origin]) -> Markup {
     html! {
-        p { "Made by " (created_by) ", of:" }
-        ul { @for Origin { file, sha256, .. } in sources { li { (file) ", SHA-256 " code { (sha256) } } } }
+        p { "Made by " (created_by) "," }
+        ul { @for Origin { file, sha256, .. } in sources { li { "of " (file) ", SHA-256 " code { (sha256) } } } }
     }
 }
 

@@ -218,20 +218,13 @@ impl Fit {
     }
 }
 
-/// The page of a fit, with the commands that go on from it. Behind its end stands what it came of, by which another run
-/// knows it again.
+/// The page of a fit, with the commands that go on from it.
 pub(super) fn page(fit: &LogFit, about: About, origins: &[Origin], next_command: Option<&str>) -> String {
     let export_command: fn(Format) -> String =
         |format| format!("zerorate export calibration.json --format {format} --out {}", format.file_name());
     let About { serial, labels, units } = about;
     let export_command = Some(export_command);
-    let page = LogPage { fit, units, serial, labels, sources: origins, next_command, export_command };
-    let mut page = page.to_html();
-    for Origin { file, sha256, .. } in origins {
-        // A file's name may hold what would end the comment.
-        page += &format!("<!-- of {}, SHA-256 {sha256} -->\n", file.replace("--", "- -"));
-    }
-    page
+    LogPage { fit, units, serial, labels, sources: origins, next_command, export_command }.to_html()
 }
 
 /// Of what unit a page is, by whom, and how it is to be told.

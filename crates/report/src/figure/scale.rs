@@ -93,7 +93,7 @@ impl Scale {
             within.map(|(at, decade, factor)| (at, decade_label(decade, factor))).collect()
         };
         let whole = at(&[1]);
-        let ticks = if whole.len() > 2 { whole } else { at(&[1, 2, 5]) };
+        let ticks = if whole.len() as f64 >= LEAST_TICKS { whole } else { at(&[1, 2, 5]) };
         Self { range, ticks, exponent: 0 }
     }
 

@@ -55,7 +55,7 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
          the mean of its first half minute. Cold and hot end: the coldest and the hottest groups held out, as many as a fold. Taken \
          (*) is the simplest model whose held-out and deployed squares are within one standard error of the best. It must \
          be at neither end worse than the better of a straight line and a cubic, and in neither direction of the ramp worse \
-         than the cubic.",
+         than the cubic. Where what is so taken predicts new data worse than the cubic, the best plain curve is taken.",
     );
 }
 
