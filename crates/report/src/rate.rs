@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn without_one_small_rates_are_in_thousandths_and_counts_never_are() {
-        let of = |unit, size| RateScale::of(unit, &[0.0, -size], None);
+        let of = |unit, size: f64| RateScale::of(unit, &[0.0, -size], None);
         assert_eq!((of(RateUnit::RadPerS, 0.004).unit(), of(RateUnit::RadPerS, 0.004).of_rate(0.004)), ("mrad/s", 4.0));
         assert_eq!([of(RateUnit::Dps, 3.0).unit(), of(RateUnit::Counts, 0.01).unit()], ["dps", "counts"]);
     }
