@@ -156,6 +156,7 @@ fn compose(
     let mut calibration = Calibration {
         temperature_scale: Some(TemperatureScale::QUARTER_COUNTS),
         group_period_s: Some(session.setup.group_period().0),
+        labels: session.setup.labels.clone(),
         setup: serde_json::to_value(session.setup).ok(),
         ..Calibration::new(Kind::AnalogueBoard, Some(serial.to_owned()), Vec::new(), TemperatureUnit::Counts, axes)
     };

@@ -56,6 +56,7 @@ pub fn of_axes(
         temperature_scale: Some(TemperatureScale::QUARTER_COUNTS),
         group_period_s: Some(setup.group_period().0),
         warnings: warnings.into_iter().chain([NO_TRIM.to_owned()]).collect(),
+        labels: info.labels.clone(),
         setup: serde_json::to_value(&setup).ok(),
         ..Calibration::new(Kind::AnalogueBoard, serial, vec![origin], TemperatureUnit::Counts, axes)
     })

@@ -8,6 +8,7 @@
 //! a reader does not know it passes over, so that adding one needs no new version.
 
 mod axis;
+mod celsius;
 mod device;
 mod drift_form;
 mod error;
@@ -21,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use zerorate_core::units::TemperatureScale;
 
 pub use axis::AxisCalibration;
+pub use celsius::CelsiusScale;
 pub use device::{MadeRecord, NoDeviceRecord};
 pub use error::{CalibrationError, CalibrationFault};
 pub use origin::{Origin, sha256};
@@ -77,6 +79,9 @@ pub struct Calibration {
     /// What to look at, a sentence each.
     #[serde(default)]
     pub warnings: Vec<String>,
+    /// What whoever made it knows of it, by name, as `operator` and `station`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub labels: BTreeMap<String, String>,
     /// The set-up that it was made with, as it was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub setup: Option<serde_json::Value>,
@@ -116,6 +121,7 @@ impl Calibration {
             group_period_s: None,
             axes,
             warnings: Vec::new(),
+            labels: BTreeMap::new(),
             setup: None,
         }
     }

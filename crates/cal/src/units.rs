@@ -98,16 +98,22 @@ impl fmt::Display for TimeUnit {
 
 impl fmt::Display for RateUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Dps => "dps",
-            Self::RadPerS => "rad/s",
-            Self::Counts => "counts",
-            Self::MetresPerS2 => "m/s^2",
-        })
+        f.write_str(self.name())
     }
 }
 
 impl RateUnit {
+    /// The unit as it is written after a number.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Dps => "dps",
+            Self::RadPerS => "rad/s",
+            Self::Counts => "counts",
+            Self::MetresPerS2 => "m/s^2",
+        }
+    }
+
     /// How many of another unit one of this is; `None` where they are of different quantities, or nobody knows, as of an
     /// A/D's counts.
     #[must_use]

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::{Result, ensure};
 use clap::Args;
 use zerorate_cal::log::SensorChoice;
 use zerorate_cal::log_fit::FitOptions;
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
-use zerorate_cal::units::{TimeUnit, WrittenRate, WrittenTemperature};
+use zerorate_cal::units::{RateUnit, TimeUnit, WrittenRate, WrittenTemperature};
 use zerorate_fit::drift_fit::ResidualOver;
 use zerorate_fit::model::Model;
 
@@ -50,6 +51,30 @@ pub struct UnitArguments {
     /// The rates' unit: dps (deg/s), mdps, deg/h, rad/s, mrad/s or counts; mdps and deg/h are read as dps, mrad/s as rad/s
     #[arg(long, value_name = "UNIT")]
     pub rate_unit: Option<WrittenRate>,
+}
+
+/// The unit in which people are told rates.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct ShownUnits {
+    /// Tell rates in this unit, on the screen, in tables and in figures: dps (deg/s), mdps, deg/h, rad/s, mrad/s or counts;
+    /// without it in the log's own, or a thousandth of it. JSON stays in the log's own, which it names
+    #[arg(long, value_name = "UNIT", help_heading = "Output")]
+    units: Option<WrittenRate>,
+}
+
+impl ShownUnits {
+    /// The unit asked for, if rates in one of these units can be told in it. Accelerations stay in their own.
+    pub fn of(self, found: impl Iterator<Item = RateUnit>) -> Result<Option<WrittenRate>> {
+        let Some(asked) = self.units else { return Ok(None) };
+        let found: Vec<RateUnit> = found.collect();
+        let fits = found.is_empty() || found.iter().any(|unit| asked.in_unit(*unit).is_some());
+        ensure!(
+            fits,
+            "--units {asked}: the rates are in {}, and what one of those is in {asked} nobody knows",
+            found[0]
+        );
+        Ok(Some(asked))
+    }
 }
 
 impl ColumnArguments {
@@ -102,7 +127,7 @@ pub struct LogArguments {
 }
 
 /// A time that a group can take.
-fn seconds(text: &str) -> Result<f64, String> {
+fn seconds(text: &str) -> std::result::Result<f64, String> {
     let seconds: f64 = text.parse().map_err(|_| "give a number of seconds".to_owned())?;
     if (MIN_GROUP_S..=MAX_GROUP_S).contains(&seconds) {
         Ok(seconds)

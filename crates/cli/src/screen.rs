@@ -1,7 +1,6 @@
 //! What people see: pages of text on standard output, JSON instead when asked for, notes and errors beside them.
 
 mod grid;
-mod rate;
 
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -12,7 +11,7 @@ use serde::Serialize;
 use zerorate_words::{as_options, sentence};
 
 pub use grid::Grid;
-pub use rate::RateScale;
+pub use zerorate_report::RateScale;
 pub use zerorate_report::number::{aligned, thousands, three_digits};
 
 /// Lines longer than this are hard to read, however wide the terminal.

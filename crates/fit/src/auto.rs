@@ -30,6 +30,7 @@ use crate::model::Model;
 use crate::predict::{DriftModel, Predictor, Start};
 use crate::residual::ResidualStatistics;
 use crate::series::Series;
+use crate::trend::trends;
 use candidates::{Among, Spec, candidates};
 use features::{Features, TABLE_INTERVALS};
 use nested::Outer;
@@ -115,7 +116,7 @@ impl Attempt {
         let in_sample = ResidualStatistics::of(residuals.iter().copied());
         let deployed = predict(&made.model, Start::Unknown, series, 0..series.rate.len());
         let held_out = match outer.complete() {
-            true => ResidualStatistics::of(outer.residuals.iter().copied()),
+            true => ResidualStatistics::by_folds(&outer.residuals),
             false => ResidualStatistics::NONE,
         };
         let band = band::band(series, measured, outer.complete().then_some(&outer.deployed[..]), &deployed);
@@ -125,6 +126,7 @@ impl Attempt {
             nested: Some(outer.figures()),
             deployed: outer.deployed(series),
             uncorrected: outer.uncorrected(series),
+            trends: trends(&deployed, series),
             ..FitStatistics::new(ResidualOver::Groups, made.solution.rows, in_sample, held_out, covariance)
         };
         let static_cubic = nested::static_cubic(whole, &made, &outer);

@@ -164,7 +164,7 @@ pub struct FoldResiduals<'a> {
     choice: &'a Choice,
     rows: u64,
     in_sample: Residuals,
-    held_out: Residuals,
+    held_out: [Residuals; FOLDS],
     /// Every fold with rows had a fit of the others.
     complete: bool,
 }
@@ -173,7 +173,7 @@ impl<'a> FoldResiduals<'a> {
     /// For the record of `rows` rows that was fitted.
     #[must_use]
     pub fn new(choice: &'a Choice, rows: u64) -> Self {
-        let (in_sample, held_out) = (Residuals::default(), Residuals::default());
+        let (in_sample, held_out) = (Residuals::default(), [Residuals::default(); FOLDS]);
         Self { choice, rows, in_sample, held_out, complete: true }
     }
 
@@ -181,8 +181,9 @@ impl<'a> FoldResiduals<'a> {
     pub fn push(&mut self, row: u64, temperature: f64, rate: f64) -> f64 {
         let residual = rate - self.choice.shape.evaluate(temperature);
         self.in_sample.push(residual);
-        match &self.choice.without[fold_of_row(row, self.rows)] {
-            Some(shape) => self.held_out.push(rate - shape.evaluate(temperature)),
+        let fold = fold_of_row(row, self.rows);
+        match &self.choice.without[fold] {
+            Some(shape) => self.held_out[fold].push(rate - shape.evaluate(temperature)),
             None => self.complete = false,
         }
         residual
@@ -191,7 +192,8 @@ impl<'a> FoldResiduals<'a> {
     /// In-sample and held out.
     #[must_use]
     pub fn statistics(&self) -> (ResidualStatistics, ResidualStatistics) {
-        let held_out = if self.complete { self.held_out.statistics() } else { ResidualStatistics::NONE };
+        let held_out =
+            if self.complete { ResidualStatistics::of_folds(&self.held_out) } else { ResidualStatistics::NONE };
         (self.in_sample.statistics(), held_out)
     }
 }

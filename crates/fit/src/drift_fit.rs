@@ -6,6 +6,7 @@ use zerorate_core::drift::{Drift, ValidRange};
 use crate::folds::FOLDS;
 use crate::predict::DriftModel;
 use crate::residual::ResidualStatistics;
+use crate::trend::Trend;
 
 /// A drift that was fitted. Rates and temperatures are in the units of what it was fitted to.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,6 +122,9 @@ pub struct FitStatistics {
     /// The same without any model: what a device has left that takes its zero and corrects nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncorrected: Option<ResidualStatistics>,
+    /// Trends in what the model leaves of the recording, its drift in time not taken off; none in most.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub trends: Vec<Trend>,
 }
 
 impl FitStatistics {
@@ -151,6 +155,7 @@ impl FitStatistics {
             nested: None,
             deployed: None,
             uncorrected: None,
+            trends: Vec::new(),
         }
     }
 }

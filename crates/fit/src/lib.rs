@@ -14,4 +14,5 @@ pub mod ramp;
 pub mod residual;
 pub mod robust;
 pub mod series;
+pub mod trend;
 pub mod trim;

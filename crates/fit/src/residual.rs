@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::folds::{FOLDS, rows_of_fold};
+
 /// The size of a residual, in the rate's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ResidualStatistics {
@@ -9,16 +11,40 @@ pub struct ResidualStatistics {
     pub rms: f64,
     /// Peak to peak.
     pub pp: f64,
+    /// How well the rms is known, by how much the folds differ ([`Self::of_folds`]); `None` where it is not of folds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rms_standard_error: Option<f64>,
 }
 
 impl ResidualStatistics {
     /// Of nothing.
-    pub const NONE: Self = Self { rms: f64::NAN, pp: f64::NAN };
+    pub const NONE: Self = Self { rms: f64::NAN, pp: f64::NAN, rms_standard_error: None };
 
     /// Of the finite values, about zero.
     #[must_use]
     pub fn of(residuals: impl IntoIterator<Item = f64>) -> Self {
         Residuals::of(residuals).statistics()
+    }
+
+    /// Of residuals in folds, about zero. Neighbours in a fold are alike and folds are not, so the standard error of the rms
+    /// is by folds: of fold k, with n residuals of N and the sum of squares S, and of the mean square m of all K folds,
+    /// `sqrt(K / (K - 1) sum (S - m n)^2) / N / (2 rms)`. `None` of fewer than two folds, and where nothing is left.
+    #[must_use]
+    pub fn of_folds(folds: &[Residuals]) -> Self {
+        let all = folds.iter().fold(Residuals::default(), |all, fold| all.with(fold));
+        let folds: Vec<&Residuals> = folds.iter().filter(|fold| fold.count > 0).collect();
+        let (count, total) = (folds.len() as f64, all.count as f64);
+        let (rms, mean_square) = (all.rms(), all.squares / total);
+        let squares: f64 = folds.iter().map(|fold| (fold.squares - mean_square * fold.count as f64).powi(2)).sum();
+        let error = (count / (count - 1.0) * squares).sqrt() / total / (2.0 * rms);
+        Self { rms_standard_error: Some(error).filter(|error| error.is_finite()), ..all.statistics() }
+    }
+
+    /// The same of residuals in their order, with [`FOLDS`] folds; those that are no numbers are left out.
+    #[must_use]
+    pub fn by_folds(residuals: &[f64]) -> Self {
+        let fold = |fold| Residuals::of(residuals[rows_of_fold(fold, residuals.len())].iter().copied());
+        Self::of_folds(&(0..FOLDS).map(fold).collect::<Vec<_>>())
     }
 
     /// The size of values about their mean, and the mean.
@@ -70,6 +96,18 @@ impl Residuals {
         self.max = self.max.max(residual);
     }
 
+    /// These and others.
+    #[must_use]
+    pub fn with(self, others: &Self) -> Self {
+        Self {
+            count: self.count + others.count,
+            squares: self.squares + others.squares,
+            fourths: self.fourths + others.fourths,
+            min: self.min.min(others.min),
+            max: self.max.max(others.max),
+        }
+    }
+
     /// Root mean square; NaN of none.
     #[must_use]
     pub fn rms(&self) -> f64 {
@@ -95,6 +133,30 @@ impl Residuals {
         if self.count == 0 {
             return ResidualStatistics::NONE;
         }
-        ResidualStatistics { rms: self.rms(), pp: self.max - self.min }
+        ResidualStatistics { rms: self.rms(), pp: self.max - self.min, rms_standard_error: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_standard_error_of_an_rms_is_by_folds() {
+        // Mean squares 1, 9, 1, 9, 1, 9, 1, 9 of two residuals each: 5 on average, and the variance of such a mean is
+        // 8 x 16 / (8 x 7). The error of a root is that of the square over twice the root.
+        let residuals: Vec<f64> = (0..16).map(|row| if row / 2 % 2 == 0 { 1.0 } else { -3.0 }).collect();
+        let found = ResidualStatistics::by_folds(&residuals);
+        assert!((found.rms - 5.0_f64.sqrt()).abs() < 1e-12 && (found.pp - 4.0).abs() < 1e-12);
+        let by_hand = (8.0 * 16.0 / (8.0 * 7.0_f64)).sqrt() / (2.0 * 5.0_f64.sqrt());
+        assert!((found.rms_standard_error.unwrap() - by_hand).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn of_one_fold_nobody_knows_how_well_its_rms_is_known() {
+        let one = ResidualStatistics::of_folds(&[Residuals::of([1.0, -2.0])]);
+        assert_eq!((one.rms_standard_error, one.pp), (None, 3.0));
+        assert_eq!(ResidualStatistics::of_folds(&[]).rms_standard_error, None);
+        assert_eq!(ResidualStatistics::by_folds(&[0.0; 16]).rms_standard_error, None, "nothing is left");
     }
 }

@@ -17,7 +17,16 @@ fn main() -> io::Result<()> {
         ("calibration.html", board_page(&sample::board_run())),
         (
             "log.html",
-            LogPage { fit: &log, sources: &[], next_command: Some("zerorate apply"), export_command: None }.to_html(),
+            LogPage {
+                fit: &log,
+                units: None,
+                serial: Some("ZR-0007"),
+                labels: &[("operator".to_owned(), "A. N.".to_owned())].into(),
+                sources: &[],
+                next_command: Some("zerorate apply"),
+                export_command: None,
+            }
+            .to_html(),
         ),
         ("lot.html", sample::lot(204, 0.37).to_html()),
         ("small-lot.html", sample::lot(3, 0.05).to_html()),

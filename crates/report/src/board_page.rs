@@ -15,7 +15,8 @@ use zerorate_cal::summary::Summary;
 use zerorate_core::units::Axis;
 
 use self::axis::BoardAxis;
-use super::figure::Ink;
+use super::figure::{Ink, Second};
+use super::number::fixed;
 use super::page::{self, Chapter};
 
 /// Seconds in a minute: figures show time in minutes.
@@ -44,6 +45,8 @@ pub fn board_page(run: &BoardRun) -> String {
     }
     chapters.push(("checks", "What was checked", reading::checks(&run.summary.checks)));
     chapters.push(("reading", "How to read the numbers", reading::definitions(&board)));
+    let sources = page::sources(&run.calibration.created_by, &run.calibration.sources);
+    chapters.push(("sources", "What this page is made of", sources));
     page::page(&format!("Calibration of {}", run.summary.serial), &headline::headline(&board), &chapters)
 }
 
@@ -53,9 +56,31 @@ impl Board<'_> {
         self.axes.first().map_or(f64::NAN, |axis| axis.trim.trim.line.centre().0)
     }
 
+    /// Degrees C beside the counts of a temperature axis, where the set-up says what a count is.
+    fn celsius(&self) -> Option<Second> {
+        let scale = self.run.calibration.celsius_scale()?;
+        Some(Second { unit: "°C", zero: scale.at_zero.0, one: scale.counts_per_celsius })
+    }
+
+    /// A temperature in counts as it is written: degrees C behind it, where they are known.
+    fn temperature(&self, counts: f64) -> String {
+        let celsius = self.celsius().map(|scale| format!(" ({}\u{a0}°C)", fixed(scale.of(counts), 1)));
+        format!("{} counts{}", fixed(counts, 0), celsius.unwrap_or_default())
+    }
+
     /// The tap at which the drift was recorded.
     fn middle_tap(&self) -> u16 {
         self.axes.first().map_or(0, |axis| axis.trim.trim.line.middle().get())
+    }
+
+    /// Whether the unit is the paper's, simulated.
+    fn is_papers(&self) -> bool {
+        self.summary.plant.as_deref() == Some("paper")
+    }
+
+    /// Which figure of the paper shows the same. Of another unit none does.
+    fn as_in_the_paper(&self, figure: u8) -> Markup {
+        html! { @if self.is_papers() { " (As figure " (figure) " of the paper.)" } }
     }
 
     /// Samples averaged to a group, each channel.

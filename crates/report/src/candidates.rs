@@ -3,35 +3,35 @@
 use maud::{Markup, html};
 use zerorate_fit::drift_fit::Candidate;
 
-use super::number::{decimals_for, fixed, fixed_or_none, thousandfold};
+use super::number::{decimals_for, fixed, fixed_or_none};
 use super::page::Table;
+use super::rate::RateScale;
 
 /// Rows at most: the one chosen, and those that predict best.
 const SHOWN: usize = 12;
 
 /// The candidates of one axis; nothing where one model was asked for, for then there was no choice.
-pub(super) fn table(axis: &str, candidates: &[Candidate], unit: &str) -> Markup {
+pub(super) fn table(axis: &str, candidates: &[Candidate], scale: RateScale) -> Markup {
     if candidates.len() < 2 {
         return html! {};
     }
     let all = candidates.len();
     let candidates = shown(candidates);
     let held_out = || candidates.iter().filter_map(|candidate| candidate.held_out_rms);
-    let (factor, unit) = thousandfold(held_out().fold(0.0, f64::max), unit);
-    let decimals = 1 + decimals_for(held_out().fold(f64::INFINITY, f64::min) / factor);
-    let scaled = |value: Option<f64>| html! { (fixed_or_none(value.map(|value| value / factor), decimals)) };
+    let decimals = 1 + decimals_for(scale.of_rate(held_out().fold(f64::INFINITY, f64::min)));
+    let scaled = |value: Option<f64>| html! { (fixed_or_none(value.map(|value| scale.of_rate(value)), decimals)) };
     let heads = ["Model", "In-sample rms", "Held-out rms", "± standard error"];
     let row = |candidate: &Candidate| {
         vec![
             html! { (candidate.model) @if candidate.chosen { " ✓" } },
-            html! { (fixed(candidate.in_sample_rms / factor, decimals)) },
+            html! { (fixed(scale.of_rate(candidate.in_sample_rms), decimals)) },
             scaled(candidate.held_out_rms),
             scaled(candidate.held_out_excess_standard_error),
         ]
     };
     let caption = html! {
         b { (axis) } ": models compared by blocked cross-validation; the simplest within one standard error of the best is "
-        "taken (✓). In " (unit) "."
+        "taken (✓), or the best plain curve where that one predicts new data worse than a cubic. In " (scale.unit()) "."
         @if all > candidates.len() { " The " (candidates.len()) " of " (all) " that predict best." }
     };
     Table { caption, heads: &heads, rows: candidates.into_iter().map(row).collect(), numbers_from: 1 }.markup()

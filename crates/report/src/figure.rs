@@ -7,6 +7,7 @@ mod mark;
 mod panel;
 mod path;
 mod scale;
+mod second;
 mod thin;
 
 use maud::{Markup, html};
@@ -16,6 +17,7 @@ pub(super) use mark::{Mark, Side};
 pub(super) use panel::Panel;
 use path::{Path, SPARSE, markers};
 pub(super) use scale::{extent, holding};
+pub(super) use second::Second;
 
 /// How an ink is shown in a key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -120,7 +120,7 @@ impl LotReport {
             @for (place, unit) in self.worst.iter().enumerate() {
                 @if let Some(axis) = unit.fit.axes.iter().find(|axis| axis.name == unit.axis) {
                     h3 { (place + 1) ". " (unit.serial) ", axis " (unit.axis) ": " (significant(unit.held_out_rms, 3)) " counts rms held out" }
-                    (log_page::axis::figure(&unit.fit, axis, place + drawn).markup())
+                    (log_page::axis::figure(&unit.fit, axis, None, place + drawn).markup())
                 }
             }
             @for sentence in self.undrawn_notes() { p { (told(&sentence)) } }

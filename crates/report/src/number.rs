@@ -23,6 +23,12 @@ pub(crate) fn exact(value: f64) -> String {
     if value.is_finite() { set(&value.abs().to_string(), value < 0.0) } else { NONE.to_owned() }
 }
 
+/// For a page: a number with its standard error, where that is known, both with so many decimals.
+pub(crate) fn with_error(value: f64, error: Option<f64>, decimals: usize) -> String {
+    let error = error.map(|error| format!("\u{a0}±\u{a0}{}", fixed(error, decimals)));
+    fixed(value, decimals) + &error.unwrap_or_default()
+}
+
 /// For a page: a whole number.
 pub(crate) fn whole(value: u64) -> String {
     set(&value.to_string(), false)
@@ -107,18 +113,6 @@ pub(crate) fn significant_text(value: f64, digits: usize) -> String {
     }
 }
 
-/// The power of a thousand in which values up to `largest` are best written, and the unit with it: tables of small rates
-/// are read more easily in 10⁻³ rad/s than with a power of ten in each cell.
-// A double's exponent is within 400.
-#[allow(clippy::cast_possible_truncation)]
-pub(crate) fn thousandfold(largest: f64, unit: &str) -> (f64, String) {
-    if !largest.is_finite() || largest <= 0.0 || (0.1..1e6).contains(&largest) {
-        return (1.0, unit.to_owned());
-    }
-    let exponent = ((largest.log10() + 1.0) / 3.0).floor() as i32 * 3;
-    (10_f64.powi(exponent), format!("10{} {unit}", raised(exponent)))
-}
-
 /// A whole number in raised figures, for places without markup.
 pub(crate) fn raised(number: i32) -> String {
     let figures = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
@@ -195,10 +189,9 @@ mod tests {
     }
 
     #[test]
-    fn a_table_of_small_rates_shares_one_power_of_a_thousand() {
-        assert_eq!(thousandfold(4.1e-3, "rad/s"), (1e-3, "10⁻³ rad/s".to_owned()));
-        assert_eq!(thousandfold(0.9, "deg/s"), (1.0, "deg/s".to_owned()));
-        assert_eq!(thousandfold(0.02, "rad/s").1, "10⁻³ rad/s");
+    fn the_smallest_of_a_column_has_three_digits_and_its_error_as_many_decimals() {
+        assert_eq!(with_error(0.234, Some(0.02), 3), "0.234\u{a0}±\u{a0}0.020");
+        assert_eq!(with_error(0.234, None, 2), "0.23");
         assert_eq!((decimals_for(0.234), decimals_for(24.1), decimals_for(f64::NAN)), (3, 1, 3));
     }
 

@@ -2,6 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+use zerorate_cal::calibration::Origin;
 use zerorate_cal::quality::Verdict;
 
 /// The style sheet.
@@ -60,6 +61,14 @@ pub(super) fn told(sentence: &str) -> Markup {
 /// Words, each with what it means.
 pub(super) fn terms(terms: &[(&str, Markup)]) -> Markup {
     html! { dl.terms { @for (term, meaning) in terms { dt { (term) } dd { (meaning) } } } }
+}
+
+/// What a page is made of, with its SHA-256, so that it can be told from another of the same name.
+pub(super) fn sources(created_by: &str, sources: &[Origin]) -> Markup {
+    html! {
+        p { "Made by " (created_by) "," }
+        ul { @for Origin { file, sha256, .. } in sources { li { "of " (file) ", SHA-256 " code { (sha256) } } } }
+    }
 }
 
 /// Facts, each a term and what holds of it.

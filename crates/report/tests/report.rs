@@ -2,8 +2,10 @@
 
 mod sample;
 
-use zerorate_cal::log_fit::LogFit;
+use zerorate_cal::log_fit::{AxisVerdict, LogFit};
 use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
+use zerorate_cal::units::WrittenRate;
+use zerorate_fit::trend::{Against, Trend};
 use zerorate_report::{LogPage, board_page};
 
 /// A page may not be larger than this: it goes by mail.
@@ -15,7 +17,14 @@ fn pages() -> [String; 4] {
 }
 
 fn log_page(fit: &LogFit) -> String {
-    LogPage { fit, sources: &[], next_command: Some("zerorate apply"), export_command: None }.to_html()
+    log_page_in(fit, None)
+}
+
+/// The page with its rates in a unit.
+fn log_page_in(fit: &LogFit, units: Option<WrittenRate>) -> String {
+    let labels = [("operator".to_owned(), "A. N.".to_owned())].into();
+    let (serial, next_command) = (Some("ZR-0007"), Some("zerorate apply"));
+    LogPage { fit, units, serial, labels: &labels, sources: &[], next_command, export_command: None }.to_html()
 }
 
 /// The texts between `start` and `end`, in order.
@@ -204,4 +213,74 @@ fn a_small_lot_is_not_drawn_as_if_it_were_a_large_one() {
     assert!(
         none.contains("there is nothing to draw") && !none.contains("role=\"img\"") && none.contains("1 was rejected")
     );
+}
+
+#[test]
+fn a_logs_page_tells_every_rate_in_the_unit_asked_for_and_its_figures_too() {
+    let page = log_page_in(&sample::log(), Some(WrittenRate::DegPerHour));
+    let words = page.split("</style>").nth(1).unwrap();
+    assert!(words.contains("rate, deg/h") && words.contains("Allan deviation, deg/h"));
+    // The coefficients to copy are those of the calibration, and say so.
+    assert!(!words.contains("mrad/s") && words.matches("rad/s").count() == 3, "{}", words.matches("rad/s").count());
+}
+
+#[test]
+fn what_a_device_has_left_of_each_axis_stands_with_its_error_before_the_figures() {
+    let log = sample::log();
+    let page = log_page(&log);
+    let first = page.split("<section").next().unwrap();
+    let before = first.find("A. N.").unwrap();
+    assert!(first[..before].contains("ZR-0007") && first.contains("Deployed, rms"));
+    for axis in &log.axes {
+        let deployed = axis.calibration.fit.statistics.deployed.unwrap();
+        let error = 1e3 * deployed.rms_standard_error.unwrap();
+        let cell = format!("{:.4}\u{a0}±\u{a0}{error:.4}", 1e3 * deployed.rms);
+        assert!(first.contains(&cell[..4]), "{cell} of {}", axis.name);
+        assert!(first.matches('±').count() >= 3);
+    }
+}
+
+#[test]
+fn what_speaks_against_a_log_and_its_rejected_axes_stand_before_any_number() {
+    let mut log = sample::log();
+    let mut judgement = log.verdicts[0].judgement.clone();
+    judgement.verdict = Verdict::Rejected;
+    log.verdicts.push(AxisVerdict { name: "gyro_w".into(), judgement });
+    let page = log_page(&log);
+    let at = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words}"));
+    let good = at("Deployed, rms");
+    assert!(at("Rejected, and not in the calibration: gyro_w.") < good && at("the unit was moved") < good);
+}
+
+#[test]
+fn a_trend_that_is_left_is_named() {
+    let mut log = sample::log();
+    log.axes[1].calibration.fit.statistics.trends =
+        vec![Trend { against: Against::Time, change: 4e-4, standard_error: 3e-5 }];
+    let first = log_page(&log);
+    let told = "gyro_y_rad_s: what the model leaves still rises by 0.400 ± 0.030 mrad/s from the log&#39;s start";
+    let told = told.replace("&#39;", "'");
+    assert!(first.split("<section").next().unwrap().contains(&told));
+}
+
+#[test]
+fn degrees_stand_beside_counts_where_the_set_up_knows_them() {
+    let mut run = sample::board_run();
+    let page = board_page(&run);
+    // 8500 counts are -40 °C and 11 900 are 60 °C by the paper's 34 counts a degree.
+    assert!(
+        page.contains("8500 counts (\u{2212}40.0\u{a0}°C) to") && page.contains(">60\u{a0}°C</text>"),
+        "{page:.3000}"
+    );
+    run.calibration.setup = None;
+    let page = board_page(&run);
+    assert!(page.contains("from 8500 counts to") && !page.contains("°C</text>"));
+}
+
+#[test]
+fn a_rejected_unit_says_why_before_what_it_does_well_and_by_whom_it_was_made() {
+    let page = board_page(&sample::board_run());
+    let at = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words}"));
+    assert!(at("checks failed") < at("Over one heating ramp") && at("checks failed") < at("What a deployed device"));
+    assert!(at("A. N.") < at("<section") && at("SHA-256 <code>") > at("How to read the numbers</h2>"));
 }

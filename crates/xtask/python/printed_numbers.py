@@ -71,8 +71,23 @@ def held_out(temperature, reading, order):
     return np.concatenate(left)
 
 
+def rms_error(residuals):
+    """The standard error of an rms by eight folds, each a block: as of a mean of their mean squares (ddof 1)."""
+    edges = np.linspace(0, len(residuals), FOLDS + 1).astype(int)
+    mean_squares = [np.nanmean(np.square(residuals[start:end])) for start, end in zip(edges, edges[1:])]
+    return np.std(mean_squares, ddof=1) / np.sqrt(FOLDS) / (2 * np.sqrt(np.nanmean(np.square(residuals))))
+
+
 def rms(values):
     return np.sqrt(np.mean(np.square(values)))
+
+
+def find(value, name):
+    """The first object of this name within another."""
+    if name in value and isinstance(value[name], dict):
+        return value[name]
+    inner = (find(inner, name) for inner in value.values() if isinstance(inner, dict))
+    return next((found for found in inner if found), None)
 
 
 def ramp(differences, folder, printed):
@@ -91,6 +106,9 @@ def ramp(differences, folder, printed):
         hold("fit_pp_counts", np.ptp(left), 1e-6)
         hold("held_out_rms_counts", rms(out), 1e-6)
         hold("held_out_pp_counts", np.ptp(out), 1e-6)
+        kept = json.loads((folder / "calibration.json").read_text())["axes"][axis]
+        error = find(kept, "held_out")["rms_standard_error"]
+        differences.hold(f"calibration.json {axis} held_out.rms_standard_error", error, rms_error(out), 1e-6)
         # To a millionth of the drift.
         differences.hold(f"summary.json {axis} curve", printed_curve, np.polyval(curve, temperature), 1e-7)
 
@@ -134,14 +152,15 @@ def soaks(differences, folder, printed):
         differences.hold(f"soaks {axis} maximum", own["max_difference_counts"], max(differences_of_axis), 1e-6)
 
 
-def made_log(path, seed):
+def made_log(path, seed, drifts_dps=0.0):
     """A cycle with three drifts and noise, two rows a second, Z's noise twice as much on the way back; what is written is
-    what is compared."""
+    what is compared. X drifts in time by so much."""
     rng = np.random.default_rng(seed)
     time = np.arange(12_000) / 2
     temperature = 20 - 40 * np.cos(2 * np.pi * time / time[-1])
     x = (temperature - 20) / 40
     drifts = np.stack([0.3 * x + 0.2 * x**2, 0.1 - 0.2 * x, 0.05 * x**3], 1)
+    drifts[:, 0] += drifts_dps * time / time[-1]
     back = time > time[-1] / 2
     rates = drifts + rng.normal(0, NOISE, (len(time), 3)) * np.stack([1 + 0 * back, 1 + 0 * back, 1 + back], 1)
     with open(path, "w", encoding="ascii") as out:
@@ -204,7 +223,42 @@ def logs(differences, zerorate, folder):
             ("uncorrected", zeroed(raw)),
         ):
             hold(f"verify {field}.pp", axis[field]["pp"], np.ptp(values), 0.1)
-    return fitted, verified
+    errors_of_folds(differences, zerorate, folder, first)
+    return trends(differences, zerorate, folder, fitted), verified
+
+
+def errors_of_folds(differences, zerorate, folder, log):
+    """Of a line by least squares on every row, and of what is recorded without a model in averages of 10 s."""
+    plain = json.loads(run(zerorate, "fit", log, "--plain", "--model", "poly:3", "--json"))
+    fitted = json.loads(run(zerorate, "fit", log, "--json"))
+    columns = np.genfromtxt(log, delimiter=",", names=True)
+    for name, own in plain["axes"].items():
+        left = held_out(columns["temperature_c"], columns[name], 3)
+        differences.hold(f"{name} held_out.rms", own["held_out"]["rms"], rms(left), 1e-6)
+        printed = own["held_out"]["rms_standard_error"]
+        differences.hold(f"{name} held_out.rms_standard_error", printed, rms_error(left), 1e-6)
+        raw = averages(columns[name], 20)
+        zeroed = raw - raw[:3].mean()
+        zeroed[:3] = np.nan
+        printed = fitted["axes"][name]["uncorrected"]["rms_standard_error"]
+        # The first half minute is left out of a fold.
+        differences.hold(f"{name} uncorrected.rms_standard_error", printed, rms_error(zeroed), 0.05)
+
+
+def trends(differences, zerorate, folder, fitted):
+    """A drift in time of 0.1 deg/s is named with its size; without one nothing is. Gives what was printed with the trend."""
+    for name, own in fitted["axes"].items():
+        differences.hold(f"{name} trends of none", own.get("trends", []) == [], True, 0)
+    drifting = folder / "drifting.csv"
+    made_log(drifting, 3, 0.1)
+    printed = json.loads(run(zerorate, "fit", drifting, "--json"))
+    found = {name: own.get("trends", []) for name, own in printed["axes"].items()}
+    against = [trend["against"] for trend in found["x_dps"]]
+    differences.hold("x_dps trends[].against", against == ["time"], True, 0)
+    for trend in found["x_dps"]:
+        differences.hold("x_dps trends[].change", trend["change"], 0.1, 0.1)
+    differences.hold("y_dps trends of none", found["y_dps"] == [], True, 0)
+    return printed
 
 
 CHAPTERS = {"summary.json": "`summary.json`", "fit --json": "`fit --json`", "verify --json": "`verify --json`"}

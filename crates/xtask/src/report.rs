@@ -105,6 +105,10 @@ fn look<W: std::io::Write>(
     {
         faults.push(format!("a figure has text {height:.1} px high, legible is {LEGIBLE_PX} px"));
     }
+    let covering = page.evaluate(COVERING_BUTTONS)?.as_f64().unwrap_or(f64::INFINITY);
+    if covering > 0.0 {
+        faults.push(format!("{covering} buttons cover what is under them"));
+    }
     // Last, so that what the page did meanwhile counts as well.
     faults.extend(page.events.iter().filter_map(|event| fault_of(event, url)));
     Ok(faults)
@@ -117,6 +121,14 @@ const SMALLEST_TEXT: &str = "(() => {
         .map(text => text.getBBox().height * Math.abs(text.getScreenCTM().a || text.getScreenCTM().b))
         .filter(height => height > 0);
     return heights.length ? Math.min(...heights) : null;
+})()";
+
+/// How many buttons lie on a text, a table or a figure.
+const COVERING_BUTTONS: &str = "(() => {
+    const places = selector => [...document.querySelectorAll(selector)].map(element => element.getBoundingClientRect());
+    const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+    const beneath = places('pre, table, svg');
+    return places('button').filter(button => button.width > 0 && beneath.some(other => meet(button, other))).length;
 })()";
 
 /// What an event says is wrong: an error in the console, or a request for anything but the page itself.

@@ -52,7 +52,7 @@ impl Serialize for AxisFit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let axis = &self.calibration;
         let (model, statistics) = (&axis.fit.model, &axis.fit.statistics);
-        let mut fields = serializer.serialize_struct("AxisFit", 17)?;
+        let mut fields = serializer.serialize_struct("AxisFit", 18)?;
         if let Some(sensor) = &axis.sensor {
             fields.serialize_field("sensor", sensor)?;
         }
@@ -73,6 +73,9 @@ impl Serialize for AxisFit {
         }
         if let Some(uncorrected) = &statistics.uncorrected {
             fields.serialize_field("uncorrected", uncorrected)?;
+        }
+        if !statistics.trends.is_empty() {
+            fields.serialize_field("trends", &statistics.trends)?;
         }
         if let Some(nested) = &statistics.nested {
             fields.serialize_field("nested", nested)?;

@@ -133,6 +133,21 @@ impl WrittenRate {
     }
 }
 
+impl WrittenRate {
+    /// The unit as it is written after a number.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Dps => "dps",
+            Self::MilliDps => "mdps",
+            Self::DegPerHour => "deg/h",
+            Self::RadPerS => "rad/s",
+            Self::MilliRadPerS => "mrad/s",
+            Self::Counts => "counts",
+        }
+    }
+}
+
 impl FromStr for WrittenRate {
     type Err = UnitError;
     fn from_str(text: &str) -> Result<Self, UnitError> {
@@ -150,14 +165,7 @@ impl FromStr for WrittenRate {
 
 impl fmt::Display for WrittenRate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Dps => "dps",
-            Self::MilliDps => "mdps",
-            Self::DegPerHour => "deg/h",
-            Self::RadPerS => "rad/s",
-            Self::MilliRadPerS => "mrad/s",
-            Self::Counts => "counts",
-        })
+        f.write_str(self.name())
     }
 }
 

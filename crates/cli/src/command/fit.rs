@@ -3,6 +3,7 @@
 mod models;
 mod summary;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -13,11 +14,12 @@ use zerorate_cal::fit::fit;
 use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::recording::Recording;
 use zerorate_cal::source::Source;
+use zerorate_cal::units::WrittenRate;
 use zerorate_export::Format;
 use zerorate_report::LogPage;
 
 use super::Outcome;
-use crate::log_arguments::LogArguments;
+use crate::log_arguments::{LogArguments, ShownUnits};
 use crate::progress::Busy;
 use crate::{output, screen};
 
@@ -36,6 +38,11 @@ pub struct Fit {
     /// The unit's serial number, for the calibration
     #[arg(long)]
     serial: Option<String>,
+
+    /// What is to stand in the calibration and in the report besides, as operator="A. N." or station="oven 2"; may be given
+    /// again. A recording of the bench has those of its set-up
+    #[arg(long = "label", value_name = "NAME=WORDS", value_parser = label)]
+    labels: Vec<(String, String)>,
 
     /// Write the calibration here, as JSON; a rejected log writes none. Without --out and --report both are written to the
     /// working folder, named after the log (not with --json or --plain)
@@ -57,6 +64,9 @@ pub struct Fit {
     #[arg(long)]
     explain: bool,
 
+    #[command(flatten)]
+    units: ShownUnits,
+
     /// Print JSON on standard output, and nothing else there
     #[arg(long)]
     json: bool,
@@ -77,6 +87,8 @@ Examples:
       where the columns' names do not make it plain
   zerorate fit chamber.csv.gz --temperature-unit kelvin
       packed, and in another unit than its names say
+  zerorate fit log.csv --units deg/h --serial G-0007 --label operator=\"A. N.\"
+      what is told, in another unit; of which unit, and by whom
   zerorate fit log.csv --explain
       every model that was compared
   zerorate fit log.parquet --model poly:3 --plain --json
@@ -95,13 +107,14 @@ impl Fit {
         }
         let busy = Busy::reading(logs[0]);
         let fit = fit(&self.log.sources(), &self.log.options())?;
-        let written = if fit.judgement.rejected() { Vec::new() } else { self.write(&fit, &places)? };
+        let units = self.units.of(fit.axes.iter().map(|axis| axis.calibration.rate_unit))?;
+        let written = if fit.judgement.rejected() { Vec::new() } else { self.write(&fit, &places, units)? };
         drop(busy);
         if self.json {
             fit.notes.iter().for_each(|note| screen::note(note));
             screen::print_json(&fit)?;
         } else {
-            summary::page(&fit, self.log.over(), &written, &self.next(&fit, &places), self.explain).print()?;
+            summary::page(&fit, units, self.log.over(), &written, &self.next(&fit, &places), self.explain).print()?;
         }
         Ok(if fit.judgement.rejected() { Outcome::Rejected } else { Outcome::Done })
     }
@@ -121,11 +134,12 @@ impl Fit {
     }
 
     /// Writes the results and says what was written. The calibration comes last: where it is, all is.
-    fn write(&self, fit: &LogFit, places: &Places) -> Result<Vec<PathBuf>> {
+    fn write(&self, fit: &LogFit, places: &Places, units: Option<WrittenRate>) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
         let origins = &self.origins(fit, places)?;
         let wanted = places.out.as_ref().or(self.record.as_ref());
         let calibration = wanted.map(|_| self.calibration(fit, origins)).transpose()?;
+        let about = About { serial: self.serial.as_deref(), labels: &self.labels(), units };
         // Before the first is written, all places are known to be free.
         if let Some(out) = &places.out {
             self.force.calibration("--out", out, origins, self.serial.as_deref())?;
@@ -138,7 +152,7 @@ impl Fit {
         }
         if let Some(path) = &places.report {
             let next = places.out.as_ref().map(|out| self.use_command(fit, out).1);
-            output::write(path, &page(fit, origins, next.as_deref()))?;
+            output::write(path, &page(fit, about, origins, next.as_deref()))?;
             written.push(path.clone());
         }
         if let Some((path, calibration)) = self.record.as_ref().zip(calibration.as_ref()) {
@@ -170,7 +184,12 @@ impl Fit {
         {
             return Ok(recorded::calibration(source, fit)?);
         }
-        Ok(fit.to_calibration(origins.to_vec(), self.serial.clone())?)
+        let calibration = fit.to_calibration(origins.to_vec(), self.serial.clone())?;
+        Ok(Calibration { labels: self.labels(), ..calibration })
+    }
+
+    fn labels(&self) -> BTreeMap<String, String> {
+        self.labels.iter().cloned().collect()
     }
 
     /// What to do with a calibration: an autopilot's parameters come of an autopilot's log.
@@ -199,17 +218,27 @@ impl Fit {
     }
 }
 
-/// The page of a fit, with the commands that go on from it. Behind its end stands what it came of, by which another run
-/// knows it again.
-pub(super) fn page(fit: &LogFit, origins: &[Origin], next_command: Option<&str>) -> String {
-    let export_command =
-        |format: Format| format!("zerorate export calibration.json --format {format} --out {}", format.file_name());
-    let mut page = LogPage { fit, sources: origins, next_command, export_command: Some(export_command) }.to_html();
-    for Origin { file, sha256, .. } in origins {
-        // A file's name may hold what would end the comment.
-        page += &format!("<!-- of {}, SHA-256 {sha256} -->\n", file.replace("--", "- -"));
-    }
-    page
+/// The page of a fit, with the commands that go on from it.
+pub(super) fn page(fit: &LogFit, about: About, origins: &[Origin], next_command: Option<&str>) -> String {
+    let export_command: fn(Format) -> String =
+        |format| format!("zerorate export calibration.json --format {format} --out {}", format.file_name());
+    let About { serial, labels, units } = about;
+    let export_command = Some(export_command);
+    LogPage { fit, units, serial, labels, sources: origins, next_command, export_command }.to_html()
+}
+
+/// Of what unit a page is, by whom, and how it is to be told.
+#[derive(Clone, Copy)]
+pub(super) struct About<'a> {
+    pub serial: Option<&'a str>,
+    pub labels: &'a BTreeMap<String, String>,
+    pub units: Option<WrittenRate>,
+}
+
+/// A label as it is typed.
+fn label(text: &str) -> std::result::Result<(String, String), String> {
+    let parts = text.split_once('=').map(|(name, words)| (name.trim().to_owned(), words.trim().to_owned()));
+    parts.filter(|(name, words)| !name.is_empty() && !words.is_empty()).ok_or("give NAME=WORDS".to_owned())
 }
 
 /// Where results go.

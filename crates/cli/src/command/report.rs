@@ -18,7 +18,8 @@ use zerorate_fit::model::Model;
 use zerorate_report::board_page;
 
 use super::Outcome;
-use crate::log_arguments::UnitArguments;
+use super::fit::About;
+use crate::log_arguments::{ShownUnits, UnitArguments};
 use crate::progress::Busy;
 use crate::screen::Page;
 use crate::{output, screen};
@@ -53,6 +54,9 @@ pub struct Report {
 
     #[command(flatten)]
     force: output::Force,
+
+    #[command(flatten)]
+    shown: ShownUnits,
 
     /// Print JSON on standard output, and nothing else there
     #[arg(long)]
@@ -105,7 +109,9 @@ impl Report {
         drop(busy);
         in_the_same_units(log, &fit, &calibration)?;
         self.force.text("--out", &out, &calibration.sources, None)?;
-        output::write(&out, &super::fit::page(&fit, &calibration.sources, None))?;
+        let units = self.shown.of(fit.axes.iter().map(|axis| axis.calibration.rate_unit))?;
+        let about = About { serial: calibration.unit_serial.as_deref(), labels: &calibration.labels, units };
+        output::write(&out, &super::fit::page(&fit, about, &calibration.sources, None))?;
         self.tell(&out, Some(log), &fit.source(), &fit.notes)
     }
 

@@ -16,7 +16,7 @@ use zerorate_cal::units::WrittenRate;
 use zerorate_cal::verify::{Limit, Limits, Verified, VerifyOptions, verify};
 
 use super::Outcome;
-use crate::log_arguments::ColumnArguments;
+use crate::log_arguments::{ColumnArguments, ShownUnits};
 use crate::progress::Busy;
 use crate::screen;
 
@@ -60,6 +60,9 @@ pub struct Verify {
     /// Take the log that the calibration was fitted on too: what is left is then in-sample, and proves nothing
     #[arg(long)]
     in_sample: bool,
+
+    #[command(flatten)]
+    units: ShownUnits,
 
     /// Print JSON on standard output, and nothing else there
     #[arg(long)]
@@ -114,11 +117,12 @@ impl Verify {
         let options = VerifyOptions { columns, sensor: self.sensor, limits, in_sample: self.in_sample };
         let verified = verify(&log, &calibration, &options)?;
         drop(busy);
+        let units = self.units.of(verified.axes.iter().map(|axis| axis.rate_unit))?;
         if self.json {
             verified.notes.iter().for_each(|note| screen::note(note));
             screen::print_json(&Found { schema: 1, verified: &verified })?;
         } else {
-            page::page(&verified).print()?;
+            page::page(&verified, units).print()?;
         }
         Ok(if verified.passed == Some(false) { Outcome::Rejected } else { Outcome::Done })
     }

@@ -62,10 +62,7 @@ impl Force {
             let Some(text) = text else { return There::Other("something that zerorate has not written".into()) };
             if first_line.is_some() || sources.iter().all(|source| text.contains(&source.sha256)) {
                 There::Same
-            } else if sources
-                .iter()
-                .all(|source| text.contains(&format!("of {}, SHA-256", source.file.replace("--", "- -"))))
-            {
+            } else if sources.iter().all(|source| names(&text, &source.file)) {
                 There::Earlier
             } else {
                 There::Other("what came of another source".into())
@@ -137,6 +134,12 @@ fn set_aside(path: &Path) -> std::io::Result<PathBuf> {
     Err(std::io::ErrorKind::AlreadyExists.into())
 }
 
+/// Whether a page or an export says that it came of a log of this name. In a page some letters are written otherwise.
+fn names(text: &str, file: &str) -> bool {
+    let written = file.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
+    [file, &written].iter().any(|name| text.contains(&format!("of {name}, SHA-256")))
+}
+
 fn sorted<'o>(origins: &'o [Origin], of: impl Fn(&'o Origin) -> &'o str) -> Vec<&'o str> {
     let mut all: Vec<&str> = origins.iter().map(of).collect();
     all.sort_unstable();
@@ -172,7 +175,7 @@ mod tests {
             let log = Origin { file: "log.csv".into(), ..origin(sha256) };
             KEEP.text("--report", &path, &[log], None).unwrap();
             fs::remove_file(&path).ok();
-            fs::write(&path, format!("by zerorate <!-- of log.csv, SHA-256 {sha256} -->")).unwrap();
+            fs::write(&path, format!("by zerorate <li>of log.csv, SHA-256 <code>{sha256}</code></li>")).unwrap();
             let kept =
                 fs::read_dir(folder.path()).unwrap().map(|file| fs::read_to_string(file.unwrap().path()).unwrap());
             assert!(before.is_empty() || kept.into_iter().any(|text| text.contains(before)), "{before} is gone");

@@ -311,3 +311,27 @@ fn with_json_an_error_is_json_too() {
     let error = json["error"].as_str().unwrap();
     assert!(error.contains("none.csv") && ran.err.contains("error: "), "{error} {}", ran.err);
 }
+
+#[test]
+fn rates_are_told_in_the_unit_asked_for_on_the_screen_and_in_the_report_and_json_keeps_its_own() {
+    let folder = folder_with("log.csv", Log::cycle().csv());
+    let ran = zerorate(folder.path(), &["fit", "log.csv", "--units", "deg/h", "--label", "operator=A. N."]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    ran.says(&["in deg/h", "Within the recording, in deg/h"]);
+    assert!(!ran.out.contains("rad/s,") && !ran.out.contains("mrad/s"), "{}", ran.out);
+    let page = fs::read_to_string(folder.path().join("log.report.html")).unwrap();
+    assert!(page.contains("rate, deg/h") && page.contains("A. N.") && !page.contains("rate, mrad/s"));
+    let calibration = fs::read_to_string(folder.path().join("log.calibration.json")).unwrap();
+    assert!(calibration.contains("\"operator\": \"A. N.\"") && calibration.contains("rad/s"));
+    let json = |options: &[&str]| zerorate(folder.path(), &[&["fit", "log.csv", "--json"], options].concat()).out;
+    assert_eq!(json(&["--units", "deg/h"]), json(&[]));
+    let verified = ["verify", "log.csv", "--with", "log.calibration.json", "--in-sample", "--units", "mdps"];
+    zerorate(folder.path(), &verified).says(&["in mdps"]);
+    zerorate(folder.path(), &["fit", "log.csv", "--units", "counts"]).is_error(&[
+        "--units counts",
+        "rad/s",
+        "nobody knows",
+    ]);
+    let unnamed = zerorate(folder.path(), &["fit", "log.csv", "--label", "operator"]);
+    assert!(unnamed.code == 2 && unnamed.err.contains("give NAME=WORDS"), "{}", unnamed.err);
+}

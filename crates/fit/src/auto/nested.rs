@@ -63,7 +63,13 @@ impl Outer {
         for log in predicted.chunk_by(|&a, &b| series.log[a] == series.log[b]) {
             take_zero_off(&mut zeroed, series.time_s, log);
         }
-        let left = ResidualStatistics::of(predicted.into_iter().map(|group| zeroed[group]));
+        // A group that was not predicted is none of a device's.
+        zeroed
+            .iter_mut()
+            .zip(&self.deployed)
+            .filter(|(_, own)| !own.is_finite())
+            .for_each(|(left, _)| *left = f64::NAN);
+        let left = ResidualStatistics::by_folds(&zeroed);
         (self.complete() && left.rms.is_finite()).then_some(left)
     }
 

@@ -106,7 +106,7 @@ fn against_time(board: &Board, set: &[&Test]) -> Figure {
                 "; " (mode.name()) ": " (fixed(*residual_pp_counts, 1)) " against " (fixed(*control_pp_counts, 0))
                 " counts peak to peak"
             }
-            "." @if first.direction == Phase::Heating && !swapped { " (The paper’s figure 6.)" }
+            "." @if first.direction == Phase::Heating && !swapped { (board.as_in_the_paper(6)) }
         },
         key: vec![
             (ink_of(first.axis), Sample::Line, format!("{axis}, compensated")),
@@ -138,7 +138,7 @@ fn against_temperature(board: &Board, set: &[&Test]) -> Figure {
         }
         let across = format!("{name} temperature reading, counts");
         let up = format!("mode {}: residual, counts", mode.name());
-        vec![Panel { y_range: range, ..Panel::new(title, across, up, marks) }]
+        vec![Panel { y_range: range, second: board.celsius(), ..Panel::new(title, across, up, marks) }]
     };
     let mut key = Vec::new();
     for direction in [Phase::Heating, Phase::Cooling] {

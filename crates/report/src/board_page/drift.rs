@@ -1,13 +1,15 @@
 //! Figures 2 and 3: the full-temperature test and the fitted drift.
 
 use maud::{Markup, html};
+use zerorate_cal::units::RateUnit;
 
 use super::axis::BoardAxis;
 use super::{Board, indexed};
 use crate::candidates;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample};
-use crate::number::{fixed, fixed_or_none, polynomial};
+use crate::number::{fixed, polynomial, with_error};
 use crate::paper::PaperAxis;
+use crate::rate::RateScale;
 
 pub(super) fn chapter(board: &Board) -> Markup {
     html! {
@@ -21,8 +23,13 @@ pub(super) fn chapter(board: &Board) -> Markup {
         p { "Zero-rate output " i { "V" } " in counts, as a function of the temperature reading " i { "T" } " in counts." }
         @for axis in &board.axes { (equation(axis)) }
         (what_fits(board))
-        div.pair { @for axis in &board.axes { (candidates::table(axis.name, &axis.calibration.fit.statistics.candidates, "counts")) } }
+        div.pair { @for axis in &board.axes { (candidates::table(axis.name, &axis.calibration.fit.statistics.candidates, in_counts())) } }
     }
+}
+
+/// A board's rates are in counts.
+fn in_counts() -> RateScale {
+    RateScale::of(RateUnit::Counts, &[], None)
 }
 
 /// Whether the recording ends on the cold side again.
@@ -52,8 +59,8 @@ fn over_time(board: &Board) -> Figure {
         id: "fig-2".into(),
         name: "Figure 2".into(),
         caption: html! {
-            "Full-temperature test: zero-rate output and temperature against time, " (groups)
-            " groups an axis. (The paper’s figure 2.)"
+            "Full-temperature test: zero-rate output and temperature against time, " (groups) " groups an axis, from "
+            (range(board)) "." (board.as_in_the_paper(2))
         },
         key: axis_key(board, Sample::Line),
         columns: vec![vec![zero], vec![temperature]],
@@ -66,15 +73,13 @@ fn over_temperature(board: &Board) -> Figure {
     let columns = board.axes.iter().map(|axis| {
         let name = axis.name;
         let temperature = "temperature reading, counts";
-        let fit = Panel::new(
-            format!("{name}: zero-rate output against temperature"),
-            temperature,
-            format!("{name}: zero-rate output, counts"),
-            [
-                Mark::Dots(axis.ink, axis.over_temperature(axis.ramp.readings.iter().copied())),
-                Mark::Line(Ink::Curve, axis.curve()),
-            ],
-        );
+        let marks = [
+            Mark::Dots(axis.ink, axis.over_temperature(axis.ramp.readings.iter().copied())),
+            Mark::Line(Ink::Curve, axis.curve()),
+        ];
+        let title = format!("{name}: zero-rate output against temperature");
+        let fit = Panel::new(title, temperature, format!("{name}: zero-rate output, counts"), marks);
+        let fit = Panel { second: board.celsius(), ..fit };
         let residual = [Mark::Dots(axis.ink, axis.over_temperature(axis.residuals())), Mark::Level(Ink::Aim, 0.0)];
         let (title, up) = (format!("{name}: residual of the fit"), format!("{name}: residual, counts"));
         let left = Panel {
@@ -92,7 +97,7 @@ fn over_temperature(board: &Board) -> Figure {
         name: "Figure 3".into(),
         caption: html! {
             "Zero-rate output against temperature with the fitted curve; below, what the fit leaves of the run it was made "
-            "from (in-sample). (The paper’s figure 3.)"
+            "from (in-sample)." (board.as_in_the_paper(3))
         },
         key,
         columns,
@@ -120,17 +125,30 @@ fn equation(axis: &BoardAxis) -> Markup {
     }
 }
 
+/// The held-out rms with its standard error.
+fn held_out(axis: &BoardAxis) -> String {
+    let error = axis.calibration.fit.statistics.held_out.and_then(|held_out| held_out.rms_standard_error);
+    with_error(axis.summary.held_out_rms_counts.unwrap_or(f64::NAN), error, 2)
+}
+
+/// The temperatures of the ramp, of both axes.
+fn range(board: &Board) -> String {
+    let ends = board.axes.iter().map(|axis| axis.summary.temperature_counts);
+    let (cold, hot) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(cold, hot), [a, b]| (cold.min(a), hot.max(b)));
+    format!("{} to {}", board.temperature(cold), board.temperature(hot))
+}
+
 fn what_fits(board: &Board) -> Markup {
     html! {
         ul {
             @for axis in &board.axes {
                 @let drift = axis.summary;
                 li {
-                    b { (axis.name) } ": " (drift.model) ", valid from " (fixed(drift.temperature_counts[0], 0)) " to "
-                    (fixed(drift.temperature_counts[1], 0)) " counts of temperature; drift "
+                    b { (axis.name) } ": " (drift.model) ", valid from " (board.temperature(drift.temperature_counts[0])) " to "
+                    (board.temperature(drift.temperature_counts[1])) " of temperature; drift "
                     (fixed(drift.drift_pp_counts, 1)) " counts peak to peak; residual "
                     (fixed(drift.fit_rms_counts, 2)) " counts rms in-sample, "
-                    (fixed_or_none(drift.held_out_rms_counts, 2)) " rms held out"
+                    (held_out(axis)) " rms held out"
                     @if let Some(error) = drift.curve_error_counts {
                         "; at most " (fixed(error, 2)) " counts from the simulated plant’s true curve"
                     }

@@ -1,10 +1,12 @@
 //! The top of the page: the verdict, and the numbers that matter.
 
 use maud::{Markup, html};
+use zerorate_cal::summary::TestResult;
 
+use super::reading::Known;
 use super::{Board, name_of};
-use crate::number::{fixed, significant};
-use crate::page;
+use crate::number::{fixed, fixed_or_none, significant};
+use crate::page::{self, Table};
 
 /// A bar: class, name, counts, how many times smaller than before.
 struct Bar {
@@ -21,8 +23,7 @@ pub(super) fn headline(board: &Board) -> Markup {
         p.over { "Calibration of a gyroscope’s zero-rate output" }
         h1 { "Unit " (summary.serial) }
         p { (page::verdict(summary.verdict)) }
-        p.lead { (lead(board)) }
-        (bars(board))
+        // What speaks against the unit stands before every number that speaks for it.
         @if !failed.is_empty() {
             p { a href="#checks" { (failed.len()) " of " (summary.checks.len()) " checks failed" } ":" }
             ul.reasons { @for check in &failed {
@@ -32,6 +33,9 @@ pub(super) fn headline(board: &Board) -> Markup {
         @if !summary.warnings.is_empty() {
             ul.reasons { @for warning in &summary.warnings { li { (warning) } } }
         }
+        p.lead { (lead(board)) }
+        (bars(board))
+        (left(board))
         (unit_facts(board))
     }
 }
@@ -42,7 +46,10 @@ fn lead(board: &Board) -> Markup {
         return html! { "The drift was fitted; no compensation test was run." };
     };
     html! {
-        "Over one heating ramp, " (name_of(test.axis)) "’s zero-rate output drifted "
+        "Over one heating ramp" @if let Some(axis) = board.summary.axes.get(test.axis.name()) {
+            ", from " (board.temperature(axis.temperature_counts[0])) " to " (board.temperature(axis.temperature_counts[1])) ","
+        }
+        " " (name_of(test.axis)) "’s zero-rate output drifted "
         (fixed(board.summary.drift_pp_counts(test.axis), 0)) " counts. "
         @if let Some(trim) = trim {
             "Trimmed by the potentiometer, as in the paper, it moves " (fixed(trim.residual_pp_counts, 1))
@@ -92,6 +99,39 @@ fn bars(board: &Board) -> Markup {
     }
 }
 
+/// What a deployed device has left of each axis: the tests on second ramps, heating and cooling.
+fn left(board: &Board) -> Markup {
+    let summary = board.summary;
+    let limits = summary.checks.len();
+    let row = |test: &TestResult| {
+        let dps = |counts: f64| html! { (significant(counts / summary.counts_per_dps.abs(), 3)) };
+        let mut cells = vec![
+            html! { (name_of(test.axis)) " " (test.mode.name()) ", " (test.direction.name()) },
+            html! { (fixed(test.residual_pp_counts, 1)) },
+        ];
+        cells.extend(Known::of(summary).floor.then(|| html! { (fixed_or_none(test.floor_pp_counts, 1)) }));
+        cells.extend([dps(test.residual_pp_counts), html! { (fixed(test.residual_rms_counts, 2)) }]);
+        cells.extend([html! { (fixed(test.uncompensated_pp_counts, 1)) }, html! { (fixed(test.ratio(), 1)) }]);
+        cells
+    };
+    let mut heads = vec!["Axis, mode, ramp", "Left, pp, counts"];
+    heads.extend(Known::of(summary).floor.then_some("Floor, pp, counts"));
+    heads.extend(["Left, pp, deg/s", "Left, rms, counts", "Without, pp, counts", "Times smaller"]);
+    html! {
+        @if !summary.tests.is_empty() {
+            (Table {
+                caption: html! {
+                    b { "What a deployed device has left" } ", each axis in second ramps that no fit has seen; without is the same "
+                    "without compensation. Against its limits: " a href="#checks" { (limits) " checks" } "."
+                },
+                heads: &heads,
+                rows: summary.tests.iter().map(row).collect(),
+                numbers_from: 1,
+            }.markup())
+        }
+    }
+}
+
 /// A bar's width, of the room it has.
 fn width(share: f64) -> String {
     format!("width:{:.2}%", 100.0 * share.clamp(0.0, 1.0))
@@ -100,11 +140,6 @@ fn width(share: f64) -> String {
 fn unit_facts(board: &Board) -> Markup {
     let (calibration, summary) = (&board.run.calibration, board.summary);
     let groups = fixed(60.0 / calibration.group_period_s.unwrap_or(f64::NAN), 0);
-    let hashes: Vec<(String, &str)> = calibration
-        .sources
-        .iter()
-        .map(|source| (format!("SHA-256 of {}", source.file), source.sha256.as_str()))
-        .collect();
     let mut facts: Vec<(&str, Markup)> = vec![
         ("Serial number", html! { (summary.serial) }),
         ("Board", html! { @if summary.plant.is_some() { "simulated, " } (summary.trim_part.to_uppercase()) }),
@@ -118,6 +153,10 @@ fn unit_facts(board: &Board) -> Markup {
         ("Groups", html! { (board.group_samples()) " samples, " (groups) " a minute" }),
         ("Scale factor", html! { (significant(summary.counts_per_dps, 4)) " counts per deg/s" }),
     ]);
-    facts.extend(hashes.iter().map(|(name, hash)| (name.as_str(), html! { (hash) })));
+    if !board.run.full_temperature.info.firmware.is_empty() {
+        facts.push(("Firmware", html! { (board.run.full_temperature.info.firmware) }));
+    }
+    facts.extend(calibration.labels.iter().map(|(name, label)| (name.as_str(), html! { (label) })));
+    facts.push(("Made by", html! { (calibration.created_by) }));
     page::facts(&facts)
 }

@@ -55,7 +55,10 @@ pub(super) fn definitions(board: &Board) -> Markup {
         ("Zero-rate output", html! { "The reading at rest. Its change with temperature is the drift." }),
         (
             "Counts",
-            html! { "Steps of the A/D converter. Temperature is in counts of its own channel; the device never converts it." },
+            html! {
+                "Steps of the A/D converter. Temperature is in counts of its own channel; the device never converts it."
+                @if board.celsius().is_some() { " Degrees C beside them are by the set-up’s scale; a part’s own is some degrees off." }
+            },
         ),
         (
             "Group",

@@ -37,7 +37,7 @@ pub(super) fn chapter(soaks: &Soaks, board: &Board) -> Markup {
             "."
         }
         (figure(soaks, board).markup())
-        div.pair { @for axis in &board.axes { (table(soaks, axis)) } }
+        div.pair { @for axis in &board.axes { (table(soaks, axis, board)) } }
     }
 }
 
@@ -55,7 +55,10 @@ fn figure(soaks: &Soaks, board: &Board) -> Figure {
         let title = format!("{name}: soak less ramp");
         let up = format!("{title}, counts");
         let apart = Panel::new(title, temperature, up, [Mark::Stems(ink, difference.collect())]);
-        vec![Panel { x_range: ends, ..both }, Panel { x_range: ends, height: Panel::SHORT, ..apart }]
+        vec![
+            Panel { x_range: ends, second: board.celsius(), ..both },
+            Panel { x_range: ends, height: Panel::SHORT, ..apart },
+        ]
     };
     let mut key: Vec<_> =
         board.axes.iter().map(|axis| (axis.ink, Sample::Dot, format!("{}, soaks", axis.name))).collect();
@@ -69,19 +72,25 @@ fn figure(soaks: &Soaks, board: &Board) -> Figure {
     }
 }
 
-fn table(soaks: &Soaks, axis: &BoardAxis) -> Markup {
+fn table(soaks: &Soaks, axis: &BoardAxis, board: &Board) -> Markup {
+    let celsius = board.celsius();
+    let mut heads = vec!["Chamber", "Temperature"];
+    heads.extend(celsius.as_ref().map(|_| "The same, °C"));
+    heads.extend(["Zero-rate output", "Curve of the ramp", "Soak less ramp"]);
     let row = |soak: &SoakPoint| {
-        vec![
-            html! { (fixed(soak.chamber_c, 0)) "\u{a0}°C" },
-            html! { (fixed(soak.temperature_counts, 1)) },
+        let mut cells =
+            vec![html! { (fixed(soak.chamber_c, 0)) "\u{a0}°C" }, html! { (fixed(soak.temperature_counts, 1)) }];
+        cells.extend(celsius.as_ref().map(|scale| html! { (fixed(scale.of(soak.temperature_counts), 1)) }));
+        cells.extend([
             html! { (fixed(soak.zro_counts, 1)) },
             html! { (fixed(soak.ramp_counts, 1)) },
             html! { (fixed(soak.zro_counts - soak.ramp_counts, 2)) },
-        ]
+        ]);
+        cells
     };
     Table {
         caption: html! { b { (axis.name) } ", the soaks, counts." },
-        heads: &["Chamber", "Temperature", "Zero-rate output", "Curve of the ramp", "Soak less ramp"],
+        heads: &heads,
         rows: points(soaks, axis).iter().map(row).collect(),
         numbers_from: 1,
     }

@@ -68,7 +68,7 @@ fn lines(board: &Board) -> Figure {
         name: "Figure 4".into(),
         caption: html! {
             "Taps d" i { "N" } " against offset d" i { "V" } ", " (count) " voltages, with the fitted line; below, how far each "
-            "point is from it. (The paper’s figure 4.)"
+            "point is from it." (board.as_in_the_paper(4))
         },
         key,
         columns,

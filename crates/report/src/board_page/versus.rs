@@ -25,7 +25,6 @@ struct Row {
 }
 
 pub(super) fn chapter(board: &Board) -> Markup {
-    let is_paper = board.summary.plant.as_deref() == Some("paper");
     let mut heads = vec![String::new()];
     for axis in &board.axes {
         heads.extend([format!("{}, this run", axis.name), format!("{}, paper", axis.name)]);
@@ -35,7 +34,7 @@ pub(super) fn chapter(board: &Board) -> Markup {
     rows.extend(coefficients(board));
     rows.extend(line().iter().map(|row| cells(board, row)));
     html! {
-        @if !is_paper {
+        @if !board.is_papers() {
             p { "This unit is not the paper’s: its coefficients are its own, and only drift, residual and ratio compare." }
         }
         (Table {

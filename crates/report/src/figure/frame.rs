@@ -7,6 +7,7 @@ use super::ink::Ink;
 use super::mark::{Mark, Side};
 use super::path::{DENSE, Path, Place, SPARSE, markers};
 use super::scale::Scale;
+use super::second::Second;
 use super::thin::{MOST, Point, runs, sample, thin};
 use crate::number::raised;
 
@@ -24,6 +25,9 @@ const RIGHT: i32 = WIDTH - 240;
 
 /// Room for the name of the y axis, above the drawing where it needs no turning of the head.
 const TOP: i32 = 300;
+
+/// Room for the labels of a second scale, along the top.
+const SECOND: i32 = 190;
 
 /// Room for the labels of the x axis and its name.
 const BELOW: i32 = 480;
@@ -48,14 +52,21 @@ const HANGING: Option<&str> = Some(".72em");
 pub(super) struct Frame {
     x: Scale,
     y: Scale,
+    /// The ticks along the top and their labels; none without a second scale.
+    second: Vec<(f64, String)>,
     height: i32,
+    /// Where the y axis ends.
+    top: i32,
     /// Where the x axis is.
     bottom: i32,
 }
 
 impl Frame {
-    pub(super) fn new(x: Scale, y: Scale, height: i32) -> Self {
-        Self { x, y, height, bottom: height - BELOW }
+    /// A second scale adds its room to the height.
+    pub(super) fn new(x: Scale, y: Scale, second: Option<&Second>, height: i32) -> Self {
+        let room = if second.is_some() { SECOND } else { 0 };
+        let (height, second) = (height + room, second.map(|second| second.ticks(x.range)).unwrap_or_default());
+        Self { x, y, second, height, top: TOP + room, bottom: height - BELOW }
     }
 
     pub(super) fn view_box(&self) -> String {
@@ -64,7 +75,7 @@ impl Frame {
 
     /// Where a point is in the drawing.
     fn at(&self, (x, y): Point) -> Place {
-        (place(self.x.share(x), LEFT, RIGHT), place(self.y.share(y), self.bottom, TOP))
+        (place(self.x.share(x), LEFT, RIGHT), place(self.y.share(y), self.bottom, self.top))
     }
 
     /// Where a value of the x axis is.
@@ -82,7 +93,7 @@ impl Frame {
         let (first, last) = self.x.range;
         let room = (NARROWEST * (last - first) - (to - from)).max(0.0) / 2.0;
         let (left, right) = (self.across((from - room).max(first)), self.across((to + room).min(last)));
-        let corners = [(left, TOP), (right, TOP), (right, self.bottom), (left, self.bottom)];
+        let corners = [(left, self.top), (right, self.top), (right, self.bottom), (left, self.bottom)];
         Path::default().line(corners).markup("a", ink.class())
     }
 
@@ -92,14 +103,19 @@ impl Frame {
         let xs = || self.x.ticks.iter().map(|(at, label)| (self.across(*at), label));
         let ys = || self.y.ticks.iter().map(|(at, label)| (self.up(*at), label));
         let grid = ys().fold(Path::default(), |path, (y, _)| path.line([(LEFT, y), (RIGHT, y)]));
-        let frame = Path::default().line([(LEFT, TOP), (LEFT, bottom), (RIGHT, bottom)]);
+        let frame = Path::default().line([(LEFT, self.top), (LEFT, bottom), (RIGHT, bottom)]);
         let frame = ys().fold(frame, |path, (y, _)| path.line([(LEFT - TICK, y), (LEFT, y)]));
         let frame = xs().fold(frame, |path, (x, _)| path.line([(x, bottom), (x, bottom + TICK)]));
+        let top = self.top;
+        let along_the_top = || self.second.iter().map(|(at, label)| (self.across(*at), label));
+        let frame = along_the_top().fold(frame, |path, (x, _)| path.line([(x, top), (x, top - TICK)]));
+        let frame = if self.second.is_empty() { frame } else { frame.line([(LEFT, top), (RIGHT, top)]) };
         html! {
             (grid.markup("l", "grid"))
             (frame.markup("l", "frame"))
             @for (y, label) in ys() { (text("word", (LEFT - 2 * TICK, y), "end", MIDDLE, label)) }
             @for (x, label) in xs() { (text("word", (x, bottom + 2 * TICK), "middle", HANGING, label)) }
+            @for (x, label) in along_the_top() { (text("word", (x, top - 2 * TICK), "middle", None, label)) }
             (text("word", (RIGHT, self.height - TICK), "end", None, &named(x_name, &self.x)))
             (text("word", (0, 20), "start", HANGING, &named(y_name, &self.y)))
         }
@@ -143,10 +159,10 @@ impl Frame {
         let share = if upright { self.x.share(value) } else { self.y.share(value) };
         let (x, y) = (self.across(value), self.up(value));
         let (line, at, anchor, drop) = if upright {
-            let row = TOP + GAP + if side == Side::Left { TYPE * 3 / 2 } else { 0 };
+            let row = self.top + GAP + if side == Side::Left { TYPE * 3 / 2 } else { 0 };
             let before = if side == Side::Left { share > ROOM } else { share > 1.0 - ROOM };
             let (at, anchor) = if before { (x - GAP, "end") } else { (x + GAP, "start") };
-            ([(x, self.bottom), (x, TOP)], (at, row), anchor, HANGING)
+            ([(x, self.bottom), (x, self.top)], (at, row), anchor, HANGING)
         } else {
             let above = if side == Side::Top { share < 1.0 - LOW } else { share < LOW };
             let (at, drop) = if above { (y - GAP, None) } else { (y + GAP, HANGING) };

@@ -5,6 +5,7 @@ use maud::{Markup, html};
 use super::frame::Frame;
 use super::mark::{Mark, Side};
 use super::scale::{Scale, holding};
+use super::second::Second;
 use crate::number::significant_text;
 
 /// Ticks on an x axis, about: more, and labels of five digits would touch on a phone.
@@ -25,6 +26,8 @@ pub struct Panel {
     pub x_range: Option<(f64, f64)>,
     /// The y range, where panels beside each other must agree; else what the marks need.
     pub y_range: Option<(f64, f64)>,
+    /// Another unit of the x axis, along the top.
+    pub second: Option<Second>,
     /// The y axis counts things: from none, by whole numbers.
     pub counts: bool,
     /// Both axes are logarithms to base ten, and so are the marks.
@@ -80,7 +83,7 @@ impl Panel {
         let (x, y) = self.scales();
         let (title, description) = (format!("{id}-t"), format!("{id}-d"));
         let told = self.description(&x, &y);
-        let frame = Frame::new(x, y, self.height);
+        let frame = Frame::new(x, y, self.second.as_ref(), self.height);
         html! {
             svg viewBox=(frame.view_box()) role="img" aria-labelledby={ (title) " " (description) } {
                 title id=(title) { (self.title) }

@@ -2,6 +2,9 @@
 
 use crate::number::{fixed, raised};
 
+/// An axis has as many ticks as this at least: with fewer, nobody can read a value between them.
+const LEAST_TICKS: f64 = 4.0;
+
 /// No axis has more ticks, whatever its range.
 const MOST_TICKS: usize = 20;
 
@@ -43,7 +46,14 @@ impl Scale {
     /// A scale over this range, or 0 to 1 without one, of about so many ticks.
     pub(super) fn over(range: Option<(f64, f64)>, wanted: f64) -> Self {
         let (min, max) = range.unwrap_or((0.0, 1.0));
-        Self::by((min, max), nice_step((max - min) / wanted))
+        let mut step = nice_step((max - min) / wanted);
+        // Half of 5, 2 or 1 is a round number too. Ends that are one double have no ticks however small the step.
+        while (max / step).floor() - (min / step).ceil() + 1.0 < LEAST_TICKS
+            && step > f64::EPSILON * max.abs().max(min.abs())
+        {
+            step /= 2.0;
+        }
+        Self::by((min, max), step)
     }
 
     /// A scale of numbers of things, from none to the most of `values`: its ticks are whole numbers.
@@ -83,7 +93,7 @@ impl Scale {
             within.map(|(at, decade, factor)| (at, decade_label(decade, factor))).collect()
         };
         let whole = at(&[1]);
-        let ticks = if whole.len() > 2 { whole } else { at(&[1, 2, 5]) };
+        let ticks = if whole.len() as f64 >= LEAST_TICKS { whole } else { at(&[1, 2, 5]) };
         Self { range, ticks, exponent: 0 }
     }
 
@@ -123,7 +133,11 @@ fn nice_step(least: f64) -> f64 {
 // Between 0 and 9.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn decimals(step: f64) -> usize {
-    (-(step * (1.0 + 1e-9)).log10().floor()).clamp(0.0, 9.0) as usize
+    let first = (-(step * (1.0 + 1e-9)).log10().floor()).clamp(0.0, 9.0);
+    // The half of 5 has a digit more.
+    let digit = step * 10_f64.powf(first);
+    let more = if (digit - digit.round()).abs() > 1e-6 { 1.0 } else { 0.0 };
+    (first + more) as usize
 }
 
 #[cfg(test)]
@@ -139,6 +153,21 @@ mod tests {
         let scale = Scale::over(holding([8512.0, 11_890.0].into_iter()), 5.0);
         assert_eq!(labels(&scale), ["9000", "10\u{202f}000", "11\u{202f}000", "12\u{202f}000"]);
         assert!(scale.range.0 < 8512.0 && scale.range.1 > 11_890.0);
+    }
+
+    #[test]
+    fn every_range_has_four_ticks_at_least_and_no_more_than_can_be_written() {
+        for wanted in [4.5, 5.0, 7.0, 8.0] {
+            for span in (1..2000).map(|part| f64::from(part) * 0.013) {
+                for from in [-3.3, 0.0, 17.77, -span / 2.0] {
+                    let scale = Scale::over(Some((from, from + span)), wanted);
+                    assert!((4..=12).contains(&scale.ticks.len()), "{from} {span}: {:?}", labels(&scale));
+                    let distinct: std::collections::BTreeSet<&str> = labels(&scale).into_iter().collect();
+                    assert_eq!(distinct.len(), scale.ticks.len(), "{:?}", labels(&scale));
+                }
+            }
+        }
+        assert_eq!(labels(&Scale::over(Some((-0.9, 14.0)), 4.5)), ["0.0", "2.5", "5.0", "7.5", "10.0", "12.5"]);
     }
 
     #[test]

@@ -4,12 +4,14 @@ use maud::html;
 use zerorate_cal::condition::Excluded;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::trace::TracePoint;
+use zerorate_cal::units::WrittenRate;
 use zerorate_fit::direction::warming;
 use zerorate_fit::drift_fit::BandPoint;
 
 use super::degree;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample, holding};
 use crate::number::significant;
+use crate::rate::RateScale;
 
 /// Time in the unit that suits its span: its name and the seconds in it.
 fn time_unit(span_s: f64) -> (&'static str, f64) {
@@ -45,7 +47,7 @@ impl Time {
 
 /// The edges of the prediction band, below and above, in the order of time: about what a device would have predicted, which
 /// with a history is a loop.
-fn band(axis: &AxisFit) -> Vec<Vec<(f64, f64)>> {
+fn band(axis: &AxisFit, scale: RateScale) -> Vec<Vec<(f64, f64)>> {
     let band = &axis.calibration.fit.band;
     if band.is_empty() {
         return Vec::new();
@@ -54,23 +56,25 @@ fn band(axis: &AxisFit) -> Vec<Vec<(f64, f64)>> {
     let predicted = axis.calibration.fit.model.biases(places.iter().copied());
     let edge = |sign: f64| {
         let points = places.iter().zip(&predicted).filter(|(_, bias)| bias.is_finite());
-        points.map(|((_, t), bias)| (*t, bias + sign * BandPoint::half_width_at(band, *t))).collect()
+        points.map(|((_, t), bias)| (*t, scale.of_rate(bias + sign * BandPoint::half_width_at(band, *t)))).collect()
     };
     vec![edge(-1.0), edge(1.0)]
 }
 
-pub(crate) fn figure(fit: &LogFit, axis: &AxisFit, place: usize) -> Figure {
-    let (name, unit, points) = (&axis.name, axis.calibration.rate_unit, &axis.trace);
+pub(crate) fn figure(fit: &LogFit, axis: &AxisFit, units: Option<WrittenRate>, place: usize) -> Figure {
+    let (name, points) = (&axis.name, &axis.trace);
+    let scale = RateScale::of_fit(fit, axis.calibration.rate_unit, units);
+    let unit = scale.unit();
     let time = Time::of(points);
     let warming = warming(&points.iter().map(|point| point.temperature).collect::<Vec<_>>());
     let temperature_name = format!("temperature, {}", degree(fit));
     let (raw_name, left_name) = (format!("rate, {unit}"), format!("corrected, {unit}"));
     let over_time = |of: fn(&TracePoint) -> f64| -> Vec<(f64, f64)> {
-        points.iter().enumerate().map(|(place, point)| (time.at(place, point), of(point))).collect()
+        points.iter().enumerate().map(|(place, point)| (time.at(place, point), scale.of_rate(of(point)))).collect()
     };
     let going = |up: bool, of: fn(&TracePoint) -> f64| -> Vec<(f64, f64)> {
         let points = points.iter().zip(&warming).filter(|(_, warming)| **warming == up);
-        points.map(|(point, _)| (point.temperature, of(point))).collect()
+        points.map(|(point, _)| (point.temperature, scale.of_rate(of(point)))).collect()
     };
     let excluded = |unit_s: f64| {
         let band = move |interval: &Excluded| {
@@ -84,7 +88,7 @@ pub(crate) fn figure(fit: &LogFit, axis: &AxisFit, place: usize) -> Figure {
         Panel { x_range: ends, ..Panel::new(title, &time.name, up, bands.chain(marks).collect::<Vec<_>>()) }
     };
     // In the order of time: with a history the prediction is a loop, and by temperature it would jump to and fro.
-    let curve: Vec<(f64, f64)> = points.iter().map(|p| (p.temperature, p.rate - p.residual)).collect();
+    let curve: Vec<(f64, f64)> = points.iter().map(|p| (p.temperature, scale.of_rate(p.rate - p.residual))).collect();
     let raw = vec![Mark::Dots(Ink::Raw, over_time(|p| p.rate))];
     let time_raw = over_time_panel(format!("{name}: rate against time"), &raw_name, raw);
     let left = vec![Mark::Dots(Ink::Corrected, over_time(|p| p.residual)), Mark::Level(Ink::Aim, 0.0)];
@@ -92,7 +96,7 @@ pub(crate) fn figure(fit: &LogFit, axis: &AxisFit, place: usize) -> Figure {
     let both = |of: fn(&TracePoint) -> f64| {
         vec![Mark::Dots(Ink::Heating, going(true, of)), Mark::Dots(Ink::Cooling, going(false, of))]
     };
-    let edges = band(axis).into_iter().map(|edge| Mark::Line(Ink::Aim, edge));
+    let edges = band(axis, scale).into_iter().map(|edge| Mark::Line(Ink::Aim, edge));
     let raw: Vec<Mark> = both(|p| p.rate).into_iter().chain([Mark::Line(Ink::Curve, curve)]).chain(edges).collect();
     let title = format!("{name}: rate against temperature, with the curve");
     let warm_raw = Panel::new(title, &temperature_name, &raw_name, raw);
@@ -118,7 +122,7 @@ pub(crate) fn figure(fit: &LogFit, axis: &AxisFit, place: usize) -> Figure {
         name: format!("Figure {}", place + 1),
         caption: html! {
             (name) ", " (axis.calibration.fit.chosen_model()) ": the rate against time and against temperature; below, less the "
-            "fitted curve (in-sample, " (significant(axis.calibration.fit.statistics.in_sample.rms, 3)) " " (unit) " rms)."
+            "fitted curve (in-sample, " (significant(scale.of_rate(axis.calibration.fit.statistics.in_sample.rms), 3)) " " (unit) " rms)."
         },
         key: key.into_iter().map(|(ink, sample, what)| (ink, sample, what.to_owned())).collect(),
         columns: vec![vec![time_raw, short(time_left)], vec![warm_raw, short(warm_left)]],

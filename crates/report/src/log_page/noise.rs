@@ -4,21 +4,42 @@ use maud::{Markup, html};
 
 use zerorate_cal::characterise::Characteristics;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
+use zerorate_cal::units::WrittenRate;
 use zerorate_fit::allan::{Allan, AllanPoint, Coefficient};
 
 use super::degree;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample};
 use crate::number::{fixed, significant};
 use crate::page::{Table, told};
+use crate::rate::RateScale;
 
 /// Averaging times beyond this many seconds carry the temperature's cycle more than noise; the caption says so.
 const SECONDS_AN_HOUR: f64 = 3600.0;
 
-pub(super) fn chapter(fit: &LogFit) -> Markup {
-    let axes: Vec<(&AxisFit, Characteristics)> =
-        fit.axes.iter().map(|axis| (axis, Characteristics::of(axis))).collect();
+/// An axis and the unit in which its rates are told.
+#[derive(Clone, Copy)]
+struct Told<'a> {
+    axis: &'a AxisFit,
+    scale: RateScale,
+}
+
+impl Told<'_> {
+    fn name(self) -> Markup {
+        html! { (self.axis.name) ", " (self.scale.unit()) }
+    }
+
+    /// A rate, or one over another quantity.
+    fn rate(self, value: f64, digits: usize) -> Markup {
+        significant(self.scale.of_rate(value), digits)
+    }
+}
+
+pub(super) fn chapter(fit: &LogFit, units: Option<WrittenRate>) -> Markup {
+    let told_as = |axis| Told { axis, scale: RateScale::of_fit(fit, axis.calibration.rate_unit, units) };
+    let axes: Vec<(Told, Characteristics)> =
+        fit.axes.iter().map(|axis| (told_as(axis), Characteristics::of(axis))).collect();
     let drawn = axes.iter().filter_map(|(axis, found)| Some((*axis, found.residual_noise.as_ref().ok()?)));
-    let drawn: Vec<(&AxisFit, &Allan)> = drawn.collect();
+    let drawn: Vec<(Told, &Allan)> = drawn.collect();
     html! {
         (sensitivities(fit, &axes))
         @if !drawn.is_empty() {
@@ -26,36 +47,31 @@ pub(super) fn chapter(fit: &LogFit) -> Markup {
             (coefficients(&drawn))
         }
         @for (axis, found) in &axes {
-            @if let Err(why) = &found.residual_noise { p.small { (axis.name) ": no Allan deviation: " (told(why)) "." } }
+            @if let Err(why) = &found.residual_noise { p.small { (axis.axis.name) ": no Allan deviation: " (told(why)) "." } }
         }
     }
 }
 
-/// An axis and the unit of its rates.
-fn with_unit(axis: &AxisFit) -> Markup {
-    html! { (axis.name) ", " (axis.calibration.rate_unit) }
-}
-
 /// A row an axis, under IEEE's names.
-fn sensitivities(fit: &LogFit, axes: &[(&AxisFit, Characteristics)]) -> Markup {
+fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)]) -> Markup {
     let degree = degree(fit);
     let mut missing: Vec<String> = Vec::new();
     let mut rows = Vec::new();
     for (axis, found) in axes {
         let slope = found.temperature_sensitivity;
         let mut cells = vec![
-            with_unit(axis),
-            significant(slope.mean, 3),
-            html! { (significant(slope.steepest, 3)) " at " (fixed(slope.steepest_at, 0)) },
+            axis.name(),
+            axis.rate(slope.mean, 3),
+            html! { (axis.rate(slope.steepest, 3)) " at " (fixed(slope.steepest_at, 0)) },
         ];
         cells.push(match &found.hysteresis {
             Ok(found) => html! {
-                (significant(found.largest, 3)) " at " (fixed(found.at, 0)) " (" (fixed(100.0 * found.share, 0)) " %)"
+                (axis.rate(found.largest, 3)) " at " (fixed(found.at, 0)) " (" (fixed(100.0 * found.share, 0)) " %)"
             },
             Err(_) => html! { "–" },
         });
         cells.push(match &found.ramp_sensitivity {
-            Ok(found) => html! { (significant(found.value, 3)) " ± " (significant(found.standard_error, 2)) },
+            Ok(found) => html! { (axis.rate(found.value, 3)) " ± " (axis.rate(found.standard_error, 2)) },
             Err(_) => html! { "–" },
         });
         rows.push(cells);
@@ -85,10 +101,10 @@ fn sensitivities(fit: &LogFit, axes: &[(&AxisFit, Characteristics)]) -> Markup {
 }
 
 /// One panel an axis, two a row: the curve with its confidence.
-fn figure(fit: &LogFit, axes: &[(&AxisFit, &Allan)]) -> Figure {
-    let panel = |(axis, allan): &(&AxisFit, &Allan)| {
+fn figure(fit: &LogFit, axes: &[(Told, &Allan)]) -> Figure {
+    let panel = |(Told { axis, scale }, allan): &(Told, &Allan)| {
         let of = |value: fn(&AllanPoint) -> f64| -> Vec<(f64, f64)> {
-            allan.points.iter().map(|point| (point.tau_s.log10(), value(point).log10())).collect()
+            allan.points.iter().map(|point| (point.tau_s.log10(), scale.of_rate(value(point)).log10())).collect()
         };
         let marks = [
             Mark::Line(Ink::Aim, of(|point| point.low)),
@@ -97,7 +113,7 @@ fn figure(fit: &LogFit, axes: &[(&AxisFit, &Allan)]) -> Figure {
             Mark::Dots(Ink::X, of(|point| point.deviation)),
         ];
         let title = format!("{}: Allan deviation of the residual", axis.name);
-        let up = format!("{}: Allan deviation, {}", axis.name, axis.calibration.rate_unit);
+        let up = format!("{}: Allan deviation, {}", axis.name, scale.unit());
         Panel { height: 2600, logarithms: true, ..Panel::new(title, "averaging time, s", up, marks) }
     };
     let mut columns = vec![Vec::new(), Vec::new()];
@@ -122,20 +138,20 @@ fn figure(fit: &LogFit, axes: &[(&AxisFit, &Allan)]) -> Figure {
 }
 
 /// N, B and K.
-fn coefficients(axes: &[(&AxisFit, &Allan)]) -> Markup {
-    let cell = |coefficient: &Coefficient| match coefficient {
+fn coefficients(axes: &[(Told, &Allan)]) -> Markup {
+    let cell = |axis: &Told, coefficient: &Coefficient| match coefficient {
         Coefficient::Seen { value, low, high, .. } => html! {
-            (significant(*value, 3)) " (" (significant(*low, 2)) " to " (significant(*high, 2)) ")"
+            (axis.rate(*value, 3)) " (" (axis.rate(*low, 2)) " to " (axis.rate(*high, 2)) ")"
         },
-        Coefficient::Hidden { at_most } => html! { "below " (significant(*at_most, 2)) },
+        Coefficient::Hidden { at_most } => html! { "below " (axis.rate(*at_most, 2)) },
     };
-    let row = |(axis, allan): &(&AxisFit, &Allan)| {
+    let row = |(axis, allan): &(Told, &Allan)| {
         let found = &allan.coefficients;
         vec![
-            with_unit(axis),
-            cell(&found.angle_random_walk),
-            cell(&found.bias_instability),
-            cell(&found.rate_random_walk),
+            axis.name(),
+            cell(axis, &found.angle_random_walk),
+            cell(axis, &found.bias_instability),
+            cell(axis, &found.rate_random_walk),
         ]
     };
     Table {

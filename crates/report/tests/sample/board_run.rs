@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use serde_json::json;
 use zerorate_cal::board_run::{BoardRun, FULL_TEMPERATURE};
 use zerorate_cal::calibration::{Calibration, Kind, Origin, TrimCalibration};
 use zerorate_cal::log_fit::{AxisFit, FitOptions};
@@ -251,6 +252,8 @@ fn made() -> BoardRun {
     };
     let calibration = Calibration {
         group_period_s: Some(1.5),
+        labels: [("operator".to_owned(), "A. N.".to_owned())].into(),
+        setup: Some(json!({ "board": { "counts_per_celsius": 34.0, "counts_at_zero_celsius": 9860.0 } })),
         ..Calibration::new(Kind::AnalogueBoard, Some(serial), recordings, TemperatureUnit::Counts, axes)
     };
     BoardRun { calibration, summary, full_temperature, tests: tests.map(|(_, test)| test).into() }

@@ -67,15 +67,6 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
                 the same direction";
     page.sentence("  ", &format!("{told}; {floor}"));
 
-    if !summary.failed_checks.is_empty() {
-        page.heading("Outside the limits");
-        summary.failed_checks.iter().for_each(|failed| page.sentence("  - ", failed));
-    }
-    if !summary.warnings.is_empty() {
-        page.heading("Warnings");
-        summary.warnings.iter().for_each(|warning| page.sentence("  - ", warning));
-    }
-
     page.heading("Written");
     page.facts(&[
         ("report", out.join("report.html").display().to_string()),
@@ -103,6 +94,9 @@ fn headline(page: &mut Page, summary: &Summary) {
     let plant = summary.plant.as_ref().zip(summary.seed);
     let plant = plant.map(|(plant, seed)| format!(" ({plant} plant, seed {seed})")).unwrap_or_default();
     page.line(format!("Unit {}{plant}: {verdict}", summary.serial));
+    // What speaks against the unit stands before every number that speaks for it.
+    summary.failed_checks.iter().for_each(|failed| page.sentence("  - ", failed));
+    summary.warnings.iter().for_each(|warning| page.sentence("  - ", warning));
     let before = summary.drift_pp_counts(Axis::X);
     let mut told = format!("X drifts {before:.0} counts over the heating ramp");
     let [trim, hybrid] = summary.headline();

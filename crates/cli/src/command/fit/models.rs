@@ -1,18 +1,18 @@
 //! What was chosen, what it predicts, and what it was chosen from.
 
 use zerorate_cal::log_fit::{AxisFit, LogFit};
+use zerorate_cal::units::WrittenRate;
 use zerorate_fit::drift_fit::{Candidate, HeldOut};
 
 use crate::screen::{Grid, Page, RateScale};
 
 /// The model of each axis and what it predicts of data that played no part in choosing it; nothing where nothing was
 /// chosen.
-pub fn models(page: &mut Page, fit: &LogFit) {
+pub fn models(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
     let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| nested(axis).is_some()).collect();
     let Some(first) = axes.first() else { return };
-    let cubic = |axis: &&AxisFit| nested(axis).and_then(|nested| nested.cubic_deployed).unwrap_or(0.0);
     let unit = first.calibration.rate_unit;
-    let scale = RateScale::of(unit, &axes.iter().map(cubic).collect::<Vec<_>>());
+    let scale = RateScale::of_fit(fit, unit, asked);
     page.heading(&format!("Model, and what it leaves of an eighth of the log (rms, {})", scale.unit()));
     let mut grid = Grid::new("llrrrr");
     grid.head(["", "", "in the", "deployed,", "deployed,", "cubic,"]);
@@ -33,11 +33,10 @@ pub fn models(page: &mut Page, fit: &LogFit) {
 }
 
 /// The candidates of every axis.
-pub fn explain(page: &mut Page, fit: &LogFit) {
+pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
     for axis in &fit.axes {
         let candidates = &axis.calibration.fit.statistics.candidates;
-        let held_out = candidates.iter().filter_map(|candidate| candidate.held_out_rms);
-        let scale = RateScale::of(axis.calibration.rate_unit, &[held_out.fold(f64::INFINITY, f64::min)]);
+        let scale = RateScale::of_fit(fit, axis.calibration.rate_unit, asked);
         page.heading(&format!("Candidates of {}, simplest first (rms, {})", axis.name, scale.unit()));
         let mut grid = Grid::new("llrrrrrr");
         grid.head(["", "", "in-", "held", "std.", "de-", "cold", "hot"]);
@@ -56,7 +55,7 @@ pub fn explain(page: &mut Page, fit: &LogFit) {
          the mean of its first half minute. Cold and hot end: the coldest and the hottest groups held out, as many as a fold. Taken \
          (*) is the simplest model whose held-out and deployed squares are within one standard error of the best. It must \
          be at neither end worse than the better of a straight line and a cubic, and in neither direction of the ramp worse \
-         than the cubic.",
+         than the cubic. Where what is so taken predicts new data worse than the cubic, the best plain curve is taken.",
     );
 }
 

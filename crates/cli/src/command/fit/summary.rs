@@ -6,9 +6,10 @@ use console::Style;
 use zerorate_cal::condition::Rejected;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
-use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::{RateUnit, WrittenRate};
 use zerorate_fit::drift_fit::{FitStatistics, ResidualOver};
 use zerorate_fit::residual::ResidualStatistics;
+use zerorate_report::trend_sentences;
 
 use super::models;
 use crate::screen::{Grid, Page, RateScale, aligned, style, thousands};
@@ -16,6 +17,7 @@ use crate::screen::{Grid, Page, RateScale, aligned, style, thousands};
 /// The page: verdict, curves, what was left out, what was guessed, what to do next.
 pub fn page(
     fit: &LogFit,
+    asked: Option<WrittenRate>,
     over: ResidualOver,
     written: &[PathBuf],
     next: &Option<(&'static str, String)>,
@@ -23,6 +25,7 @@ pub fn page(
 ) -> Page {
     let mut page = Page::default();
     verdict(&mut page, fit);
+    rejected_axes(&mut page, fit);
     if !fit.axes.is_empty() {
         let mut units: Vec<RateUnit> = Vec::new();
         for axis in &fit.axes {
@@ -30,17 +33,20 @@ pub fn page(
                 units.push(axis.calibration.rate_unit);
             }
         }
-        units.iter().for_each(|unit| curves(&mut page, fit, *unit));
+        units.iter().for_each(|unit| curves(&mut page, fit, RateScale::of_fit(fit, *unit, asked), *unit));
         terms(&mut page, fit);
-        units.iter().for_each(|unit| in_recording(&mut page, fit, *unit));
+        for trend in trend_sentences(fit, asked) {
+            page.gap();
+            page.sentence("  ", &trend);
+        }
+        units.iter().for_each(|unit| in_recording(&mut page, fit, RateScale::of_fit(fit, *unit, asked), *unit));
         terms_in_recording(&mut page, fit, over);
-        models::models(&mut page, fit);
+        models::models(&mut page, fit, asked);
         if explained {
-            models::explain(&mut page, fit);
+            models::explain(&mut page, fit, asked);
         }
         left_out(&mut page, fit);
     }
-    rejected_axes(&mut page, fit);
     let advice = fit.judgement.advice();
     if fit.judgement.rejected() && !advice.is_empty() {
         page.heading("What to do");
@@ -89,28 +95,27 @@ fn verdict(page: &mut Page, fit: &LogFit) {
 
 /// One row an axis of a unit: what drifts, and what a deployed device has left of it. Of a plain fit nobody knows that: what
 /// was held out stands in its place.
-fn curves(page: &mut Page, fit: &LogFit, unit: RateUnit) {
+fn curves(page: &mut Page, fit: &LogFit, scale: RateScale, unit: RateUnit) {
     let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| axis.calibration.rate_unit == unit).collect();
     let drifts: Vec<f64> = axes.iter().map(|axis| axis.calibration.measured_drift().peak_to_peak()).collect();
-    let scale = RateScale::of(unit, &drifts);
     page.heading(&format!("Drift over {}, in {}", measured(&axes), scale.unit()));
     let (left_head, left): (_, Figure) = match deployed(&axes) {
         true => ("deployed", |fit| fit.deployed),
         false => ("held out", |fit| fit.held_out),
     };
-    let [before_rms, before_pp] = figures(&axes, scale, |fit| fit.uncorrected);
-    let [rms, pp] = figures(&axes, scale, left);
+    let [before_rms, _, before_pp] = figures(&axes, scale, |fit| fit.uncorrected);
+    let [rms, error, pp] = figures(&axes, scale, left);
     let drifts = aligned(&drifts.iter().map(|drift| scale.of_rate(*drift)).collect::<Vec<_>>());
-    let mut grid = Grid::new("lllrrrrrr");
+    let mut grid = Grid::new("lllrrrrrrr");
     let what = if axes[0].calibration.sensor.is_some() { "axis" } else { "rate column" };
-    grid.head(["", "", "", "drift", left_head, "", "uncorrected", "", "rows"]);
-    grid.head([what, "verdict", "model", "pp", "rms", "pp", "rms", "pp", "used"]);
+    grid.head(["", "", "", "drift", left_head, "", "", "uncorrected", "", "rows"]);
+    grid.head([what, "verdict", "model", "pp", "rms", "±", "pp", "rms", "pp", "used"]);
     for (place, axis) in axes.iter().enumerate() {
         let own = &axis.calibration.fit.model;
         let beside = if own.history.is_some() || own.time_drift.is_some() { "+" } else { "" };
         let model = format!("{}{beside}", axis.calibration.model());
         let used = thousands(axis.calibration.fit.statistics.samples_used);
-        let cells = [&drifts, &rms, &pp, &before_rms, &before_pp].map(|column| column[place].clone());
+        let cells = [&drifts, &rms, &error, &pp, &before_rms, &before_pp].map(|column| column[place].clone());
         grid.row([axis.name.clone(), axis.verdict.name().to_owned(), model].into_iter().chain(cells).chain([used]));
     }
     page.grid(&grid);
@@ -124,16 +129,15 @@ fn curves(page: &mut Page, fit: &LogFit, unit: RateUnit) {
 }
 
 /// What is left within the recording: smaller than what a device gets, and below it.
-fn in_recording(page: &mut Page, fit: &LogFit, unit: RateUnit) {
+fn in_recording(page: &mut Page, fit: &LogFit, scale: RateScale, unit: RateUnit) {
     let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| axis.calibration.rate_unit == unit).collect();
-    let drifts: Vec<f64> = axes.iter().map(|axis| axis.calibration.measured_drift().peak_to_peak()).collect();
-    let scale = RateScale::of(unit, &drifts);
     page.heading(&format!("Within the recording, in {}", scale.unit()));
-    let columns =
-        [figures(&axes, scale, |fit| Some(fit.in_sample)), figures(&axes, scale, |fit| fit.held_out)].concat();
-    let mut grid = Grid::new("lrrrr");
-    grid.head(["", "in-sample", "", "held out", ""]);
-    grid.head(["", "rms", "pp", "rms", "pp"]);
+    let [in_sample_rms, _, in_sample_pp] = figures(&axes, scale, |fit| Some(fit.in_sample));
+    let [rms, error, pp] = figures(&axes, scale, |fit| fit.held_out);
+    let columns = [in_sample_rms, in_sample_pp, rms, error, pp];
+    let mut grid = Grid::new("lrrrrr");
+    grid.head(["", "in-sample", "", "held out", "", ""]);
+    grid.head(["", "rms", "pp", "rms", "±", "pp"]);
     for (place, axis) in axes.iter().enumerate() {
         grid.row([axis.name.clone()].into_iter().chain(columns.iter().map(|column| column[place].clone())));
     }
@@ -143,13 +147,17 @@ fn in_recording(page: &mut Page, fit: &LogFit, unit: RateUnit) {
 /// One figure of a fit.
 type Figure = fn(&FitStatistics) -> Option<ResidualStatistics>;
 
-/// The rms and the peak to peak of a figure, an entry an axis.
-fn figures(axes: &[&AxisFit], scale: RateScale, figure: Figure) -> [Vec<String>; 2] {
+/// The rms, its standard error and the peak to peak of a figure, an entry an axis.
+fn figures(axes: &[&AxisFit], scale: RateScale, figure: Figure) -> [Vec<String>; 3] {
     let of = |axis: &&AxisFit| figure(&axis.calibration.fit.statistics).unwrap_or(ResidualStatistics::NONE);
-    let column = |part: fn(ResidualStatistics) -> f64| {
-        aligned(&axes.iter().map(|axis| scale.of_rate(part(of(axis)))).collect::<Vec<_>>())
+    let error = |left: ResidualStatistics| left.rms_standard_error.unwrap_or(f64::NAN);
+    let column = |part: &dyn Fn(ResidualStatistics) -> f64| -> Vec<f64> {
+        axes.iter().map(|axis| scale.of_rate(part(of(axis)))).collect()
     };
-    [column(|left| left.rms), column(|left| left.pp)]
+    // A figure and its error have as many decimals.
+    let mut rms = aligned(&[column(&|left| left.rms), column(&error)].concat());
+    let error = rms.split_off(axes.len());
+    [rms, error, aligned(&column(&|left| left.pp))]
 }
 
 /// Whether it is known what a deployed device has left.
@@ -167,8 +175,8 @@ fn terms(page: &mut Page, fit: &LogFit) {
             "Deployed is what a device has left of a whole log like this one, in averages over about 10 s, if it takes its \
              zero in the first half minute and the prediction off from then on: each eighth of the log as a model predicts it \
              that was chosen and fitted on the other seven, and without the log's own drift in time, which no device knows. \
-             Uncorrected is the same without a model. zerorate verify finds the same two numbers in another run. pp is \
-             peak to peak.",
+             Uncorrected is the same without a model. zerorate verify finds the same two numbers in another run. \u{b1} is one \
+             standard error of the rms, by how much the eight folds differ; pp is peak to peak.",
         );
     }
     if fit.axes.iter().any(|axis| axis.calibration.reference_temperature.is_some()) {

@@ -91,7 +91,7 @@ impl Facts {
     fn show_axes(&self, page: &mut Page) {
         let Some(first) = self.axes.first() else { return };
         let drifts: Vec<f64> = self.axes.iter().map(|axis| axis.drift_pp).collect();
-        let scale = RateScale::of(first.rate_unit, &drifts);
+        let scale = RateScale::of(first.rate_unit, &drifts, None);
         page.gap();
         let mut grid = Grid::new("llrrrr");
         grid.head(["", "", "calibrated", "drift", "in-sample", "held out"]);

@@ -122,7 +122,7 @@ impl Plain {
 impl Sensor {
     fn show(&self, grid: &mut Grid) {
         let largest: Vec<f64> = self.rates.iter().flat_map(|rate| [rate.min, rate.max]).collect();
-        let scale = RateScale::of(self.rate_unit, &largest);
+        let scale = RateScale::of(self.rate_unit, &largest, None);
         let mut row = |what: &str, unit: &str, column: &Column, values: [f64; 3]| {
             let [min, mean, max] = <[String; 3]>::try_from(aligned(&values)).unwrap_or_default();
             grid.row([&column.column, what, unit, &min, &mean, &max, &thousands(column.missing)]);
@@ -130,7 +130,7 @@ impl Sensor {
         let temperature = &self.temperature;
         row("temperature", self.temperature_unit, temperature, [temperature.min, temperature.mean, temperature.max]);
         for rate in &self.rates {
-            row("rate", &scale.unit(), rate, [rate.min, rate.mean, rate.max].map(|value| scale.of_rate(value)));
+            row("rate", scale.unit(), rate, [rate.min, rate.mean, rate.max].map(|value| scale.of_rate(value)));
         }
     }
 }

@@ -1,13 +1,13 @@
 //! The page that `zerorate verify` prints.
 
 use console::Style;
-use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::{RateUnit, WrittenRate};
 use zerorate_cal::verify::{Verified, VerifiedAxis};
 
 use crate::screen::{Grid, Page, RateScale, aligned, style};
 
 /// The page: verdict, why, and what is left of each axis.
-pub fn page(verified: &Verified) -> Page {
+pub fn page(verified: &Verified, asked: Option<WrittenRate>) -> Page {
     let mut page = Page::default();
     verdict(&mut page, verified);
     let mut units: Vec<RateUnit> = Vec::new();
@@ -20,7 +20,7 @@ pub fn page(verified: &Verified) -> Page {
     for rate_unit in units {
         let axes: Vec<&VerifiedAxis> = verified.axes.iter().filter(|axis| axis.rate_unit == rate_unit).collect();
         let sizes: Vec<f64> = axes.iter().map(|axis| axis.raw.pp).collect();
-        let scale = RateScale::of(rate_unit, &sizes);
+        let scale = RateScale::of(rate_unit, &sizes, asked);
         page.heading(&format!(
             "Over {:.1} to {:.1} {}, in {}",
             axes.iter().map(|axis| axis.temperature[0]).fold(f64::INFINITY, f64::min),
