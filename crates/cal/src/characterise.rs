@@ -77,7 +77,7 @@ pub struct Hysteresis {
     pub at: f64,
     /// Root mean square over the temperatures that both directions have.
     pub rms: f64,
-    /// The largest over the peak to peak of the bias, 0 to 1 and more.
+    /// The largest over the peak to peak of the bias, 0 to 1 and more; NaN, in JSON null, where the bias does not change.
     pub share: f64,
 }
 

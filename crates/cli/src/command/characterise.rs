@@ -217,7 +217,9 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
             format!("{:.2e}", slope.mean),
             format!("{:.2e} at {:.0}", slope.steepest, slope.steepest_at),
             found.hysteresis.as_ref().map_or("-".to_owned(), |found| {
-                format!("{:.2e} at {:.0} ({:.0} %)", found.largest, found.at, 100.0 * found.share)
+                let share = Some(found.share).filter(|share| share.is_finite());
+                let share = share.map(|share| format!(" ({:.0} %)", 100.0 * share)).unwrap_or_default();
+                format!("{:.2e} at {:.0}{share}", found.largest, found.at)
             }),
             ramp.map_or("-".to_owned(), |found| format!("{:.1e} +- {:.1e}", found.value, found.standard_error)),
             axis.calibration.rate_unit.to_string(),

@@ -61,6 +61,5 @@ fn what_is_made_of_a_calibration_tells_its_form() {
     }
     assert_eq!(run(&["verify", log, "--with", "c.json", "--in-sample", "--max-rms", "1dps", "--json"])["passed"], true);
     assert_eq!(run(&["info", "c.json", log, "corrected.csv", "--json"])["files"].as_array().unwrap().len(), 3);
-    assert_eq!(run(&["report", "c.json", "--log", log, "--out", "page.html", "--json"])["out"], "page.html");
     assert!(run(&["characterise", log, "--sensor", "gyro", "--json"])["noise"].is_array());
 }

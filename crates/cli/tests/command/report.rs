@@ -28,6 +28,8 @@ fn another_log_than_the_calibrations_own_is_refused() {
     fs::write(folder.path().join("other.csv"), "t_s,temperature_c,x_rad_s,y_rad_s\n").unwrap();
     zerorate(folder.path(), &["report", "calibration.json", "--log", "other.csv"])
         .is_error(&["other.csv: not the log", "SHA-256"]);
+    let made = ["report", "calibration.json", "--log", "log.csv", "--out", "page.html", "--json"];
+    assert_eq!(zerorate(folder.path(), &made).json()["log"], "log.csv");
     fs::remove_file(folder.path().join("log.csv")).unwrap();
     zerorate(folder.path(), &["report", "calibration.json"])
         .is_error(&["log.csv: cannot be read", "--log says where it is"]);
