@@ -136,10 +136,11 @@ impl Fit {
     /// Writes the results and says what was written. The calibration comes last: where it is, all is.
     fn write(&self, fit: &LogFit, places: &Places, units: Option<WrittenRate>) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
-        let origins = &self.origins(fit, places)?;
-        let wanted = places.out.as_ref().or(self.record.as_ref());
-        let calibration = wanted.map(|_| self.calibration(fit, origins)).transpose()?;
-        let about = About { serial: self.serial.as_deref(), labels: &self.labels(), units };
+        if places.out.is_none() && places.report.is_none() && self.record.is_none() {
+            return Ok(written);
+        }
+        let origins = &self.origins(fit)?;
+        let calibration = self.calibration(fit, origins)?;
         // Before the first is written, all places are known to be free.
         if let Some(out) = &places.out {
             self.force.calibration("--out", out, origins, self.serial.as_deref())?;
@@ -147,30 +148,28 @@ impl Fit {
         if let Some(report) = &places.report {
             self.force.text("--report", report, origins, None)?;
         }
-        if let Some((path, calibration)) = self.record.as_ref().zip(calibration.as_ref()) {
+        if let Some(path) = &self.record {
             self.force.record("--record", path, calibration.unit_serial.as_deref().unwrap_or_default())?;
         }
         if let Some(path) = &places.report {
             let next = places.out.as_ref().map(|out| self.use_command(fit, out).1);
+            let about = About { serial: calibration.unit_serial.as_deref(), labels: &calibration.labels, units };
             output::write(path, &page(fit, about, origins, next.as_deref()))?;
             written.push(path.clone());
         }
-        if let Some((path, calibration)) = self.record.as_ref().zip(calibration.as_ref()) {
-            output::write_bytes(path, &recorded::device_record(calibration)?)?;
+        if let Some(path) = &self.record {
+            output::write_bytes(path, &recorded::device_record(&calibration)?)?;
             written.push(path.clone());
         }
-        if let Some((path, calibration)) = places.out.as_ref().zip(calibration) {
+        if let Some(path) = &places.out {
             output::write(path, &calibration.to_json()?)?;
             written.push(path.clone());
         }
         Ok(written)
     }
 
-    /// The logs with their SHA-256, where something is written that names them.
-    fn origins(&self, fit: &LogFit, places: &Places) -> Result<Vec<Origin>> {
-        if places.out.is_none() && places.report.is_none() && self.record.is_none() {
-            return Ok(Vec::new());
-        }
+    /// The logs with their SHA-256.
+    fn origins(&self, fit: &LogFit) -> Result<Vec<Origin>> {
         let origin = |source: &Source| {
             Origin::of_log(fit.autopilot, source).with_context(|| format!("{}: cannot be read", source.name()))
         };
