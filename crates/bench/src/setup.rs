@@ -136,7 +136,7 @@ pub struct DriftChoice {
 pub struct Limits {
     /// Residual of mode trim, counts peak to peak. A tap is the least that a potentiometer leaves.
     pub trim_residual_pp_counts: f64,
-    /// Residual of mode hybrid, in multiples of the floor (what no compensation could beat). A real bench knows no floor:
+    /// Residual of mode hybrid, in multiples of the floor (what noise alone makes). A real bench knows no floor:
     /// there it must leave no more than mode trim.
     pub hybrid_residual_floors: f64,
     /// Distance of the compensated mean from the centre, counts.

@@ -26,7 +26,7 @@ pub struct UnitResult {
     pub trim_residual_pp_counts: Option<f64>,
     /// What mode hybrid leaves (mode digital where the wiper cannot follow).
     pub hybrid_residual_pp_counts: f64,
-    /// What no compensation could beat.
+    /// What noise alone makes.
     pub floor_pp_counts: f64,
     /// The drift model chosen.
     pub model: String,
@@ -76,7 +76,7 @@ pub fn unit(number: u32, plant: PlantKind, seed: u64, setup: &SetUp) -> Result<U
         trim_residual_pp_counts: trim.as_ref().map(|trim| trim.residual_pp_counts),
         hybrid_residual_pp_counts: hybrid.residual_pp_counts,
         floor_pp_counts: hybrid.floor_pp_counts.unwrap_or(f64::NAN),
-        failed_checks: checks.iter().filter(|check| !check.pass).map(Check::sentence).collect(),
+        failed_checks: checks.iter().filter(|check| !check.passed).map(Check::sentence).collect(),
         model: drift.drift.calibration.fit.chosen_model(),
         warnings: measured.calibration.warnings,
     })

@@ -14,7 +14,7 @@ use crate::measure::MeasuredAxis;
 #[must_use]
 pub fn summary(run: &Calibrated, recordings: Vec<Origin>, wall_s: f64) -> Summary {
     let board = &run.setup.board;
-    let failed = || run.checks.iter().filter(|check| !check.pass);
+    let failed = || run.checks.iter().filter(|check| !check.passed);
     let axes = Axis::BOTH.map(|axis| (axis.name().to_owned(), axis_summary(&run.measured.axes[axis.index()])));
     Summary {
         schema: SCHEMA,

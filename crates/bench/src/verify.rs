@@ -72,7 +72,7 @@ pub(crate) fn at_most(what: String, limit: f64, measured: f64) -> Check {
         what,
         limit: format!("at most {limit:.1} counts"),
         measured: format!("{measured:.1} counts"),
-        pass: measured <= limit,
+        passed: measured <= limit,
     }
 }
 
@@ -98,7 +98,7 @@ fn check_one(result: &TestResult, by_trim: Option<&TestResult>, limits: &Limits,
             what: format!("{whose}: wiper writes"),
             limit: format!("the {crossed} taps crossed"),
             measured: format!("{} writes", result.wiper_writes),
-            pass: result.wiper_writes == crossed,
+            passed: result.wiper_writes == crossed,
         });
     }
     checks

@@ -118,9 +118,9 @@ fn soaks_of_a_calibrated_board_show_eq_1_and_agree_with_the_ramp() {
                 assert!(distance.abs() <= 8.0, "seed {seed} {}: {distance} counts from eq. (1) at {t}", axis.name());
             }
         }
-        assert!(soak_comparison::check(&compared, &setup.limits).iter().all(|check| check.pass));
+        assert!(soak_comparison::check(&compared, &setup.limits).iter().all(|check| check.passed));
         setup.limits.soak_difference_counts = 0.01;
-        assert!(soak_comparison::check(&compared, &setup.limits).iter().all(|check| !check.pass));
+        assert!(soak_comparison::check(&compared, &setup.limits).iter().all(|check| !check.passed));
         setup = SetUp::paper();
     }
 }

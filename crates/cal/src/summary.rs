@@ -123,7 +123,7 @@ pub struct TestResult {
     pub uncompensated_pp_counts: f64,
     /// The control, counts peak to peak.
     pub control_pp_counts: f64,
-    /// What no compensation could beat: the same groups with the plant's own drift and wiper voltage removed, counts
+    /// What noise alone makes: the same groups with the plant's own drift and wiper voltage removed, counts
     /// peak to peak. Known on a simulated bench alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub floor_pp_counts: Option<f64>,
@@ -149,8 +149,8 @@ pub struct Check {
     /// What was measured, with its unit.
     pub measured: String,
     /// Whether it is within the limit.
-    #[serde(rename = "passed", alias = "pass")]
-    pub pass: bool,
+    #[serde(alias = "pass")]
+    pub passed: bool,
 }
 
 impl Check {

@@ -80,7 +80,7 @@ pub(super) fn facts(facts: &[(&str, Markup)]) -> Markup {
 pub(super) fn verdict(verdict: Verdict) -> Markup {
     let (class, sign, word) = match verdict {
         Verdict::Good => ("good", "✓", "Good"),
-        Verdict::Warning => ("warning", "!", "Usable, with warnings"),
+        Verdict::Warning => ("warning", "!", "Warning"),
         Verdict::Rejected => ("rejected", "✕", "Rejected"),
     };
     html! { span.verdict.(class) { span.sign aria-hidden="true" { (sign) } " " (word) } }

@@ -137,7 +137,9 @@ fn set_aside(path: &Path) -> std::io::Result<PathBuf> {
 /// Whether a page or an export says that it came of a log of this name. In a page some letters are written otherwise.
 fn names(text: &str, file: &str) -> bool {
     let written = file.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
-    [file, &written].iter().any(|name| text.contains(&format!("of {name}, SHA-256")))
+    // "of" it in a page, "from" it in an export.
+    let told = |word: &str, name: &str| text.contains(&format!("{word} {name}, SHA-256"));
+    [file, &written].iter().any(|name| told("of", name) || told("from", name))
 }
 
 fn sorted<'o>(origins: &'o [Origin], of: impl Fn(&'o Origin) -> &'o str) -> Vec<&'o str> {

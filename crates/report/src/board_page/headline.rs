@@ -18,7 +18,7 @@ struct Bar {
 
 pub(super) fn headline(board: &Board) -> Markup {
     let summary = board.summary;
-    let failed: Vec<_> = summary.checks.iter().filter(|check| !check.pass).collect();
+    let failed: Vec<_> = summary.checks.iter().filter(|check| !check.passed).collect();
     html! {
         p.over { "Calibration of a gyroscope’s zero-rate output" }
         h1 { "Unit " (summary.serial) }
@@ -93,7 +93,7 @@ fn bars(board: &Board) -> Markup {
         p.small {
             (name_of(test.axis)) ", peak to peak of group means over the heating ramp; trim and hybrid in second "
             "runs that no fit has seen. × is how many times less than before. "
-            @if test.floor_pp_counts.is_some() { "The floor is noise: what no compensation could beat." }
+            @if test.floor_pp_counts.is_some() { "The floor is what noise alone makes; below it is chance." }
             @else { "What of it is noise, which no compensation could take out, is not known on a real bench." }
         }
     }

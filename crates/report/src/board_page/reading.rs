@@ -7,13 +7,13 @@ use super::Board;
 use crate::page::{self, Table};
 
 pub(super) fn checks(checks: &[Check]) -> Markup {
-    let failed = checks.iter().filter(|check| !check.pass).count();
+    let failed = checks.iter().filter(|check| !check.passed).count();
     let row = |check: &Check| {
         vec![
             html! { span.wrap { (check.what) } },
             html! { (check.limit) },
             html! { (check.measured) },
-            html! { @if check.pass { span.good { "✓\u{a0}pass" } } @else { span.rejected { "✕\u{a0}fail" } } },
+            html! { @if check.passed { span.good { "✓\u{a0}passed" } } @else { span.rejected { "✕\u{a0}failed" } } },
         ]
     };
     html! {
@@ -80,7 +80,7 @@ pub(super) fn definitions(board: &Board) -> Markup {
         html! {
             @if floor {
                 "The same groups once the simulated plant’s own true drift and true wiper voltage are taken away: noise, flicker "
-                "and random walk, which no compensation could beat."
+                "and random walk. A compensation comes below it by chance alone."
             } @else {
                 "What noise alone would leave. A real bench cannot know it, and none is given: mode hybrid is held against what "
                 "mode trim leaves."

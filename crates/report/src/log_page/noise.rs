@@ -66,7 +66,8 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)]) -> Markup {
         ];
         cells.push(match &found.hysteresis {
             Ok(found) => html! {
-                (axis.rate(found.largest, 3)) " at " (fixed(found.at, 0)) " (" (fixed(100.0 * found.share, 0)) " %)"
+                (axis.rate(found.largest, 3)) " at " (fixed(found.at, 0))
+                @if found.share.is_finite() { " (" (fixed(100.0 * found.share, 0)) " %)" }
             },
             Err(_) => html! { "–" },
         });

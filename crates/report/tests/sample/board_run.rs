@@ -214,11 +214,11 @@ fn made() -> BoardRun {
     let runs = [(Axis::X, Phase::Heating), (Axis::X, Phase::Cooling), (Axis::Y, Phase::Heating)];
     let results =
         runs.iter().flat_map(|(axis, way)| tests.iter().map(|(mode, test)| result(test, *mode, *axis, *way))).collect();
-    let check = |what: &str, limit: &str, measured: &str, pass| Check {
+    let check = |what: &str, limit: &str, measured: &str, passed| Check {
         what: what.into(),
         limit: limit.into(),
         measured: measured.into(),
-        pass,
+        passed,
     };
     let serial = "ZR-2012-0001".to_owned();
     let sha256 = "9f86d081884c7d659a2feaa0c55ad0159f86d081884c7d659a2feaa0c55ad015".into();
