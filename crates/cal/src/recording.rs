@@ -25,7 +25,7 @@ pub use columns::name_in_version_1;
 pub use error::{RecordingError, RecordingFault, WriteError};
 pub use phase::Phase;
 pub use reader::Recording;
-pub use schema::SCHEMA_VERSION;
+pub use schema::{COLUMNS_KEY, SCHEMA_VERSION, columns_told, described, described_as_a_recordings, key_values};
 pub use writer::RecordingWriter;
 
 /// What is true of a whole recording.

@@ -3,8 +3,9 @@
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use thiserror::Error;
 
@@ -20,6 +21,8 @@ type Open = dyn Fn() -> io::Result<Box<dyn ReadSeek>> + Send + Sync;
 #[derive(Clone)]
 pub struct Source {
     name: String,
+    /// Where a file is.
+    path: Option<PathBuf>,
     open: Arc<Open>,
 }
 
@@ -44,7 +47,8 @@ impl Source {
     #[must_use]
     pub fn file(path: &Path) -> Self {
         let own = path.to_owned();
-        Self::new(path.display().to_string(), move || Ok(Box::new(File::open(&own)?)))
+        let name = path.display().to_string();
+        Self { path: Some(path.to_owned()), ..Self::new(name, move || Ok(Box::new(File::open(&own)?))) }
     }
 
     /// Bytes in memory.
@@ -60,7 +64,7 @@ impl Source {
         name: impl Into<String>,
         open: impl Fn() -> io::Result<Box<dyn ReadSeek>> + Send + Sync + 'static,
     ) -> Self {
-        Self { name: name.into(), open: Arc::new(open) }
+        Self { name: name.into(), path: None, open: Arc::new(open) }
     }
 
     /// The name for messages: a file's path as it was given.
@@ -99,6 +103,12 @@ impl Source {
     /// What the system says.
     pub fn length(&self) -> io::Result<u64> {
         self.open()?.seek(SeekFrom::End(0))
+    }
+
+    /// When a file was last changed, as its file system says.
+    #[must_use]
+    pub fn changed(&self) -> Option<SystemTime> {
+        self.path.as_ref()?.metadata().ok()?.modified().ok()
     }
 
     /// A fault of this source, with its name.

@@ -13,6 +13,7 @@ use parquet::basic::{Compression, ZstdLevel};
 use parquet::file::properties::WriterProperties;
 use zerorate_cal::calibration::AxisCalibration;
 use zerorate_cal::quality::{Reason, Verdict};
+use zerorate_cal::recording::key_values;
 use zerorate_core::drift::{Scale, Shape, ValidRange};
 use zerorate_core::units::Axis;
 use zerorate_fit::residual::ResidualStatistics;
@@ -204,7 +205,10 @@ pub fn write(path: &Path, rows: &[ModelRow]) -> Result<(), ModelsError> {
     let failed = ModelsError::of(path);
     let batch = columns::batch(rows).map_err(|error| failed(&error))?;
     let partial = path.with_extension("parquet.partial");
-    let properties = WriterProperties::builder().set_compression(Compression::ZSTD(ZstdLevel::default())).build();
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_key_value_metadata(Some(key_values(&batch.schema())))
+        .build();
     let file = File::create(&partial).map_err(|error| failed(&error))?;
     let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(properties)).map_err(|error| failed(&error))?;
     writer.write(&batch).map_err(|error| failed(&error))?;

@@ -10,6 +10,8 @@ use arrow_array::{Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::properties::WriterProperties;
+use zerorate_cal::recording::{described_as_a_recordings, key_values};
 
 use crate::dataset::{Place, PlaceError, footer};
 use crate::engine::{Engine, EngineError, column, count};
@@ -181,10 +183,12 @@ fn write(out: &Path, batches: &[RecordBatch]) -> Result<(), Box<dyn std::error::
     let Some(first) = batches.first() else {
         return Err("there are no samples".into());
     };
+    let schema = Arc::new(described_as_a_recordings(&first.schema()));
+    let properties = WriterProperties::builder().set_key_value_metadata(Some(key_values(&schema))).build();
     let partial = out.with_extension("parquet.partial");
-    let mut writer = ArrowWriter::try_new(std::fs::File::create(&partial)?, Arc::clone(&first.schema()), None)?;
+    let mut writer = ArrowWriter::try_new(std::fs::File::create(&partial)?, Arc::clone(&schema), Some(properties))?;
     for batch in batches {
-        writer.write(batch)?;
+        writer.write(&batch.clone().with_schema(Arc::clone(&schema))?)?;
     }
     writer.into_inner()?.sync_all()?;
     std::fs::rename(&partial, out)?;

@@ -12,6 +12,7 @@ use arrow_array::RecordBatch;
 use arrow_schema::{Field, FieldRef, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::reader::{FileReader, SerializedFileReader};
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::fit::fit;
 use zerorate_cal::log_fit::{FitOptions, LogFit};
@@ -27,6 +28,11 @@ use zerorate_lot::models::{self, ModelRow};
 use zerorate_lot::run::{FitRun, RunError, Summary};
 use zerorate_lot::simulate::{Defect, Simulation, Truth};
 use zerorate_lot::{raw, report};
+
+/// The forms of JSON are held by the same few lines in all tests.
+#[path = "../../cli/tests/command/schema.rs"]
+#[allow(dead_code)] // The other tests' half of it.
+mod schema;
 
 fn simulate(folder: &Path, units: u32, seed: u64, bad: f64) -> Truth {
     Simulation { units, seed, out: folder.to_owned(), bad, cooling: false }.run(&|| ()).unwrap()
@@ -330,6 +336,24 @@ fn an_exported_unit_is_what_fit_makes_of_its_recording_alone() {
     assert!(wait(export(&out, None, "ZR-000001", folder.path())).is_err());
     let there = moved.display().to_string();
     assert!(wait(export(&out, Some(&there), "ZR-000001", &folder.path().join("there"))).is_ok());
+}
+
+#[test]
+fn json_has_the_documented_form_and_columns_say_their_units() {
+    let folder = tempfile::tempdir().unwrap();
+    let (lot, out) = (folder.path().join("lot"), folder.path().join("models.parquet"));
+    let truth = simulate(&lot, 20, 4, 0.5);
+    schema::hold("lot-truth.json", &serde_json::to_value(&truth).unwrap());
+    let (summary, _) = run(&job(&lot, &out, "poly:2")).unwrap();
+    assert!(!summary.rejected.is_empty());
+    schema::hold("lot-fit.json", &serde_json::to_value(&summary).unwrap());
+    // As other tools see it: the file's own key-value pairs.
+    let reader = SerializedFileReader::new(fs::File::open(&out).unwrap()).unwrap();
+    let pairs = reader.metadata().file_metadata().key_value_metadata().unwrap();
+    let columns = pairs.iter().find(|pair| pair.key == "zerorate.columns").unwrap().value.as_deref().unwrap();
+    let columns: serde_json::Value = serde_json::from_str(columns).unwrap();
+    assert_eq!(columns.as_object().unwrap().len(), 33);
+    assert_eq!(columns["held_out_rms"]["unit"], "count");
 }
 
 #[test]

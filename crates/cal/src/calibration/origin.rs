@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::io::{self, Read};
 
+use chrono::{DateTime, SecondsFormat, Utc};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -21,6 +22,9 @@ pub struct Origin {
     pub file: String,
     /// SHA-256 of the file, 64 hexadecimal digits.
     pub sha256: String,
+    /// When a log's file was last changed, RFC 3339 in UTC: few logs know their own date.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub changed: Option<String>,
 }
 
 impl Origin {
@@ -29,7 +33,12 @@ impl Origin {
     /// # Errors
     /// When the source cannot be read.
     pub fn of(content: impl Into<String>, source: &Source) -> io::Result<Self> {
-        Ok(Self { content: content.into(), file: source.short_name().to_owned(), sha256: sha256(source)? })
+        Ok(Self {
+            content: content.into(),
+            file: source.short_name().to_owned(),
+            sha256: sha256(source)?,
+            changed: None,
+        })
     }
 
     /// A log, by the autopilot's format if it is an autopilot's.
@@ -37,7 +46,9 @@ impl Origin {
     /// # Errors
     /// When the source cannot be read.
     pub fn of_log(autopilot: Option<imu_logs::Format>, source: &Source) -> io::Result<Self> {
-        Self::of(autopilot.map_or("log", content_of), source)
+        let utc = |time| DateTime::<Utc>::from(time).to_rfc3339_opts(SecondsFormat::Secs, true);
+        let log = Self::of(autopilot.map_or("log", content_of), source)?;
+        Ok(Self { changed: source.changed().map(utc), ..log })
     }
 
     /// The format of the autopilot that wrote it, if one did.

@@ -70,7 +70,8 @@ fn board_axis(shift: f64) -> AxisCalibration {
 
 fn board() -> Calibration {
     let sha256 = "0123456789abcdef".repeat(4);
-    let origin = Origin { content: "full-temperature".into(), file: "full-temperature.parquet".into(), sha256 };
+    let origin =
+        Origin { content: "full-temperature".into(), file: "full-temperature.parquet".into(), sha256, changed: None };
     let axes = [("x".to_owned(), board_axis(0.0)), ("y".to_owned(), board_axis(17.3))].into();
     let serial = Some("ZR-000042".to_owned());
     Calibration {
@@ -145,6 +146,19 @@ fn a_rejected_log_makes_no_calibration() {
 }
 
 /// The hash of "abc": FIPS 180-4's own example.
+#[test]
+fn of_a_log_is_told_when_its_file_was_last_changed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    std::fs::write(&path, "abc").unwrap();
+    // `date -u -d 2026-03-01T08:00:00Z +%s`
+    let eight = std::time::SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(1_772_352_000);
+    std::fs::File::options().write(true).open(&path).unwrap().set_modified(eight).unwrap();
+    let changed = |source: &Source| Origin::of_log(None, source).unwrap().changed;
+    assert_eq!(changed(&(&path).into()).as_deref(), Some("2026-03-01T08:00:00Z"));
+    assert_eq!(changed(&Source::bytes("log.csv", *b"abc")), None);
+}
+
 #[test]
 fn an_origin_is_known_by_the_hash_of_its_bytes() {
     let origin = Origin::of("trim-sweep", &Source::bytes("folder/abc.parquet", *b"abc")).unwrap();

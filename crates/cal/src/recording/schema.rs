@@ -32,7 +32,8 @@ const SET_UP_KEY: &str = "zerorate.set_up";
 const FIRMWARE_KEY: &str = "zerorate.firmware";
 const SEED_KEY: &str = "zerorate.seed";
 const STARTED_KEY: &str = "zerorate.started";
-const COLUMNS_KEY: &str = "zerorate.columns";
+/// Where the units and meanings of all columns stand.
+pub const COLUMNS_KEY: &str = "zerorate.columns";
 const STATUS_BITS_KEY: &str = "zerorate.status_bits";
 /// What a label's name stands behind.
 const LABEL_KEY: &str = "zerorate.label.";
@@ -44,39 +45,61 @@ const DESCRIPTION_KEY: &str = "description";
 /// The schema of a recording with its metadata.
 pub(super) fn schema(info: &RecordingInfo) -> Arc<Schema> {
     let field = |column: &Column| {
-        let words = [(UNIT_KEY, column.unit), (DESCRIPTION_KEY, column.description)];
-        let metadata = words.map(|(key, word)| (key.to_owned(), word.to_owned()));
-        Field::new(column.name, column.kind.clone(), false).with_metadata(metadata.into())
+        described(Field::new(column.name, column.kind.clone(), false), column.unit, column.description)
     };
+    let fields: Vec<Field> = COLUMNS.iter().map(field).collect();
     let mut metadata = HashMap::from([
         (VERSION_KEY.to_owned(), SCHEMA_VERSION.to_string()),
         (SERIAL_KEY.to_owned(), info.unit_serial.clone()),
         (PROCEDURE_KEY.to_owned(), info.procedure.clone()),
         (SET_UP_KEY.to_owned(), info.set_up.clone()),
         (FIRMWARE_KEY.to_owned(), info.firmware.clone()),
-        (COLUMNS_KEY.to_owned(), columns_told()),
+        (COLUMNS_KEY.to_owned(), columns_told(&fields)),
         (STATUS_BITS_KEY.to_owned(), status_bits_told()),
     ]);
     let started = info.started.map(|started| started.to_rfc3339_opts(SecondsFormat::Secs, true));
     metadata.extend(started.map(|started| (STARTED_KEY.to_owned(), started)));
     metadata.extend(info.seed.map(|seed| (SEED_KEY.to_owned(), seed.to_string())));
     metadata.extend(info.labels.iter().map(|(name, value)| (format!("{LABEL_KEY}{name}"), value.clone())));
-    Arc::new(Schema::new_with_metadata(COLUMNS.iter().map(field).collect::<Vec<_>>(), metadata))
+    Arc::new(Schema::new_with_metadata(fields, metadata))
+}
+
+/// A field that says its unit and what it is.
+#[must_use]
+pub fn described(field: Field, unit: &str, description: &str) -> Field {
+    let words = [(UNIT_KEY, unit), (DESCRIPTION_KEY, description)];
+    field.with_metadata(words.map(|(key, word)| (key.to_owned(), word.to_owned())).into())
+}
+
+/// A table of a recording's columns, by their names, with what a recording says of each.
+#[must_use]
+pub fn described_as_a_recordings(schema: &Schema) -> Schema {
+    let field = |field: &Arc<Field>| match COLUMNS.iter().find(|column| column.name == field.name()) {
+        Some(column) => described(field.as_ref().clone(), column.unit, column.description),
+        None => field.as_ref().clone(),
+    };
+    let fields: Vec<Field> = schema.fields().iter().map(field).collect();
+    let metadata = HashMap::from([(COLUMNS_KEY.to_owned(), columns_told(&fields))]);
+    Schema::new_with_metadata(fields, metadata)
 }
 
 /// The schema's metadata as the key-value pairs of a Parquet file, in an order that is always the same. Arrow's own copy
 /// is packed into one of them, which DuckDB and most others do not open.
-pub(super) fn key_values(schema: &Schema) -> Vec<KeyValue> {
+#[must_use]
+pub fn key_values(schema: &Schema) -> Vec<KeyValue> {
     let sorted: BTreeMap<&String, &String> = schema.metadata().iter().collect();
     sorted.into_iter().map(|(key, value)| KeyValue::new(key.clone(), value.clone())).collect()
 }
 
-/// Units and meanings of all columns, as JSON.
-fn columns_told() -> String {
-    let told = |column: &Column| {
-        (column.name.to_owned(), json!({ UNIT_KEY: column.unit, DESCRIPTION_KEY: column.description }))
+/// Units and meanings of all columns that say them, as JSON.
+#[must_use]
+pub fn columns_told(fields: &[Field]) -> String {
+    let told = |field: &Field| {
+        let words = [UNIT_KEY, DESCRIPTION_KEY].map(|key| field.metadata().get(key));
+        let [Some(unit), Some(description)] = words else { return None };
+        Some((field.name().clone(), json!({ UNIT_KEY: unit, DESCRIPTION_KEY: description })))
     };
-    Value::Object(COLUMNS.iter().map(told).collect()).to_string()
+    Value::Object(fields.iter().filter_map(told).collect()).to_string()
 }
 
 /// The bits of the column `status_bits` with their meanings, as JSON.

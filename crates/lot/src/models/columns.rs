@@ -8,6 +8,7 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
 use arrow_array::{Array, ArrayRef, Float64Array, RecordBatch, StringArray};
 use arrow_schema::{ArrowError, DataType, Field, Schema};
+use zerorate_cal::recording::{COLUMNS_KEY, columns_told, described};
 
 use super::{ModelRow, SCHEMA_VERSION};
 
@@ -17,6 +18,7 @@ pub(super) const VERSION_KEY: &str = "zerorate.models_version";
 /// A column of texts.
 struct Text {
     name: &'static str,
+    description: &'static str,
     of: fn(&ModelRow) -> &str,
     of_mut: fn(&mut ModelRow) -> &mut String,
 }
@@ -24,59 +26,105 @@ struct Text {
 /// A column of numbers.
 pub(super) struct Number {
     name: &'static str,
+    unit: &'static str,
+    description: &'static str,
     of: fn(&ModelRow) -> f64,
     pub of_mut: fn(&mut ModelRow) -> &mut f64,
 }
 
+/// Each column once: what it says, its name, and of a number its unit.
 macro_rules! texts {
-    ($($name:ident),* $(,)?) => {
-        [$(Text { name: stringify!($name), of: |row| &row.$name, of_mut: |row| &mut row.$name }),*]
+    ($(#[doc = $description:literal] $name:ident;)+) => {
+        [$(Text {
+            name: stringify!($name),
+            description: $description.trim_ascii(),
+            of: |row| &row.$name,
+            of_mut: |row| &mut row.$name,
+        }),+]
     };
 }
 
 macro_rules! numbers {
-    ($($name:ident),* $(,)?) => {
-        [$(Number { name: stringify!($name), of: |row| row.$name, of_mut: |row| &mut row.$name }),*]
+    ($(#[doc = $description:literal] $name:ident in $unit:literal;)+) => {
+        [$(Number {
+            name: stringify!($name),
+            unit: $unit,
+            description: $description.trim_ascii(),
+            of: |row| row.$name,
+            of_mut: |row| &mut row.$name,
+        }),+]
     };
 }
 
-static TEXTS: [Text; 16] = texts![
-    unit_serial,
-    axis,
-    station,
-    operator,
-    recorded_at,
-    procedure,
-    firmware,
-    dataset,
-    file,
-    file_modified,
-    model_asked,
-    model,
-    verdict,
-    reasons,
-    calibration,
-    created_by,
-];
+static TEXTS: [Text; 16] = texts! {
+    /// The unit's serial, as its recording has it.
+    unit_serial;
+    /// The axis: x or y.
+    axis;
+    /// The station that recorded it.
+    station;
+    /// Who recorded it.
+    operator;
+    /// When it was recorded, RFC 3339.
+    recorded_at;
+    /// The procedure.
+    procedure;
+    /// The device's firmware.
+    firmware;
+    /// The dataset, as it was given.
+    dataset;
+    /// The recording, from the dataset's root.
+    file;
+    /// When the recording was written, RFC 3339.
+    file_modified;
+    /// The model asked for.
+    model_asked;
+    /// The model fitted; empty without a fit.
+    model;
+    /// The unit's verdict: good, warning or rejected.
+    verdict;
+    /// Why, as JSON.
+    reasons;
+    /// The axis of the calibration file, as JSON; empty without a fit.
+    calibration;
+    /// The program that fitted it.
+    created_by;
+};
 
-pub(super) static NUMBERS: [Number; 16] = numbers![
-    file_bytes,
-    temperature_min,
-    temperature_max,
-    temperature_centre,
-    temperature_half_span,
-    groups,
-    samples,
-    in_sample_rms,
-    in_sample_pp,
-    held_out_rms,
-    held_out_pp,
-    drift_pp,
-    reading_mid,
-    limit_trim_residual_pp,
-    limit_hybrid_residual_floors,
-    limit_mean_offset,
-];
+pub(super) static NUMBERS: [Number; 16] = numbers! {
+    /// The recording's size.
+    file_bytes in "byte";
+    /// The coldest that was fitted.
+    temperature_min in "count";
+    /// The hottest that was fitted.
+    temperature_max in "count";
+    /// Centre of the scaled temperature.
+    temperature_centre in "count";
+    /// Half span of the scaled temperature.
+    temperature_half_span in "count";
+    /// Groups fitted.
+    groups in "1";
+    /// Samples in them.
+    samples in "1";
+    /// Residual of the fit of everything, rms.
+    in_sample_rms in "count";
+    /// Residual of the fit of everything, peak to peak.
+    in_sample_pp in "count";
+    /// Residual of eight folds, each predicted by the fit of the others, rms.
+    held_out_rms in "count";
+    /// The same, peak to peak.
+    held_out_pp in "count";
+    /// The drift over the range fitted, peak to peak.
+    drift_pp in "count";
+    /// The reading in the middle of the range.
+    reading_mid in "count";
+    /// The set-up's limit on what mode trim leaves, peak to peak.
+    limit_trim_residual_pp in "count";
+    /// The set-up's limit on what mode hybrid leaves, in floors.
+    limit_hybrid_residual_floors in "1";
+    /// The set-up's limit on the mean's distance from the centre.
+    limit_mean_offset in "count";
+};
 
 const COEFFICIENTS: &str = "coefficients";
 
@@ -85,11 +133,11 @@ pub(super) fn batch(rows: &[ModelRow]) -> Result<RecordBatch, ArrowError> {
     let mut fields = Vec::new();
     let mut arrays: Vec<ArrayRef> = Vec::new();
     for text in &TEXTS {
-        fields.push(Field::new(text.name, DataType::Utf8, false));
+        fields.push(described(Field::new(text.name, DataType::Utf8, false), "none", text.description));
         arrays.push(Arc::new(StringArray::from_iter_values(rows.iter().map(text.of))));
     }
     for number in &NUMBERS {
-        fields.push(Field::new(number.name, DataType::Float64, true));
+        fields.push(described(Field::new(number.name, DataType::Float64, true), number.unit, number.description));
         let values = rows.iter().map(|row| Some((number.of)(row)).filter(|value| value.is_finite()));
         arrays.push(Arc::new(values.collect::<Float64Array>()));
     }
@@ -98,9 +146,17 @@ pub(super) fn batch(rows: &[ModelRow]) -> Result<RecordBatch, ArrowError> {
         lists.append_value(row.coefficients.iter().copied().map(Some));
     }
     let lists = lists.finish();
-    fields.push(Field::new(COEFFICIENTS, lists.data_type().clone(), true));
+    let list = Field::new(COEFFICIENTS, lists.data_type().clone(), true);
+    fields.push(described(
+        list,
+        "count",
+        "Coefficients in the scaled temperature, constant first; of a table its knots.",
+    ));
     arrays.push(Arc::new(lists));
-    let metadata = HashMap::from([(VERSION_KEY.to_owned(), SCHEMA_VERSION.to_string())]);
+    let metadata = HashMap::from([
+        (VERSION_KEY.to_owned(), SCHEMA_VERSION.to_string()),
+        (COLUMNS_KEY.to_owned(), columns_told(&fields)),
+    ]);
     RecordBatch::try_new(Arc::new(Schema::new_with_metadata(fields, metadata)), arrays)
 }
 

@@ -115,6 +115,11 @@ impl LogPage<'_> {
         facts.extend(self.serial.map(|serial| ("Serial number", html! { (serial) })));
         facts.extend(self.labels.iter().map(|(name, label)| (name.as_str(), html! { (label) })));
         facts.extend(duration(self.fit).map(|duration| ("Duration", html! { (duration) })));
+        let changed: Vec<String> =
+            self.sources.iter().filter_map(|log| log.changed.as_deref()).map(to_the_minute).collect();
+        if !changed.is_empty() {
+            facts.push(("File last changed", html! { (changed.join(", ")) }));
+        }
         facts.push(("Made by", html! { (CREATED_BY) }));
         page::facts(&facts)
     }
@@ -205,4 +210,12 @@ fn is_deployed(fit: &LogFit) -> bool {
 /// What counts: what a deployed device has left, else what was held out.
 fn left(statistics: &FitStatistics) -> Option<ResidualStatistics> {
     statistics.deployed.or(statistics.held_out)
+}
+
+/// A time of RFC 3339 as people read it: `2026-03-01 08:00 UTC`.
+fn to_the_minute(time: &str) -> String {
+    match time.split_once('T') {
+        Some((day, of_day)) => format!("{day} {} UTC", of_day.get(..5).unwrap_or(of_day)),
+        None => time.to_owned(),
+    }
 }
