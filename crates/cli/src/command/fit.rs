@@ -139,8 +139,8 @@ impl Fit {
         if places.out.is_none() && places.report.is_none() && self.record.is_none() {
             return Ok(written);
         }
-        let origins = &self.origins(fit)?;
-        let calibration = self.calibration(fit, origins)?;
+        let calibration = self.calibration(fit)?;
+        let origins = &calibration.sources;
         // Before the first is written, all places are known to be free.
         if let Some(out) = &places.out {
             self.force.calibration("--out", out, origins, self.serial.as_deref())?;
@@ -176,14 +176,14 @@ impl Fit {
         self.log.sources().iter().map(origin).collect()
     }
 
-    fn calibration(&self, fit: &LogFit, origins: &[Origin]) -> Result<Calibration> {
+    fn calibration(&self, fit: &LogFit) -> Result<Calibration> {
         let sources = self.log.sources();
         if let [source] = sources.as_slice()
             && Recording::is_one(source)
         {
             return Ok(recorded::calibration(source, fit)?);
         }
-        let calibration = fit.to_calibration(origins.to_vec(), self.serial.clone())?;
+        let calibration = fit.to_calibration(self.origins(fit)?, self.serial.clone())?;
         Ok(Calibration { labels: self.labels(), ..calibration })
     }
 
