@@ -3,7 +3,6 @@
 pub mod apply;
 pub mod board_run;
 pub mod calibration;
-pub mod characterise;
 pub mod compose;
 pub mod condition;
 pub mod device_record;

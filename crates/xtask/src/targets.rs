@@ -11,8 +11,15 @@ use crate::workspace::Workspace;
 const BOARD_SIDE: [&str; 4] = ["zerorate-core", "max5494", "zerorate-device", "zerorate-lockstep"];
 
 /// What needs no files: all that lies between a log's bytes and a report.
-const BROWSER_SIDE: [&str; 6] =
-    ["zerorate-core", "imu-logs", "zerorate-fit", "zerorate-cal", "zerorate-export", "zerorate-report"];
+const BROWSER_SIDE: [&str; 7] = [
+    "zerorate-core",
+    "imu-logs",
+    "zerorate-fit",
+    "zerorate-cal",
+    "zerorate-characterise",
+    "zerorate-export",
+    "zerorate-report",
+];
 
 /// The board's side builds with core alone.
 pub fn no_std(workspace: &Workspace) -> Result<Outcome> {

@@ -6,12 +6,12 @@ use anyhow::{Result, bail};
 use clap::Args;
 use serde::Serialize;
 use zerorate_cal::calibration::Calibration;
-use zerorate_cal::characterise::{AxisNoise, Characteristics, NoiseOf, noise};
 use zerorate_cal::fit::fit;
 use zerorate_cal::log::SensorChoice;
 use zerorate_cal::log_fit::{AxisFit, FitOptions};
 use zerorate_cal::source::Source;
 use zerorate_cal::units::RateUnit;
+use zerorate_characterise::{AxisNoise, Characteristics, NoiseOf, noise};
 use zerorate_fit::allan::{Allan, Coefficient};
 
 use super::Outcome;

@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
-use zerorate_cal::characterise::Characteristics;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::units::WrittenRate;
+use zerorate_characterise::Characteristics;
 use zerorate_fit::allan::{Allan, AllanPoint, Coefficient};
 
 use super::degree;

@@ -6,11 +6,11 @@ use serde::Serialize;
 use zerorate_fit::allan::{Allan, NoAllan};
 use zerorate_fit::predict::{Predictor, Start};
 
-use crate::calibration::{AxisCalibration, Calibration};
-use crate::log::{LogError, LogFile, Rows, SensorChoice, Sink, Stream};
-use crate::source::Source;
-use crate::table::Columns;
-use crate::units::RateUnit;
+use zerorate_cal::calibration::{AxisCalibration, Calibration};
+use zerorate_cal::log::{LogError, LogFile, Rows, SensorChoice, Sink, Stream};
+use zerorate_cal::source::Source;
+use zerorate_cal::table::Columns;
+use zerorate_cal::units::RateUnit;
 
 /// The temperature of a soak stays within this part of the least span of a calibration: 1 C. At the steepest of common
 /// drifts, 1e-3 rad/s a degree, that is a ramp of 1e-3 rad/s at most: below the flicker of parts that drift so much.
@@ -326,7 +326,7 @@ fn longest_soak(temperatures: &[f64], most: f64) -> (usize, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units::TemperatureUnit;
+    use zerorate_cal::units::TemperatureUnit;
 
     /// A log at 10 Hz: a ramp of 200 s, a soak of 400 s, a ramp again; white noise of 0.01 a sample.
     fn log(drift: f64) -> Source {
@@ -373,7 +373,8 @@ mod tests {
     fn with_a_calibration_the_whole_logs_residual_is_taken() {
         // 40 mrad/s in all: as much as parts drift, and no more than conditioning takes for drift.
         let log = log(0.002);
-        let fit = crate::fit::fit(std::slice::from_ref(&log), &crate::log_fit::FitOptions::default()).unwrap();
+        let fit =
+            zerorate_cal::fit::fit(std::slice::from_ref(&log), &zerorate_cal::log_fit::FitOptions::default()).unwrap();
         let calibration = fit.to_calibration(Vec::new(), None).unwrap();
         let found = noise(&log, &Columns::default(), None, Some(&calibration)).unwrap().remove(0);
         assert_eq!(found.of, NoiseOf::Residual);

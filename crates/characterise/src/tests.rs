@@ -1,7 +1,7 @@
 use super::*;
-use crate::fit::fit;
-use crate::log_fit::FitOptions;
-use crate::source::Source;
+use zerorate_cal::fit::fit;
+use zerorate_cal::log_fit::FitOptions;
+use zerorate_cal::source::Source;
 
 /// Two cycles between -10 and 50 C, the second three times as fast, as a log: a line of 1e-3 a degree, a play of 3 C by
 /// which heating is `hysteresis` above cooling, `ramp` times the temperature's speed, a little noise.

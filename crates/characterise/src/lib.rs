@@ -1,0 +1,101 @@
+#![doc = include_str!("../README.md")]
+
+mod hysteresis;
+mod ramp;
+mod sensitivity;
+mod soak;
+
+use serde::{Serialize, Serializer};
+
+use zerorate_fit::allan::{Allan, NoAllan};
+use zerorate_fit::direction::warming;
+use zerorate_fit::robust::median;
+
+pub use hysteresis::Hysteresis;
+pub use ramp::RampSensitivity;
+pub use sensitivity::TemperatureSensitivity;
+pub use soak::{AxisNoise, NoiseOf, noise};
+use zerorate_cal::log_fit::AxisFit;
+use zerorate_cal::trace::TracePoint;
+
+/// What a fitted log says of one axis. Rates and temperatures are in the log's units.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Characteristics {
+    /// How the bias changes with temperature.
+    pub temperature_sensitivity: TemperatureSensitivity,
+    /// Heating less cooling at equal temperature.
+    #[serde(serialize_with = "or_reason")]
+    pub hysteresis: Result<Hysteresis, String>,
+    /// What is left in proportion to the speed of the temperature.
+    #[serde(serialize_with = "or_reason")]
+    pub ramp_sensitivity: Result<RampSensitivity, String>,
+    /// The noise of the residual, over averaging times from the spacing of the averages on.
+    #[serde(serialize_with = "or_reason")]
+    pub residual_noise: Result<Allan, String>,
+}
+
+/// What was found, or why nothing was: `{"none": "the log holds one direction alone"}`.
+fn or_reason<T: Serialize, S: Serializer>(found: &Result<T, String>, to: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Nothing<'a> {
+        none: &'a str,
+    }
+    match found {
+        Ok(found) => found.serialize(to),
+        Err(none) => Nothing { none }.serialize(to),
+    }
+}
+
+impl Characteristics {
+    /// Of one fitted axis.
+    #[must_use]
+    pub fn of(axis: &AxisFit) -> Self {
+        let points: Vec<TracePoint> = axis
+            .trace
+            .iter()
+            .copied()
+            .filter(|point| point.temperature.is_finite() && point.rate.is_finite())
+            .collect();
+        let temperatures: Vec<f64> = points.iter().map(|point| point.temperature).collect();
+        let warming = warming(&temperatures);
+        Self {
+            temperature_sensitivity: TemperatureSensitivity::of(axis),
+            hysteresis: Hysteresis::of(&points, &warming, axis.calibration.measured_drift().peak_to_peak()),
+            ramp_sensitivity: RampSensitivity::of(&points, &warming),
+            residual_noise: residual_noise(&points).map_err(|error| error.to_string()),
+        }
+    }
+}
+
+/// The least and the greatest temperature.
+fn span(points: &[TracePoint]) -> (f64, f64) {
+    let temperatures = points.iter().map(|point| point.temperature);
+    temperatures.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (min.min(t), max.max(t)))
+}
+
+/// The Allan deviation of the residual, on an even grid of time in which what was left out is a gap.
+// Places on a grid of some thousands.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn residual_noise(points: &[TracePoint]) -> Result<Allan, NoAllan> {
+    let mut steps: Vec<f64> = points.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    let period_s = median(&mut steps);
+    if !(period_s.is_finite() && period_s > 0.0) {
+        return Err(NoAllan::NoPeriod { period_s });
+    }
+    let first_s = points[0].time_s;
+    let place = |point: &TracePoint| ((point.time_s - first_s) / period_s).round().max(0.0) as usize;
+    // A log with hours of gaps has no more places than points, times a few.
+    let most = 8 * points.len();
+    let mut even = Vec::new();
+    for point in points {
+        let place = place(point);
+        if place < most {
+            even.resize(even.len().max(place + 1), f64::NAN);
+            even[place] = point.residual;
+        }
+    }
+    Allan::of(&even, period_s)
+}
+
+#[cfg(test)]
+mod tests;
