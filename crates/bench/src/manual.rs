@@ -41,7 +41,7 @@ type Person = Rc<RefCell<dyn Operator>>;
 /// # Errors
 /// [`InstrumentError`], when nobody says.
 pub fn bench(device: DeviceClient, operator: Person) -> Result<Bench, InstrumentError> {
-    let now = operator.borrow_mut().ask_number("degrees C that the chamber shows now")?;
+    let now = operator.borrow_mut().ask_number("what does the chamber show now, in degrees C")?;
     Ok(Bench {
         device,
         chamber: Box::new(ManualChamber { operator: Rc::clone(&operator), set_point: Celsius(now) }),
@@ -90,7 +90,8 @@ impl Supply for ManualSupply {
     fn gyro_output(&mut self, axis: Axis) -> Result<Volts, InstrumentError> {
         let name = axis.name().to_uppercase();
         loop {
-            let volts = self.0.borrow_mut().ask_number(&format!("volts at the {name} gyro's rate output"))?;
+            let volts =
+                self.0.borrow_mut().ask_number(&format!("how many volts are at the {name} gyro's rate output"))?;
             if volts.abs() < MOST_VOLTS {
                 return Ok(Volts(volts));
             }

@@ -92,9 +92,9 @@ impl Run {
                 board.order("gyros");
                 String::new()
             }
-            _ if what.contains("volts at the X") => word(&board.order("voltmeter"), 2),
-            _ if what.contains("volts at the Y") => word(&board.order("voltmeter"), 4),
-            _ if what.contains("chamber shows now") => word(&board.order("status"), 2),
+            _ if what.contains("volts are at the X") => word(&board.order("voltmeter"), 2),
+            _ if what.contains("volts are at the Y") => word(&board.order("voltmeter"), 4),
+            _ if what.contains("chamber show now") => word(&board.order("status"), 2),
             _ => panic!("nobody knows how to: {what}"),
         };
         writeln!(self.answers, "{answer}").unwrap();
