@@ -123,9 +123,10 @@ const SMALLEST_TEXT: &str = "(() => {
     return heights.length ? Math.min(...heights) : null;
 })()";
 
-/// How many buttons lie on a text, a table or a figure.
+/// How many buttons lie on a text, a table or a figure. What is folded away has a place too, and is not seen.
 const COVERING_BUTTONS: &str = "(() => {
-    const places = selector => [...document.querySelectorAll(selector)].map(element => element.getBoundingClientRect());
+    const seen = selector => [...document.querySelectorAll(selector)].filter(element => element.checkVisibility());
+    const places = selector => seen(selector).map(element => element.getBoundingClientRect());
     const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
     const beneath = places('pre, table, svg');
     return places('button').filter(button => button.width > 0 && beneath.some(other => meet(button, other))).length;
