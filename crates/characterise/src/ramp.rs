@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use zerorate_cal::trace::TracePoint;
-use zerorate_fit::folds::{FOLDS, fold_of_row};
+use zerorate_fit::folds::{FOLDS, fold_of_row, jackknife_error};
 
 use super::span;
 
@@ -59,12 +59,8 @@ impl RampSensitivity {
                     .to_owned(),
             );
         }
-        // The jackknife: each fold left out once.
         let without: Vec<f64> = (0..FOLDS).map(|fold| regression(&rows, Some(fold)).0).collect();
-        let folds = FOLDS as f64;
-        let mean = without.iter().sum::<f64>() / folds;
-        let variance = without.iter().map(|value| (value - mean).powi(2)).sum::<f64>() * (folds - 1.0) / folds;
-        Ok(Self { value, standard_error: variance.sqrt() })
+        Ok(Self { value, standard_error: jackknife_error(&without) })
     }
 }
 

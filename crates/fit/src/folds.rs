@@ -22,6 +22,15 @@ pub fn fold_of_row(row: u64, rows: u64) -> usize {
     ((folds * (row + 1) - 1) / rows.max(1)).min(folds - 1) as usize
 }
 
+/// The standard error of an estimate, from the estimates that leave out one fold each (the jackknife).
+#[must_use]
+pub fn jackknife_error(without: &[f64]) -> f64 {
+    let count = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / count;
+    let squares: f64 = without.iter().map(|estimate| (estimate - mean).powi(2)).sum();
+    ((count - 1.0) / count * squares).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

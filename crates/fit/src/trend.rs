@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::folds::{FOLDS, fold_of_row};
+use crate::folds::{FOLDS, fold_of_row, jackknife_error};
 use crate::series::Series;
 
 /// Noise alone exceeds this, to either side, once in a thousand times: Student's t of seven degrees of freedom, one fewer
@@ -103,10 +103,7 @@ impl Slope {
             return None;
         }
         let without = folds.iter().map(|fold| slope_without(points, axis, *fold)).collect::<Vec<_>>();
-        let count = without.len() as f64;
-        let mean = without.iter().sum::<f64>() / count;
-        let squares: f64 = without.iter().map(|slope| (slope - mean).powi(2)).sum();
-        let found = Self { slope, standard_error: ((count - 1.0) / count * squares).sqrt() };
+        let found = Self { slope, standard_error: jackknife_error(&without) };
         let square = |slope: f64| {
             let left = centred(points.iter().map(|point| (point.log, point.residual - slope * point.at[axis])));
             left.iter().map(|left| left.powi(2)).sum::<f64>()
