@@ -30,7 +30,7 @@ fn a_new_board_says_who_it_is_and_refuses_what_needs_a_calibration() {
     let info = run(&["info", "--json"]).json();
     assert_eq!((&info["unit_serial"], &info["samples_per_group"]), (&"ZR-0042".into(), &500.into()));
     assert_eq!((&info["calibrated"], &info["record"]), (&false.into(), &Value::Null));
-    run(&["info"]).ends(0, &["ZR-0042", "1.5 s each"]);
+    run(&["info"]).ends(0, &["ZR-0042", "1.5 s each", "X and Y off", "X and Y at the middle tap 511"]);
     run(&["mode", "both", "hybrid"]).ends(1, &["the device refused", "deploy one first"]);
     let refused = run(&["mode", "x", "trim", "--json"]);
     assert_eq!((refused.code, refused.json()["refused"].is_string()), (Some(1), true));
@@ -57,6 +57,7 @@ fn a_calibration_goes_on_the_board_and_comes_back_the_same() {
     let told = run(&["deploy", "record.bin", "--json"]).json();
     assert_eq!((&told["deployed"], &told["modes"]), (&true.into(), &serde_json::json!(["hybrid", "hybrid"])));
     assert_eq!(run(&["info", "--json"]).json()["modes"], serde_json::json!(["hybrid", "hybrid"]));
+    run(&["info"]).ends(0, &["X and Y in mode hybrid"]);
 
     let other = bench::calibration().replace("ZR-0042", "ZR-0043");
     fs::write(folder.path().join("other.json"), other).unwrap();
@@ -72,6 +73,7 @@ fn modes_and_taps_show_in_the_groups() {
     let (board, folder) = on_a_serial_line();
     let run = |arguments: &[&str]| board.device(arguments, folder.path());
     run(&["tap", "y", "500"]).ends(0, &["axis Y at tap 500"]);
+    run(&["info"]).ends(0, &["X at the middle tap 511, Y at tap 500"]);
     let plain = run(&["monitor", "--groups", "3"]);
     plain.ends(0, &["group=0 axis=x", "group=2 axis=y", "tap=500", "rate_dps=", "mode=off", "temperature_c="]);
     assert_eq!(plain.out.lines().count(), 6);

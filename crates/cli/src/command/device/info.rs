@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use clap::Args;
+use zerorate_bench::board::Taps;
 
 use super::Device;
 use crate::command::Outcome;
@@ -41,7 +42,8 @@ impl Info {
                 format!("{} samples every {} us: {period_s} s each", info.samples_per_group, info.sample_period_us),
             ),
             ("at group", format!("{}, {}", info.group, if info.acquiring { "acquiring" } else { "standing still" })),
-            ("taps", format!("{} and {} ({} and {})", info.taps[0], info.taps[1], info.modes[0], info.modes[1])),
+            ("compensation", of_each(info.modes.map(compensation))),
+            ("wipers", of_each(info.taps.map(wiper))),
             ("started", info.started.clone()),
             ("calibration", info.calibration.clone()),
             ("stored", stored),
@@ -49,4 +51,18 @@ impl Info {
         page.print()?;
         Ok(Outcome::Done)
     }
+}
+
+/// What is told of X and of Y; once, where it is the same.
+fn of_each(axes: [String; 2]) -> String {
+    let [x, y] = axes;
+    if x == y { format!("X and Y {x}") } else { format!("X {x}, Y {y}") }
+}
+
+fn compensation(mode: &str) -> String {
+    if mode == "off" { mode.to_owned() } else { format!("in mode {mode}") }
+}
+
+fn wiper(tap: u16) -> String {
+    if tap == Taps::MIDDLE.get() { format!("at the middle tap {tap}") } else { format!("at tap {tap}") }
 }
