@@ -2,8 +2,6 @@
 
 use zerorate_core::drift::{Memory, Shape};
 
-use zerorate_fit::model::Model;
-
 use super::ExportError;
 use zerorate_cal::calibration::{AxisCalibration, Calibration};
 
@@ -127,18 +125,6 @@ impl Term {
     }
 }
 
-/// The model of an axis, its history included: the curve is then the one for when the history is known.
-pub(super) fn model_of(axis: &AxisCalibration) -> String {
-    let Some(history) = &axis.fit.model.history else {
-        return axis.model().to_string();
-    };
-    let curve = Model::of_shape(history.curve());
-    match history.terms().len() {
-        1 => format!("{curve} with a term of history"),
-        terms => format!("{curve} with {terms} terms of history"),
-    }
-}
-
 /// The nearest whole number; the callers have seen to it that it is no larger than fits.
 #[allow(clippy::cast_possible_truncation)]
 fn whole(value: f64) -> i64 {
@@ -160,7 +146,7 @@ impl Axis {
         Self {
             name: name.to_owned(),
             unit: axis.rate_unit.to_string(),
-            model: model_of(axis),
+            model: axis.fit.chosen_model(),
             least: axis.drift().valid.min(),
             most: axis.drift().valid.max(),
             fixed,

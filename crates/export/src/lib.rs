@@ -222,6 +222,18 @@ fn origin(calibration: &Calibration) -> Vec<String> {
     lines
 }
 
+/// What a model may have and no format holds.
+fn left_out(calibration: &Calibration) -> Option<String> {
+    let drifts = calibration.axes.iter().filter(|(_, axis)| axis.fit.model.time_drift.is_some());
+    let names: Vec<String> = drifts.map(|(name, _)| one_line(name)).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "the drift in time ('+ time') of {} is not exported: it is that log's own, and no other run repeats it",
+            names.join(", ")
+        )
+    })
+}
+
 /// A text from outside as it may stand in a comment: nothing in it ends the comment or the line.
 fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>().replace("*/", "* /")

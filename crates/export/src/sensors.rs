@@ -32,7 +32,7 @@ pub struct ExportedSensor {
 pub struct ExportedAxis {
     /// Its name in the calibration.
     pub name: String,
-    /// The model that was chosen.
+    /// The model that was chosen, as a fit names it.
     pub model: String,
     /// The cubic.
     pub cubic: Cubic,
@@ -78,7 +78,7 @@ pub(super) fn sensors(
         let place = direction(name).ok_or_else(|| ExportError::NoLetter { axis: name.clone(), format })?;
         let cubic = Cubic::of(axis);
         let loss = Loss::of(axis, &cubic).times(factor);
-        let model = super::code::model_of(axis);
+        let model = axis.fit.chosen_model();
         let exported = ExportedAxis { name: name.clone(), model, cubic: cubic.times(factor), loss };
         let at = sensors.iter().position(|sensor| (sensor.kind, sensor.instance) == (kind, instance));
         let at = at.unwrap_or_else(|| {
@@ -165,7 +165,7 @@ impl ExportedAxis {
         match (chosen_rms, cubic_rms) {
             (Some(chosen), Some(cubic)) if (chosen - cubic).abs() <= 1e-9 * chosen.abs() => {
                 format!(
-                    "{} is a cubic or less, nothing is lost; it leaves {chosen:.3e} {unit} rms held out",
+                    "the curve of {} is a cubic or less, nothing of it is lost; it leaves {chosen:.3e} {unit} rms held out",
                     self.model
                 )
             }

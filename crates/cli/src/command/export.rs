@@ -113,7 +113,7 @@ impl Export {
             page.sentence(
                 "  ",
                 "away is how far the cubic is from the chosen model's curve at most. What an autopilot cannot hold is lost; \
-                 c and rust hold all of it.",
+                 c holds the whole curve and its history.",
             );
         }
         page.heading("What to do");

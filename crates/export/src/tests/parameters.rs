@@ -9,6 +9,7 @@ use super::calibrations::{axis, calibration, drift, three_axes};
 use crate::{Cubic, ExportError, ExportOptions, ExportedAxis, Format, Loss, export};
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::units::RateUnit;
+use zerorate_fit::predict::TimeDrift;
 
 /// Reads lines of `1 1 NAME VALUE TYPE` with tabs between; singles for floats.
 fn read_px4(text: &str) -> BTreeMap<String, f32> {
@@ -199,6 +200,24 @@ fn another_autopilots_log_is_told_of_in_the_file() {
     own.sources[0].content = "px4-log".to_owned();
     let told = |format| export(&own, format, &with_id()).unwrap().text.contains("the log is PX4's");
     assert_eq!([Format::Px4, Format::ArduPilot, Format::MethodicConfigurator].map(told), [false, true, true]);
+}
+
+/// The name is that of the calibration's own list of candidates, which `fit` shows.
+#[test]
+fn a_model_is_named_as_its_fit_names_it_and_what_no_format_holds_is_told() {
+    let mut own = three_axes();
+    let fit = &mut own.axes.get_mut("gyro0.y").unwrap().fit;
+    fit.model.time_drift = Some(TimeDrift { per_second: 1e-7, origin_s: 2000.0 });
+    let candidate = r#"{"model": "poly:3 + time", "in_sample_rms": 1e-4, "chosen": true}"#;
+    fit.statistics.candidates = vec![serde_json::from_str(candidate).unwrap()];
+    for format in Format::ALL {
+        let written = export(&own, format, &with_id()).unwrap();
+        let notes: Vec<&String> = written.notes.iter().filter(|note| note.contains("drift in time")).collect();
+        let [note] = notes[..] else { panic!("{format}: {:?}", written.notes) };
+        assert!(note.contains("gyro0.y is not exported"), "{note}");
+        assert_eq!(written.text.contains("poly:3 + time"), format != Format::Csv, "{format}");
+        assert!(export(&three_axes(), format, &with_id()).unwrap().notes.iter().all(|other| other != note));
+    }
 }
 
 #[test]
