@@ -28,6 +28,7 @@ const NO_TRIM: &str =
 pub fn calibration(recording: &Source, fit: &LogFit) -> Result<Calibration, BenchError> {
     let info = Recording::read(recording)?.info;
     let origin = Origin::of(&info.procedure, recording).map_err(|error| composed(&error))?;
+    let origin = origin.started_at(info.started.map(Into::into));
     if fit.axes.is_empty() {
         return Err(BenchError::Rejected { reasons: fit.reasons().collect::<Vec<_>>().join("; ") });
     }

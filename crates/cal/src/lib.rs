@@ -21,4 +21,5 @@ pub mod summary;
 pub mod table;
 pub mod trace;
 pub mod units;
+mod utc;
 pub mod verify;

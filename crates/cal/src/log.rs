@@ -11,6 +11,8 @@ mod plausible;
 mod sensor;
 mod survey;
 
+use std::time::SystemTime;
+
 pub use error::{LogError, LogFault};
 pub use imu_logs::{Rows, Sensor, SensorKind};
 pub use sensor::{SensorChoice, SensorChoiceError};
@@ -48,6 +50,8 @@ pub trait Sink {
 /// How the reading of a log ended.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ending {
+    /// When the first row was taken, where the log itself says it.
+    pub started: Option<SystemTime>,
     /// What was undone or is missing, a sentence each.
     pub notes: Vec<String>,
     /// What is wrong with the file, as far as it could be read nevertheless, and the units that were guessed.
@@ -135,3 +139,6 @@ impl LogFile {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -13,6 +13,7 @@ mod plain;
 mod words;
 
 use std::collections::BTreeMap;
+use std::time::SystemTime;
 
 use thiserror::Error;
 use zerorate_core::drift::{Scale, ValidRange};
@@ -135,11 +136,20 @@ pub struct FoundStep {
     pub size: f64,
 }
 
+/// A log that was fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedLog {
+    /// Its name, as it was given.
+    pub name: String,
+    /// When its first row was taken, where it says so itself.
+    pub started: Option<SystemTime>,
+}
+
 /// The fit of a log, or of several of one unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogFit {
-    /// The logs' names, as they were given.
-    pub sources: Vec<String>,
+    /// The logs, in the order in which they were given.
+    pub sources: Vec<FittedLog>,
     /// The autopilot's format, if the logs are an autopilot's.
     pub autopilot: Option<imu_logs::Format>,
     /// The verdict on the whole and all reasons: rejected where no axis could be fitted.
@@ -159,7 +169,7 @@ pub struct LogFit {
 impl LogFit {
     pub(crate) fn new(sources: &[Source]) -> Self {
         Self {
-            sources: sources.iter().map(|source| source.name().to_owned()).collect(),
+            sources: sources.iter().map(|log| FittedLog { name: log.name().to_owned(), started: None }).collect(),
             autopilot: None,
             judgement: Judgement::default(),
             verdicts: Vec::new(),
@@ -173,7 +183,7 @@ impl LogFit {
     /// The logs in words: of several, all with a plus between.
     #[must_use]
     pub fn source(&self) -> String {
-        self.sources.join(" + ")
+        self.sources.iter().map(|log| log.name.as_str()).collect::<Vec<_>>().join(" + ")
     }
 
     /// Every reason, a sentence each.

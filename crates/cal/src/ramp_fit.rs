@@ -6,6 +6,8 @@ mod judge;
 mod neighbours;
 mod survey;
 
+use std::time::SystemTime;
+
 use zerorate_core::drift::Shape;
 use zerorate_core::units::Axis;
 use zerorate_fit::auto;
@@ -113,6 +115,7 @@ impl RampMeans {
 #[must_use]
 pub fn fit_recording(recording: &Recording, source: &Source, options: &FitOptions) -> LogFit {
     let mut fit = LogFit::new(std::slice::from_ref(source));
+    fit.sources[0].started = recording.info.started.map(SystemTime::from);
     let expected = recording.info.ramp_groups();
     for axis in Axis::BOTH {
         let means = RampMeans::of(recording, axis);

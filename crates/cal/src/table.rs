@@ -38,14 +38,32 @@ pub struct Table {
     names: Vec<String>,
     /// The columns' units, where a row of them stands below the names; else empty.
     units: Vec<String>,
-    /// The unit of each column of times that are told as such.
-    clocks: Vec<Option<TimeUnit>>,
+    /// Of each column of times that are told as such, what they are.
+    clocks: Vec<Option<Clock>>,
+}
+
+/// What a column of times is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Clock {
+    unit: TimeUnit,
+    /// Whether they are of a zone that is known: of others only differences are.
+    is_utc: bool,
 }
 
 #[derive(Debug, Clone)]
 enum Format {
     Text(Dialect),
     Parquet,
+}
+
+impl Clock {
+    fn of(notation: Notation) -> Option<Self> {
+        match notation {
+            Notation::Stamp => Some(Self { unit: TimeUnit::S, is_utc: true }),
+            Notation::LocalStamp => Some(Self { unit: TimeUnit::S, is_utc: false }),
+            Notation::Point | Notation::Comma => None,
+        }
+    }
 }
 
 /// Some rows of some columns.
@@ -90,8 +108,7 @@ impl Table {
             return Ok(Self { source, format: Format::Parquet, names, units, clocks });
         }
         let Heading { dialect, names, units } = dialect::detect(&start).map_err(faulty)?;
-        let clock = |notation: &Notation| (*notation == Notation::Stamp).then_some(TimeUnit::S);
-        let clocks = dialect.notations.iter().map(clock).collect();
+        let clocks = dialect.notations.iter().map(|notation| Clock::of(*notation)).collect();
         Ok(Self { source, format: Format::Text(dialect), names, units, clocks })
     }
 

@@ -1,5 +1,5 @@
 //! ArduPilot's DataFlash (ardupilot.org, "DataFlash Logs"): gyros and accelerometers with their temperatures, as they were
-//! before the autopilot corrected them, message by message, in bounded memory.
+//! before the autopilot corrected them, and UTC by the satellite receiver, message by message, in bounded memory.
 //!
 //! The crate ardupilot-binlog 0.2 streams too, but a format that says a length below three makes it panic, a half float
 //! makes it lose every message of that format, and it does not tell what it passed over or that the file was cut. So the
@@ -13,15 +13,29 @@ use std::io::{self, Read, Seek};
 
 use crate::streams::Streams;
 use crate::window::{Damage, Window};
-use crate::{Remark, Sensor, SensorKind, Sink};
+use crate::{Ending, Remark, Sensor, SensorKind, Sink};
 use format::{FORMAT_BYTES, FORMAT_TYPE, Fields, Format, HEADER_BYTES, Kind};
 use restore::Parameters;
 
 /// What every message starts with; its type follows.
 pub(super) const MAGIC: [u8; 2] = [0xa3, 0x95];
 
+/// What is read of a log.
+const READ: [Kind; 4] = [Kind::Parameter, Kind::Imu, Kind::Learning, Kind::Receiver];
+
 /// How much of a file is read for its parameters before its readings: they are logged while it begins.
 const PARAMETER_BYTES: u64 = 16 << 20;
+
+/// The beginning of GPS time, 6 January 1980, in seconds since 1970, and a GPS week.
+const GPS_BEGINS_S: u64 = 315_964_800;
+const WEEK_S: u64 = 7 * 86_400;
+
+/// Seconds that GPS time is ahead of UTC since 2017, as the autopilot takes it too: an earlier log is told a second or two
+/// early.
+const LEAP_S: u64 = 18;
+
+/// `Status` of a fix in space, from which on the autopilot believes the receiver's time.
+const FIX_3D: u8 = 3;
 
 /// Whether a file may be such a log: its first message defines a format.
 pub(super) fn recognises(start: &[u8]) -> bool {
@@ -32,7 +46,7 @@ pub(super) fn recognises(start: &[u8]) -> bool {
 ///
 /// # Errors
 /// Where the file cannot be read.
-pub(super) fn read(mut file: impl Read + Seek, sink: &mut dyn Sink) -> io::Result<Vec<Remark>> {
+pub(super) fn read(mut file: impl Read + Seek, sink: &mut dyn Sink) -> io::Result<Ending> {
     // The parameters that the log begins with may stand behind its first readings.
     let mut parameters = Parameters::default();
     let mut first = Reader::new(&mut file);
@@ -47,7 +61,7 @@ pub(super) fn read(mut file: impl Read + Seek, sink: &mut dyn Sink) -> io::Resul
     let mut reader = Reader::new(file);
     let mut streams = Streams::default();
     let mut means = 0;
-    while let Some((message, time_us)) = reader.message(&[Kind::Parameter, Kind::Imu, Kind::Learning])? {
+    while let Some((message, time_us)) = reader.message(&READ)? {
         match message {
             Message::Parameter(name, value) => parameters.change(&name, value),
             Message::Imu { instance, temperature, gyro, accelerometer } => {
@@ -60,6 +74,7 @@ pub(super) fn read(mut file: impl Read + Seek, sink: &mut dyn Sink) -> io::Resul
                 }
             }
             Message::Learning { .. } => means += 1,
+            Message::Clock { utc_us } => streams.set_clock(time_us, utc_us),
             Message::Other => {}
         }
     }
@@ -68,13 +83,13 @@ pub(super) fn read(mut file: impl Read + Seek, sink: &mut dyn Sink) -> io::Resul
     if learning_only {
         read_learning(&mut reader, &parameters, &mut streams, sink)?;
     }
-    let mut remarks = streams.finish(sink);
-    remarks.extend(reader.damage.remarks());
-    remarks.extend(parameters.remarks());
+    let mut ending = streams.finish(sink);
+    ending.remarks.extend(reader.damage.remarks());
+    ending.remarks.extend(parameters.remarks());
     if learning_only {
-        remarks.push(Remark::LearningOnly { means });
+        ending.remarks.push(Remark::LearningOnly { means });
     }
-    Ok(remarks)
+    Ok(ending)
 }
 
 /// Reads the log again for what the autopilot learned from.
@@ -110,6 +125,10 @@ enum Message {
         kind: SensorKind,
         temperature: f64,
         means: [f64; 3],
+    },
+    /// UTC by a satellite receiver, microseconds since 1970.
+    Clock {
+        utc_us: u64,
     },
     /// One that does not.
     Other,
@@ -201,6 +220,7 @@ impl Format {
             Some(Kind::Parameter) => parameter(&fields),
             Some(Kind::Imu) => imu(&fields, self.instance),
             Some(Kind::Learning) => learning(&fields),
+            Some(Kind::Receiver) => clock(&fields),
             None => None,
         };
         (message.unwrap_or(Message::Other), time_us)
@@ -219,6 +239,15 @@ fn imu(fields: &Fields<'_>, instance: u8) -> Option<Message> {
         gyro: three(["GyrX", "GyrY", "GyrZ"])?,
         accelerometer: three(["AccX", "AccY", "AccZ"])?,
     })
+}
+
+/// The week of GPS time, and the milliseconds in it.
+fn clock(fields: &Fields<'_>) -> Option<Message> {
+    fields.byte("Status").filter(|status| *status >= FIX_3D)?;
+    let [week, ms] = [fields.whole("GWk")?, fields.whole("GMS")?];
+    let gps_ms = week.checked_mul(1000 * WEEK_S)?.checked_add(ms)?;
+    let utc_ms = gps_ms.checked_add(1000 * (GPS_BEGINS_S - LEAP_S))?;
+    Some(Message::Clock { utc_us: utc_ms.checked_mul(1000)? })
 }
 
 /// The autopilot logs sums and how many readings they are of.

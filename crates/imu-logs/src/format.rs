@@ -2,7 +2,7 @@
 
 use std::io::{self, Read, Seek};
 
-use crate::{Remark, Sink, dataflash, ulog};
+use crate::{Ending, Sink, dataflash, ulog};
 
 /// As many bytes from a file's beginning as [`recognise`] needs.
 pub const START_BYTES: usize = 8;
@@ -44,7 +44,7 @@ pub fn recognise(start: &[u8]) -> Option<Format> {
 ///
 /// # Errors
 /// Where the reader fails.
-pub fn read(file: impl Read + Seek, format: Format, sink: &mut dyn Sink) -> io::Result<Vec<Remark>> {
+pub fn read(file: impl Read + Seek, format: Format, sink: &mut dyn Sink) -> io::Result<Ending> {
     match format {
         Format::ULog => ulog::read(file, sink),
         Format::DataFlash => dataflash::read(file, sink),

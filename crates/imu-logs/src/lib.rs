@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod buffer;
+mod clock;
 mod dataflash;
 mod format;
 mod remark;
@@ -10,7 +11,8 @@ mod streams;
 mod ulog;
 mod window;
 
+pub use clock::wall_clock;
 pub use format::{Format, START_BYTES, read, recognise};
 pub use remark::Remark;
-pub use rows::{Rows, Sink};
+pub use rows::{Ending, Rows, Sink};
 pub use sensor::{Sensor, SensorKind};

@@ -1,6 +1,8 @@
 //! What a log gives, and who takes it.
 
-use crate::Sensor;
+use std::time::SystemTime;
+
+use crate::{Remark, Sensor};
 
 /// Some successive rows of one sensor.
 #[derive(Debug, Clone, Copy)]
@@ -26,4 +28,14 @@ pub trait Sink {
     fn sensor(&mut self, sensor: &Sensor) -> bool;
     /// Some rows of a sensor that is wanted.
     fn rows(&mut self, rows: &Rows<'_>);
+}
+
+/// What is known of a log once it was read.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Ending {
+    /// When its first row was taken, by the first time that a satellite receiver knew. `None` without one, or without a
+    /// fix, and of several logs in one file, of which nobody knows whose receiver it was.
+    pub started: Option<SystemTime>,
+    /// What was lost, and what was undone.
+    pub remarks: Vec<Remark>,
 }

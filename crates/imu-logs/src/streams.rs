@@ -1,7 +1,9 @@
 //! The sensors of a log as they are met.
 
+use std::time::SystemTime;
+
 use crate::buffer::RowBuffer;
-use crate::{Remark, Sensor, Sink};
+use crate::{Ending, Remark, Sensor, Sink, wall_clock};
 
 /// Sensors of a log, at most: more than an autopilot has, so that a damaged log does not fill the memory with them.
 const MAX_SENSORS: usize = 32;
@@ -12,6 +14,8 @@ pub(super) struct Streams {
     sensors: Vec<(Sensor, Option<RowBuffer>)>,
     passed_over: u64,
     first_us: Option<u64>,
+    /// A time of the log, and UTC at it since 1970, both in microseconds.
+    fix: Option<(u64, u64)>,
 }
 
 impl Streams {
@@ -42,6 +46,19 @@ impl Streams {
         if time_us >= first { (time_us - first) as f64 * 1e-6 } else { -((first - time_us) as f64 * 1e-6) }
     }
 
+    /// Takes in UTC, in microseconds since 1970, at a time of the log; the first that a clock can say is kept.
+    pub(super) fn set_clock(&mut self, time_us: u64, utc_us: u64) {
+        if self.fix.is_none() && wall_clock(utc_us).is_some() {
+            self.fix = Some((time_us, utc_us));
+        }
+    }
+
+    /// When the first row was taken.
+    fn started(&self) -> Option<SystemTime> {
+        let (first_us, (time_us, utc_us)) = self.first_us.zip(self.fix)?;
+        wall_clock(utc_us.checked_add(first_us)?.checked_sub(time_us)?)
+    }
+
     /// Takes in a row of a sensor.
     pub(super) fn push(
         &mut self,
@@ -58,7 +75,7 @@ impl Streams {
     }
 
     /// Gives what is left, and says what was odd.
-    pub(super) fn finish(mut self, sink: &mut dyn Sink) -> Vec<Remark> {
+    pub(super) fn finish(mut self, sink: &mut dyn Sink) -> Ending {
         let mut remarks = Vec::new();
         let buffers = || self.sensors.iter().filter_map(|(sensor, buffer)| Some((sensor, buffer.as_ref()?)));
         let restarts = buffers().map(|(_, buffer)| buffer.parts()).max().unwrap_or(0);
@@ -72,6 +89,6 @@ impl Streams {
             remarks.push(Remark::TooManySensors { most: MAX_SENSORS, rows: self.passed_over });
         }
         self.sensors.iter_mut().filter_map(|(_, buffer)| buffer.as_mut()).for_each(|buffer| buffer.flush(sink));
-        remarks
+        Ending { started: self.started().filter(|_| restarts == 0), remarks }
     }
 }

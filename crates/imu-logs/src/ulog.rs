@@ -1,5 +1,5 @@
 //! PX4's ULog, by its specification (docs.px4.io, "ULog File Format", version 1): gyros and accelerometers with their
-//! temperatures, message by message, in bounded memory.
+//! temperatures, and UTC by the satellite receiver, message by message, in bounded memory.
 //!
 //! The crate px4-ulog 0.6 streams too, but a log of thirty bytes makes it panic (a subscription or a parameter shorter than
 //! its own header), nested formats of a few hundred bytes keep it busy for ever, and of a damaged log it gives only what
@@ -11,8 +11,8 @@ use std::io::{self, Read};
 
 use crate::streams::Streams;
 use crate::window::{Damage, Window};
-use crate::{Remark, Sensor, Sink};
-use definition::Definitions;
+use crate::{Ending, Remark, Sensor, Sink};
+use definition::{Definitions, Topic};
 
 /// What every ULog starts with; a byte with the version follows, and the time at which logging began.
 pub(super) const MAGIC: [u8; 7] = [0x55, 0x4c, 0x6f, 0x67, 0x01, 0x12, 0x35];
@@ -33,7 +33,7 @@ const DATA_APPENDED: u8 = 1;
 ///
 /// # Errors
 /// Where the file cannot be read.
-pub(super) fn read(file: impl Read, sink: &mut dyn Sink) -> io::Result<Vec<Remark>> {
+pub(super) fn read(file: impl Read, sink: &mut dyn Sink) -> io::Result<Ending> {
     let mut reader = Reader {
         window: Window::new(file),
         definitions: Definitions::default(),
@@ -45,15 +45,15 @@ pub(super) fn read(file: impl Read, sink: &mut dyn Sink) -> io::Result<Vec<Remar
         dropouts: 0,
     };
     while reader.message(sink)? {}
-    let mut remarks = reader.streams.finish(sink);
-    remarks.extend(reader.damage.remarks());
+    let mut ending = reader.streams.finish(sink);
+    ending.remarks.extend(reader.damage.remarks());
     if reader.dropouts > 0 {
-        remarks.push(Remark::Dropouts { times: reader.dropouts, lost_s: reader.lost_ms as f64 / 1e3 });
+        ending.remarks.push(Remark::Dropouts { times: reader.dropouts, lost_s: reader.lost_ms as f64 / 1e3 });
     }
     if reader.unknown_flags {
-        remarks.push(Remark::NewerFormat);
+        ending.remarks.push(Remark::NewerFormat);
     }
-    Ok(remarks)
+    Ok(ending)
 }
 
 struct Reader<R> {
@@ -162,9 +162,16 @@ fn flags(body: &[u8]) -> Option<(Vec<u64>, bool)> {
     Some((appended.filter(|place| *place > 0 && incompatible[0] & DATA_APPENDED != 0).collect(), known))
 }
 
-/// Takes in a row of a sensor; what is of another topic is passed over.
+/// Takes in a row of a sensor, or a receiver's time; what is of another topic is passed over.
 fn data(body: &[u8], definitions: &mut Definitions, streams: &mut Streams, sink: &mut dyn Sink) {
-    let Some(topic) = definitions.topic_of(body) else { return };
+    let topic = match definitions.topic_of(body) {
+        Some(Topic::Sensor(topic)) => topic,
+        Some(Topic::Receiver(layout)) => {
+            layout.times(body).into_iter().for_each(|[time_us, utc_us]| streams.set_clock(time_us, utc_us));
+            return;
+        }
+        None => return,
+    };
     let Some(row) = topic.row(body) else { return };
     if topic.number.is_none_or(|(_, device_id)| device_id != row.device_id) {
         let sensor = Sensor {

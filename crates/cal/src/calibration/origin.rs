@@ -2,12 +2,13 @@
 
 use std::fmt::Write;
 use std::io::{self, Read};
+use std::time::SystemTime;
 
-use chrono::{DateTime, SecondsFormat, Utc};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::source::Source;
+use crate::utc::rfc3339;
 
 /// Bytes read at a time.
 const CHUNK: usize = 1 << 16;
@@ -22,7 +23,10 @@ pub struct Origin {
     pub file: String,
     /// SHA-256 of the file, 64 hexadecimal digits.
     pub sha256: String,
-    /// When a log's file was last changed, RFC 3339 in UTC: few logs know their own date.
+    /// When its first row was taken, RFC 3339 in UTC; of few logs, for few know their own date.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub started: Option<String>,
+    /// When a log's file was last changed, RFC 3339 in UTC.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub changed: Option<String>,
 }
@@ -37,6 +41,7 @@ impl Origin {
             content: content.into(),
             file: source.short_name().to_owned(),
             sha256: sha256(source)?,
+            started: None,
             changed: None,
         })
     }
@@ -46,9 +51,14 @@ impl Origin {
     /// # Errors
     /// When the source cannot be read.
     pub fn of_log(autopilot: Option<imu_logs::Format>, source: &Source) -> io::Result<Self> {
-        let utc = |time| DateTime::<Utc>::from(time).to_rfc3339_opts(SecondsFormat::Secs, true);
         let log = Self::of(autopilot.map_or("log", content_of), source)?;
-        Ok(Self { changed: source.changed().map(utc), ..log })
+        Ok(Self { changed: source.changed().map(rfc3339), ..log })
+    }
+
+    /// The same with the time at which its first row was taken, where that is known.
+    #[must_use]
+    pub fn started_at(self, started: Option<SystemTime>) -> Self {
+        Self { started: started.map(rfc3339), ..self }
     }
 
     /// The format of the autopilot that wrote it, if one did.

@@ -10,9 +10,9 @@ use imu_logs::{Format, Rows, Sensor, SensorKind};
 
 /// Reads the log once.
 pub(super) fn read(source: &Source, format: Format, sink: &mut dyn Sink) -> io::Result<Ending> {
-    let remarks = imu_logs::read(source.open()?, format, &mut WithUnits(sink))?;
-    let mut ending = Ending::default();
-    for remark in remarks {
+    let read = imu_logs::read(source.open()?, format, &mut WithUnits(sink))?;
+    let mut ending = Ending { started: read.started, ..Ending::default() };
+    for remark in read.remarks {
         if remark.is_damage() {
             ending.reasons.push(Reason::new(ReasonKind::Truncated, remark.to_string()));
         } else {

@@ -1,5 +1,7 @@
 //! A recording of the bench as a log: its groups are rows, its two axes are those of one sensor.
 
+use std::time::SystemTime;
+
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 
@@ -10,7 +12,7 @@ use crate::units::{RateUnit, TemperatureUnit};
 
 /// Gives the groups as rows. A group in which an axis was compensated has no drift to fit: its rate is left empty.
 pub(super) fn read(recording: &Recording, sink: &mut dyn Sink) -> Ending {
-    let mut ending = Ending::default();
+    let mut ending = Ending { started: recording.info.started.map(SystemTime::from), ..Ending::default() };
     let stream = Stream {
         sensor: None,
         names: Axis::BOTH.map(|axis| axis.name().to_owned()).to_vec(),

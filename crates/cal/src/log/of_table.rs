@@ -24,6 +24,7 @@ impl TableLog {
 
     pub(super) fn read(&self, sink: &mut dyn Sink) -> Result<Ending, LogError> {
         let ending = Ending {
+            started: self.survey.started(),
             notes: [&self.columns.notes[..], &self.survey.notes[..]].concat(),
             reasons: [&self.columns.guesses[..], &self.survey.reasons[..]].concat(),
         };

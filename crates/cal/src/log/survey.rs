@@ -1,5 +1,9 @@
 //! The first pass over a log: how much there is, how warm, whether time runs forwards, and whether the units can be true.
 
+use std::time::SystemTime;
+
+use imu_logs::wall_clock;
+
 use super::plausible::Plausible;
 use super::{LogError, LogFault};
 use crate::quality::{Reason, ReasonKind};
@@ -52,6 +56,8 @@ pub(super) struct Survey {
     last_time: f64,
     /// Seconds in one unit of the time column; NaN if not known.
     unit_s: f64,
+    /// Whether a time that counts from 1970 is UTC.
+    is_utc: bool,
     /// What to know of the time.
     pub notes: Vec<String>,
     /// A unit that was guessed, a file that is cut.
@@ -66,6 +72,7 @@ impl Survey {
             first_time: f64::NAN,
             last_time: f64::NAN,
             unit_s: f64::NAN,
+            is_utc: columns.is_utc,
             notes: Vec::new(),
             reasons: Vec::new(),
         };
@@ -139,6 +146,14 @@ impl Survey {
     /// A time of the log's own unit in seconds from its first row; NaN if not known.
     pub(super) fn seconds(&self, time: f64) -> f64 {
         (time - self.first_time) * self.unit_s
+    }
+
+    /// When the first row was taken, where its time counts from 1970: seconds from a start are too few for that.
+    pub(super) fn started(&self) -> Option<SystemTime> {
+        // No time is 0, and what is too large is larger still: neither is a time of a clock.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let utc_us = (self.first_time * self.unit_s * 1e6) as u64;
+        wall_clock(utc_us).filter(|_| self.is_utc)
     }
 
     /// The mean time between rows, seconds; NaN if not known.

@@ -1,1 +1,38 @@
+use super::*;
 
+/// Passes everything over.
+struct Nothing;
+
+impl Sink for Nothing {
+    fn stream(&mut self, _: &Stream) -> bool {
+        false
+    }
+
+    fn rows(&mut self, _: &Rows<'_>) {}
+}
+
+/// When a table of two rows began, seconds since 1970, by its column of times.
+fn started_s(name: &str, times: [&str; 2]) -> Option<u64> {
+    let [first, second] = times;
+    let text = format!("{name};temp_c;gyro_x_dps\n{first};20.0;0.1\n{second};21.0;0.2\n");
+    let log = LogFile::open(&Source::bytes("log.csv", text.into_bytes()), &Columns::default()).unwrap();
+    let started = log.read(&mut Nothing).unwrap().started?;
+    Some(started.duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs())
+}
+
+#[test]
+fn a_table_tells_when_it_began_only_by_times_of_a_known_zone() {
+    // `date -u -d 2026-03-01T14:03:00Z +%s`
+    let known = Some(1_772_373_780);
+    assert_eq!(started_s("time", ["2026-03-01T14:03:00Z", "2026-03-01T14:04:00Z"]), known);
+    assert_eq!(started_s("time", ["2026-03-01 16:03:00+02:00", "2026-03-01 16:04:00+02:00"]), known);
+    assert_eq!(started_s("time_s", ["1772373780", "1772373840"]), known);
+    assert_eq!(started_s("timestamp_us", ["1772373780000000", "1772373840000000"]), known);
+    // Of no zone, and from the start of something.
+    assert_eq!(started_s("time", ["2026-03-01T14:03:00", "2026-03-01T14:04:00"]), None);
+    assert_eq!(started_s("time_s", ["0", "60"]), None);
+    assert_eq!(started_s("timestamp_us", ["1772373780", "1832373780"]), None);
+    // By an unset clock, and beyond all clocks.
+    assert_eq!(started_s("time", ["1980-01-06T00:00:00Z", "1980-01-06T00:01:00Z"]), None);
+    assert_eq!(started_s("time_s", ["1e300", "1.1e300"]), None);
+}

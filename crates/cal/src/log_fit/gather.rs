@@ -1,5 +1,7 @@
 //! From logs to the groups of every sensor wanted.
 
+use std::time::SystemTime;
+
 use super::overlap::Fingerprint;
 use super::{FitOptions, LogFitError};
 use crate::condition::{GROUP_S, Group, Grouping, Length, MIN_GROUPS, Tally};
@@ -28,6 +30,8 @@ pub(super) struct Logs {
     pub sensors: Vec<Gathered>,
     pub notes: Vec<String>,
     pub reasons: Vec<Reason>,
+    /// When each log's first row was taken, where it says so.
+    pub started: Vec<Option<SystemTime>>,
     /// The autopilot that wrote the logs, if one did.
     pub autopilot: Option<imu_logs::Format>,
     /// The sensors that the logs have, wanted or not.
@@ -69,6 +73,7 @@ impl Logs {
             ending = file.read(&mut taken)?;
         }
         self.refuse_overlap(source, &mut taken)?;
+        self.started.push(ending.started);
         for note in ending.notes {
             if !self.notes.contains(&note) {
                 self.notes.push(note);

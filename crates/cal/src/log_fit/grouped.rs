@@ -28,6 +28,7 @@ pub(super) fn fit(sources: &[Source], options: &FitOptions, fit: &mut LogFit) ->
     let mut logs = gather(sources, options)?;
     fit.notes = std::mem::take(&mut logs.notes);
     fit.autopilot = logs.autopilot;
+    fit.sources.iter_mut().zip(&logs.started).for_each(|(source, started)| source.started = *started);
     logs.reasons.drain(..).for_each(|reason| fit.judgement.add(reason));
     if logs.sensors.is_empty() {
         let seen: Vec<String> = logs.seen.iter().map(ToString::to_string).collect();

@@ -5,15 +5,19 @@ use serde::ser::{Serialize, SerializeMap, SerializeStruct, Serializer};
 use zerorate_fit::least_squares::raw_coefficients;
 
 use super::{AxisFit, AxisVerdict, LogFit};
+use crate::utc::rfc3339;
 
 /// The schema's version.
 const SCHEMA: u32 = 1;
 
 impl Serialize for LogFit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct("LogFit", 6)?;
+        let mut fields = serializer.serialize_struct("LogFit", 7)?;
         fields.serialize_field("schema", &SCHEMA)?;
         fields.serialize_field("source", &self.source())?;
+        if let Some(started) = self.sources.first().and_then(|log| log.started) {
+            fields.serialize_field("started", &rfc3339(started))?;
+        }
         fields.serialize_field("verdict", &self.judgement.verdict)?;
         fields.serialize_field("reasons", &self.judgement.reasons)?;
         fields.serialize_field("axes", &Axes(&self.axes))?;

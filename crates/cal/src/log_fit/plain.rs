@@ -102,6 +102,7 @@ fn survey(file: &LogFile, options: &FitOptions, fit: &mut LogFit) -> Result<Vec<
     let mut pass = Pass { options, streams: Vec::new(), take: &mut take };
     let ending = file.read(&mut pass)?;
     let streams = pass.streams;
+    fit.sources[0].started = ending.started;
     fit.notes = ending.notes;
     ending.reasons.into_iter().for_each(|reason| fit.judgement.add(reason));
     let axes = surveys.into_iter().flat_map(|(number, axes, all_rows)| {

@@ -10,7 +10,6 @@ use arrow_array::{
     UInt64Array,
 };
 use arrow_schema::{ArrowError, Field, Schema};
-use chrono::SecondsFormat;
 use parquet::file::metadata::KeyValue;
 use serde_json::{Value, json};
 use zerorate_core::compensate::Mode;
@@ -20,6 +19,7 @@ use zerorate_core::units::Axis;
 use super::columns::{COLUMNS, Column, name_in_version_1};
 use super::{GroupRow, Phase, RecordingInfo, status};
 use crate::named::Named;
+use crate::utc::rfc3339;
 
 /// The version that is written. Version 1 had other names for three columns, told nothing of any, and had no start; it is
 /// read as well.
@@ -57,7 +57,7 @@ pub(super) fn schema(info: &RecordingInfo) -> Arc<Schema> {
         (COLUMNS_KEY.to_owned(), columns_told(&fields)),
         (STATUS_BITS_KEY.to_owned(), status_bits_told()),
     ]);
-    let started = info.started.map(|started| started.to_rfc3339_opts(SecondsFormat::Secs, true));
+    let started = info.started.map(rfc3339);
     metadata.extend(started.map(|started| (STARTED_KEY.to_owned(), started)));
     metadata.extend(info.seed.map(|seed| (SEED_KEY.to_owned(), seed.to_string())));
     metadata.extend(info.labels.iter().map(|(name, value)| (format!("{LABEL_KEY}{name}"), value.clone())));

@@ -38,6 +38,8 @@ pub struct Resolved {
     pub time: Option<usize>,
     /// The time's unit where it was given or the table says it; otherwise [`TimeUnit::by_duration`] decides.
     pub time_unit: Option<TimeUnit>,
+    /// Whether times that count from 1970 are UTC: not where the table writes times of no zone.
+    pub is_utc: bool,
     /// The sensors, at least one.
     pub sensors: Vec<ResolvedSensor>,
     /// What to know about how columns were taken, a sentence each.
@@ -120,10 +122,12 @@ impl<'a> Names<'a> {
                 named.or_else(|| (0..units.len()).find(|&column| table.clocks[column].is_some()))
             }
         };
-        let of_column = |time: usize| table.clocks[time].or_else(|| time_unit(&units[time]));
+        let clock = time.and_then(|time| table.clocks[time]);
+        let of_column = || clock.map(|clock| clock.unit).or_else(|| time_unit(&units[time?]));
         let mut resolved = Resolved {
             time,
-            time_unit: asked.time_unit.or_else(|| time.and_then(of_column)),
+            time_unit: asked.time_unit.or_else(of_column),
+            is_utc: clock.is_none_or(|clock| clock.is_utc),
             sensors: Vec::new(),
             notes: Vec::new(),
             guesses: Vec::new(),

@@ -137,10 +137,8 @@ fn notations(rows: &[Vec<String>], columns: usize, delimiter: u8) -> Vec<Notatio
     let number = if is_comma { Notation::Comma } else { Notation::Point };
     (0..columns)
         .map(|column| {
-            let is_stamp = cells(column)
-                .find(|cell| !cell.trim().is_empty())
-                .is_some_and(|cell| number.number(cell).is_none() && Notation::Stamp.number(cell).is_some());
-            if is_stamp { Notation::Stamp } else { number }
+            let first = cells(column).find(|cell| !cell.trim().is_empty());
+            first.filter(|cell| number.number(cell).is_none()).and_then(Notation::of_stamp).unwrap_or(number)
         })
         .collect()
 }

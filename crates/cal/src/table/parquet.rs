@@ -8,13 +8,13 @@ use arrow_schema::{ArrowError, DataType};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 
-use super::{BATCH_ROWS, Batch, TableFault};
+use super::{BATCH_ROWS, Batch, Clock, TableFault};
 use crate::parquet_source::ParquetSource;
 use crate::source::Source;
 use crate::units::TimeUnit;
 
-/// The names of all columns, and the units of those that are times.
-pub(super) fn columns(source: &Source) -> Result<(Vec<String>, Vec<Option<TimeUnit>>), TableFault> {
+/// The names of all columns, and what those are that are times.
+pub(super) fn columns(source: &Source) -> Result<(Vec<String>, Vec<Option<Clock>>), TableFault> {
     let builder = builder(source)?;
     if builder.metadata().file_metadata().num_rows() == 0 {
         return Err(TableFault::Empty);
@@ -22,16 +22,20 @@ pub(super) fn columns(source: &Source) -> Result<(Vec<String>, Vec<Option<TimeUn
     Ok(builder.schema().fields().iter().map(|field| (field.name().clone(), clock(field.data_type()))).unzip())
 }
 
-fn clock(kind: &DataType) -> Option<TimeUnit> {
-    match kind {
-        DataType::Timestamp(unit, _) | DataType::Duration(unit) => Some(match unit {
-            arrow_schema::TimeUnit::Second => TimeUnit::S,
-            arrow_schema::TimeUnit::Millisecond => TimeUnit::Ms,
-            arrow_schema::TimeUnit::Microsecond => TimeUnit::Us,
-            arrow_schema::TimeUnit::Nanosecond => TimeUnit::Ns,
-        }),
-        _ => None,
-    }
+fn clock(kind: &DataType) -> Option<Clock> {
+    let (unit, is_utc) = match kind {
+        // With a zone a value counts from 1970 in UTC, without one in nobody knows which.
+        DataType::Timestamp(unit, zone) => (unit, zone.is_some()),
+        DataType::Duration(unit) => (unit, false),
+        _ => return None,
+    };
+    let unit = match unit {
+        arrow_schema::TimeUnit::Second => TimeUnit::S,
+        arrow_schema::TimeUnit::Millisecond => TimeUnit::Ms,
+        arrow_schema::TimeUnit::Microsecond => TimeUnit::Us,
+        arrow_schema::TimeUnit::Nanosecond => TimeUnit::Ns,
+    };
+    Some(Clock { unit, is_utc })
 }
 
 fn builder(source: &Source) -> Result<ParquetRecordBatchReaderBuilder<ParquetSource>, TableFault> {

@@ -9,8 +9,10 @@ pub(super) enum Notation {
     Point,
     /// With a decimal comma; a point in one is none of a number's signs.
     Comma,
-    /// As ISO 8601 and RFC 3339 write times: `2026-03-01T08:00:00.5Z`, also with a space for the T, an offset, or neither.
+    /// As ISO 8601 and RFC 3339 write times: `2026-03-01T08:00:00.5Z`, also with a space for the T, or an offset from UTC.
     Stamp,
+    /// The same without an offset: of some zone, which nobody knows.
+    LocalStamp,
 }
 
 impl Notation {
@@ -19,8 +21,16 @@ impl Notation {
         match self {
             Self::Point => "a number",
             Self::Comma => "a number with a decimal comma",
-            Self::Stamp => "a time like 2026-03-01T08:00:00",
+            Self::Stamp | Self::LocalStamp => "a time like 2026-03-01T08:00:00",
         }
+    }
+
+    /// How a cell's time is written, if it is one.
+    pub(super) fn of_stamp(cell: &str) -> Option<Self> {
+        stamp(cell.trim())?;
+        // Ten letters are the date, whose signs are none of an offset's.
+        let has_offset = cell.trim().get(10..).is_some_and(|time| time.contains(['Z', 'z', '+', '-']));
+        Some(if has_offset { Self::Stamp } else { Self::LocalStamp })
     }
 
     /// A cell's number, of a time its seconds since 1970: NaN for one that is empty or says so in words, `None` for other
@@ -31,7 +41,7 @@ impl Notation {
             Self::Point => cell.parse().ok(),
             Self::Comma if cell.contains('.') => None,
             Self::Comma => cell.replacen(',', ".", 1).parse().ok(),
-            Self::Stamp => stamp(cell),
+            Self::Stamp | Self::LocalStamp => stamp(cell),
         };
         number.or_else(|| is_missing(cell).then_some(f64::NAN))
     }
@@ -41,7 +51,7 @@ fn is_missing(cell: &str) -> bool {
     ["", "nan", "na", "n/a", "null", "none"].iter().any(|missing| cell.eq_ignore_ascii_case(missing))
 }
 
-/// Seconds since 1970. A time without an offset is taken as one of UTC: only differences are used.
+/// Seconds since 1970. A time without an offset is taken as one of UTC: of such only differences are used.
 fn stamp(cell: &str) -> Option<f64> {
     // ISO 8601 knows the comma too.
     let nanoseconds = string_to_timestamp_nanos(&cell.replacen(',', ".", 1)).ok()?;
@@ -51,6 +61,17 @@ fn stamp(cell: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_time_says_its_offset_or_not() {
+        for cell in ["2026-03-01T08:00:00Z", " 2026-03-01 08:00:00+02:00", "2026-03-01T08:00:00.250-05:00"] {
+            assert_eq!(Notation::of_stamp(cell), Some(Notation::Stamp), "{cell}");
+        }
+        for cell in ["2026-03-01T08:00:00", "2026-03-01 08:00:00,5", "2026-03-01"] {
+            assert_eq!(Notation::of_stamp(cell), Some(Notation::LocalStamp), "{cell}");
+        }
+        assert_eq!(Notation::of_stamp("1772352000"), None);
+    }
 
     #[test]
     fn numbers_are_read_as_they_are_written_and_not_otherwise() {

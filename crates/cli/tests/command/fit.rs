@@ -62,6 +62,33 @@ fn a_ulog_alone_gives_verdict_report_and_the_next_command_which_works() {
 }
 
 #[test]
+fn a_log_that_knows_its_date_is_told_by_it_and_another_by_its_files() {
+    let whole = Log::cycle();
+    // 3600 rows are half an hour.
+    let (cold, warm) = (whole.rows(0..3600), whole.rows(3600..8400));
+    let folder = folder_with("cold.ulg", cold.ulg());
+    fs::write(folder.path().join("warm.ulg"), warm.ulg()).unwrap();
+    fs::write(folder.path().join("log.csv"), whole.csv()).unwrap();
+    let fit = |logs: &[&str]| {
+        let ran = zerorate(
+            folder.path(),
+            &[&["fit", "--json", "--out", "c.json", "--report", "r.html", "--force"], logs].concat(),
+        );
+        let text = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+        let calibration: serde_json::Value = serde_json::from_str(&text("c.json")).unwrap();
+        (ran.json(), calibration, text("r.html"))
+    };
+    let (printed, calibration, page) = fit(&["cold.ulg", "warm.ulg"]);
+    assert_eq!(printed["started"], "2026-03-01T14:03:00Z");
+    assert_eq!(calibration["sources"][1]["started"], "2026-03-01T14:33:00Z");
+    assert!(page.contains("Recorded") && page.contains("2026-03-01 14:03 UTC, 2026-03-01 14:33 UTC"));
+    assert!(!page.contains("File last changed"));
+    let (printed, calibration, page) = fit(&["log.csv"]);
+    assert!(printed.get("started").is_none() && calibration["sources"][0].get("started").is_none());
+    assert!(page.contains("File last changed") && !page.contains("Recorded"));
+}
+
+#[test]
 fn a_cut_ulog_is_fitted_as_far_as_it_is_whole_and_says_so() {
     let log = Log::cycle().ulg();
     let folder = folder_with("cut.bin", &log[..log.len() - 10_003]);

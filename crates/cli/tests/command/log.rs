@@ -52,7 +52,7 @@ impl Log {
         text
     }
 
-    /// As a PX4 ULog of one gyro, its third axis still.
+    /// As a PX4 ULog of one gyro, its third axis still. Time 0 was 14:03 UTC on 1 March 2026, as its receiver says.
     pub fn ulg(&self) -> Vec<u8> {
         let message = |kind: u8, body: &[u8]| {
             let size = u16::try_from(body.len()).unwrap();
@@ -63,6 +63,11 @@ impl Log {
         let fields = "sensor_gyro:uint64_t timestamp;uint32_t device_id;float x;float y;float z;float temperature;";
         log.extend(message(b'F', fields.as_bytes()));
         log.extend(message(b'A', &[&[0, 3, 0], &b"sensor_gyro"[..]].concat()));
+        log.extend(message(b'F', b"sensor_gps:uint64_t timestamp;uint64_t time_utc_usec;"));
+        log.extend(message(b'A', &[&[0, 4, 0], &b"sensor_gps"[..]].concat()));
+        // `date -u -d 2026-03-01T14:03:00Z +%s`
+        let fix = [0_u64, 1_772_373_780_000_000].map(u64::to_le_bytes).concat();
+        log.extend(message(b'D', &[&4_u16.to_le_bytes(), &fix[..]].concat()));
         for row in 0..self.time_s.len() {
             let mut body = 3_u16.to_le_bytes().to_vec();
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]

@@ -15,6 +15,7 @@ pub(super) enum Kind {
     Parameter,
     Imu,
     Learning,
+    Receiver,
 }
 
 /// A format.
@@ -54,6 +55,7 @@ impl Format {
             "IMU2" => (Some(Kind::Imu), 1),
             "IMU3" => (Some(Kind::Imu), 2),
             "TCLR" => (Some(Kind::Learning), 0),
+            "GPS" => (Some(Kind::Receiver), 0),
             _ => (None, 0),
         };
         // Of the others only the length is needed.
@@ -123,6 +125,17 @@ impl Fields<'_> {
         self.bytes::<1>(letter, place, b"BM").map(|[byte]| byte)
     }
 
+    /// A whole number of any size.
+    pub(super) fn whole(&self, label: &str) -> Option<u64> {
+        let (letter, place) = self.field(label)?;
+        Some(match letter {
+            b'Q' => u64::from_le_bytes(self.bytes(letter, place, b"Q")?),
+            b'I' => u32::from_le_bytes(self.bytes(letter, place, b"I")?).into(),
+            b'H' => u16::from_le_bytes(self.bytes(letter, place, b"H")?).into(),
+            _ => self.byte(label)?.into(),
+        })
+    }
+
     /// A text.
     pub(super) fn text(&self, label: &str) -> Option<String> {
         let (letter, place) = self.field(label)?;
@@ -132,11 +145,7 @@ impl Fields<'_> {
 
     /// The time, microseconds; old logs have milliseconds. 0 where there is none.
     pub(super) fn time_us(&self) -> u64 {
-        let of = |label| self.field(label);
-        if let Some((letter, place)) = of("TimeUS") {
-            return self.bytes(letter, place, b"Q").map_or(0, u64::from_le_bytes);
-        }
-        let milliseconds = of("TimeMS").and_then(|(letter, place)| self.bytes(letter, place, b"I"));
-        milliseconds.map_or(0, |bytes| 1000 * u64::from(u32::from_le_bytes(bytes)))
+        let milliseconds = || self.whole("TimeMS").map(|ms| ms.saturating_mul(1000));
+        self.whole("TimeUS").or_else(milliseconds).unwrap_or(0)
     }
 }

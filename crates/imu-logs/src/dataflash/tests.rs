@@ -30,8 +30,8 @@ impl Sink for All {
 
 fn take(bytes: &[u8]) -> (All, Vec<Remark>) {
     let mut all = All::default();
-    let remarks = read(Cursor::new(bytes), &mut all).unwrap();
-    (all, remarks)
+    let ending = read(Cursor::new(bytes), &mut all).unwrap();
+    (all, ending.remarks)
 }
 
 fn define(kind: u8, length: u8, name: &str, letters: &str, labels: &str) -> Vec<u8> {
@@ -192,4 +192,30 @@ fn cut_damaged_and_hostile_logs_give_what_is_whole() {
     log.extend(define(FORMAT_TYPE, 4, "FMT", "B", "Type"));
     log.extend(imu(30_000, 0, 20.0, [0.0; 3], [0.0; 3]));
     assert_eq!(take(&log).0.rows.len(), 24);
+}
+
+/// What a receiver says: its status, the week of GPS time and the milliseconds in it.
+fn gps(time_us: u64, status: u8, week: u16, ms: u32) -> Vec<u8> {
+    [&MAGIC[..], &[133], &time_us.to_le_bytes(), &[0, status], &ms.to_le_bytes(), &week.to_le_bytes(), &[9]].concat()
+}
+
+#[test]
+fn the_receiver_tells_when_the_first_row_was_taken() {
+    let started_s = |says: &[Vec<u8>]| {
+        let format = define(133, 3 + 8 + 2 + 4 + 2 + 1, "GPS", "QBBIHB", "TimeUS,I,Status,GMS,GWk,NSats");
+        let rows = [1_000_000, 61_000_000].map(|time_us| imu(time_us, 0, 20.0, [0.0; 3], [0.0; 3]));
+        let log = [&head()[..], &format, &rows[0], &says.concat(), &rows[1]].concat();
+        let started = read(Cursor::new(log), &mut All::default()).unwrap().started?;
+        Some(started.duration_since(std::time::SystemTime::UNIX_EPOCH).unwrap().as_secs())
+    };
+    // 1 March 2026 is the Sunday on which week 2408 begins. Half a minute after the first row it is 14:03:30 UTC, and 18 s
+    // later by GPS.
+    let ms = 1000 * (14 * 3600 + 3 * 60 + 30 + 18);
+    let fix = gps(31_000_000, 3, 2408, ms);
+    // `date -u -d 2026-03-01T14:03:00Z +%s`
+    assert_eq!(started_s(std::slice::from_ref(&fix)), Some(1_772_373_780));
+    // Before a fix the week is 0, or what the receiver's own clock kept.
+    let (cold, kept) = (gps(11_000_000, 1, 0, 0), gps(21_000_000, 1, 2300, ms));
+    assert_eq!(started_s(&[cold.clone(), kept.clone(), fix]), Some(1_772_373_780));
+    assert_eq!(started_s(&[cold, kept, gps(31_000_000, 3, 0, 0), gps(31_000_000, 3, u16::MAX, u32::MAX)]), None);
 }

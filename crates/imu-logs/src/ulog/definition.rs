@@ -1,23 +1,30 @@
-//! Where a sensor's fields lie in its messages: formats and subscriptions.
+//! Where the fields of a sensor and of a satellite receiver lie in their messages: formats and subscriptions.
 
 use std::collections::HashMap;
 
 use crate::SensorKind;
 
-/// Formats that are kept, at most: those of the two topics that matter, and what a damaged log may name so again.
+/// Formats that are kept, at most: those of the four topics that matter, and what a damaged log may name so again.
 const MAX_TOPICS: usize = 64;
 
 /// What is known of the messages so far.
 #[derive(Debug, Default)]
 pub(super) struct Definitions {
-    layouts: HashMap<Vec<u8>, Layout>,
+    formats: HashMap<Vec<u8>, Format>,
     /// By message id.
     topics: HashMap<u16, Topic>,
     /// How long the messages of each are.
     sizes: HashMap<u16, usize>,
 }
 
-/// Where the fields of a format lie, in bytes from the beginning of a message's body.
+/// A format that matters.
+#[derive(Debug, Clone, Copy)]
+enum Format {
+    Sensor(SensorKind, Layout),
+    Receiver(ReceiverLayout),
+}
+
+/// Where a sensor's fields lie, in bytes from the beginning of a message's body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Layout {
     time: usize,
@@ -28,9 +35,23 @@ pub(super) struct Layout {
     least: usize,
 }
 
+/// Where a satellite receiver's times lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct ReceiverLayout {
+    time: usize,
+    utc: usize,
+}
+
+/// A subscription to a topic that matters.
+#[derive(Debug, Clone)]
+pub(super) enum Topic {
+    Sensor(SensorTopic),
+    Receiver(ReceiverLayout),
+}
+
 /// A subscription to a sensor's topic.
 #[derive(Debug, Clone)]
-pub(super) struct Topic {
+pub(super) struct SensorTopic {
     pub(super) kind: SensorKind,
     pub(super) instance: u8,
     /// The number of the sensor's stream, if it has one, for the device id of the last row.
@@ -53,10 +74,8 @@ impl Definitions {
     pub(super) fn format(&mut self, body: &[u8]) -> bool {
         let Some(colon) = body.iter().position(|byte| *byte == b':') else { return false };
         let (name, fields) = (&body[..colon], &body[colon + 1..]);
-        if Topic::kind_of(name).is_some()
-            && let Some(layout) = Layout::of(fields)
-        {
-            self.layouts.insert(name.to_vec(), layout);
+        if let Some(format) = Format::of(name, fields) {
+            self.formats.insert(name.to_vec(), format);
         }
         !name.is_empty()
     }
@@ -65,15 +84,21 @@ impl Definitions {
     pub(super) fn subscribe(&mut self, body: &[u8]) -> bool {
         let [instance, low, high, name @ ..] = body else { return false };
         let id = u16::from_le_bytes([*low, *high]);
-        if let Some((kind, layout)) = Topic::kind_of(name).zip(self.layouts.get(name))
+        if let Some(format) = self.formats.get(name)
             && self.topics.len() < MAX_TOPICS
         {
-            self.topics.insert(id, Topic { kind, instance: *instance, number: None, layout: *layout });
+            let topic = match *format {
+                Format::Sensor(kind, layout) => {
+                    Topic::Sensor(SensorTopic { kind, instance: *instance, number: None, layout })
+                }
+                Format::Receiver(layout) => Topic::Receiver(layout),
+            };
+            self.topics.insert(id, topic);
         }
         true
     }
 
-    /// The topic of a data message, if it is a sensor's.
+    /// The topic of a data message, if it matters.
     pub(super) fn topic_of(&mut self, body: &[u8]) -> Option<&mut Topic> {
         let id = u16::from_le_bytes([*body.first()?, *body.get(1)?]);
         let topic = self.topics.get_mut(&id)?;
@@ -81,7 +106,7 @@ impl Definitions {
         Some(topic)
     }
 
-    /// Whether a data message of a known sensor, as long as those before it, may begin here.
+    /// Whether a data message of a known topic, as long as those before it, may begin here.
     pub(super) fn begins_data(&self, bytes: &[u8]) -> bool {
         let [size_low, size_high, b'D', id_low, id_high, ..] = bytes else { return false };
         let size = usize::from(u16::from_le_bytes([*size_low, *size_high]));
@@ -89,10 +114,13 @@ impl Definitions {
     }
 }
 
-impl Layout {
-    /// The layout by a format's fields, in their order; `None` where one that is needed is missing or of another type.
-    fn of(fields: &[u8]) -> Option<Self> {
-        let mut found: HashMap<&[u8], (usize, &[u8])> = HashMap::new();
+/// A format's fields by name: place and type.
+struct Fields<'a>(HashMap<&'a [u8], (usize, &'a [u8])>);
+
+impl<'a> Fields<'a> {
+    /// The fields in their order; `None` where a message could not hold them.
+    fn of(fields: &'a [u8]) -> Option<Self> {
+        let mut found = HashMap::new();
         // The message id comes first.
         let mut offset = 2_usize;
         for field in fields.split(|byte| *byte == b';') {
@@ -103,12 +131,43 @@ impl Layout {
             let Some(size) = size_of(kind) else { break };
             offset = offset.checked_add(size).filter(|end| *end <= usize::from(u16::MAX))?;
         }
-        let place = |name: &str, wanted: &str| {
-            found.get(name.as_bytes()).filter(|(_, kind)| *kind == wanted.as_bytes()).map(|(place, _)| *place)
-        };
-        let (time, x, y, z) =
-            (place("timestamp", "uint64_t")?, place("x", "float")?, place("y", "float")?, place("z", "float")?);
-        let (device_id, temperature) = (place("device_id", "uint32_t"), place("temperature", "float"));
+        Some(Self(found))
+    }
+
+    /// The place of a field of a type.
+    fn place(&self, name: &str, wanted: &str) -> Option<usize> {
+        self.0.get(name.as_bytes()).filter(|(_, kind)| *kind == wanted.as_bytes()).map(|(place, _)| *place)
+    }
+}
+
+impl Format {
+    /// The format of a topic that matters; `None` for another, and where a field that is needed is missing or of another
+    /// type.
+    fn of(name: &[u8], fields: &[u8]) -> Option<Self> {
+        let sensor = |kind| Some(Self::Sensor(kind, Layout::of(&Fields::of(fields)?)?));
+        match name {
+            b"sensor_gyro" => sensor(SensorKind::Gyro),
+            b"sensor_accel" => sensor(SensorKind::Accelerometer),
+            // What the receiver says, and what the estimator took of one or more; older logs have only the second.
+            b"sensor_gps" | b"vehicle_gps_position" => {
+                let fields = Fields::of(fields)?;
+                let place = |name| fields.place(name, "uint64_t");
+                Some(Self::Receiver(ReceiverLayout { time: place("timestamp")?, utc: place("time_utc_usec")? }))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Layout {
+    fn of(fields: &Fields<'_>) -> Option<Self> {
+        let (time, x, y, z) = (
+            fields.place("timestamp", "uint64_t")?,
+            fields.place("x", "float")?,
+            fields.place("y", "float")?,
+            fields.place("z", "float")?,
+        );
+        let (device_id, temperature) = (fields.place("device_id", "uint32_t"), fields.place("temperature", "float"));
         let ends = [
             Some(time + 8),
             Some(x + 4),
@@ -141,16 +200,18 @@ fn size_of(kind: &[u8]) -> Option<usize> {
     size.checked_mul(count)
 }
 
-impl Topic {
-    /// The kind of sensor that a topic is of, by its name.
-    fn kind_of(name: &[u8]) -> Option<SensorKind> {
-        match name {
-            b"sensor_gyro" => Some(SensorKind::Gyro),
-            b"sensor_accel" => Some(SensorKind::Accelerometer),
-            _ => None,
-        }
+impl ReceiverLayout {
+    /// The log's time and UTC since 1970, microseconds, in a message's body; `None` where it is too short.
+    pub(super) fn times(&self, body: &[u8]) -> Option<[u64; 2]> {
+        Some([eight(body, self.time)?, eight(body, self.utc)?])
     }
+}
 
+fn eight(body: &[u8], place: usize) -> Option<u64> {
+    body.get(place..place + 8)?.try_into().ok().map(u64::from_le_bytes)
+}
+
+impl SensorTopic {
     /// The reading in a message's body; `None` where it is too short.
     pub(super) fn row(&self, body: &[u8]) -> Option<Row> {
         if body.len() < self.layout.least {
@@ -158,10 +219,9 @@ impl Topic {
         }
         let four = |place: usize| <[u8; 4]>::try_from(body.get(place..place + 4)?).ok();
         let float = |place: usize| four(place).map(|bytes| f64::from(f32::from_le_bytes(bytes)));
-        let time = body.get(self.layout.time..self.layout.time + 8)?.try_into().ok()?;
         let [x, y, z] = self.layout.values;
         Some(Row {
-            time_us: u64::from_le_bytes(time),
+            time_us: eight(body, self.layout.time)?,
             device_id: self.layout.device_id.and_then(four).map_or(0, u32::from_le_bytes),
             temperature: self.layout.temperature.and_then(float).unwrap_or(f64::NAN),
             values: [float(x)?, float(y)?, float(z)?],

@@ -27,8 +27,8 @@ impl Sink for All {
 
 fn take(bytes: &[u8]) -> (All, Vec<Remark>) {
     let mut all = All::default();
-    let remarks = read(bytes, &mut all).unwrap();
-    (all, remarks)
+    let ending = read(bytes, &mut all).unwrap();
+    (all, ending.remarks)
 }
 
 const FIELDS: &str = "uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;float temperature;uint32_t error_count;uint8_t[3] clip_counter;";
@@ -147,4 +147,47 @@ fn messages_shorter_than_their_own_headers_and_formats_of_nonsense_do_no_harm() 
     log.extend(row(0, 1000, 1, 20.0, [0.0; 3]));
     let (all, _) = take(&log);
     assert_eq!(all.rows.len(), 1);
+}
+
+/// `date -u -d 2026-03-01T14:03:00Z +%s`
+const THREE_PAST_TWO_S: u64 = 1_772_373_780;
+
+/// A log whose first row is at 1 s, and what a receiver says at times of the log, microseconds since 1970.
+fn with_receiver(topic: &str, fields: &str, says: &[(u64, u64)]) -> Vec<u8> {
+    let mut log = head();
+    log.extend(message(b'F', format!("{topic}:{fields}").as_bytes()));
+    log.extend(message(b'A', &[&[0], &9_u16.to_le_bytes()[..], topic.as_bytes()].concat()));
+    log.extend(row(0, 1_000_000, 1, 20.0, [0.0; 3]));
+    for (time_us, utc_us) in says {
+        let sample = if fields.contains("timestamp_sample") { &time_us.to_le_bytes()[..] } else { &[] };
+        let body = [&9_u16.to_le_bytes(), &time_us.to_le_bytes()[..], sample, &utc_us.to_le_bytes(), &[0; 8]].concat();
+        log.extend(message(b'D', &body));
+    }
+    log.extend(row(0, 61_000_000, 1, 20.0, [0.0; 3]));
+    log
+}
+
+fn started_s(log: &[u8]) -> Option<u64> {
+    let started = read(log, &mut All::default()).unwrap().started?;
+    Some(started.duration_since(std::time::SystemTime::UNIX_EPOCH).unwrap().as_secs())
+}
+
+#[test]
+fn the_receiver_tells_when_the_first_row_was_taken() {
+    let old = ("vehicle_gps_position", "uint64_t timestamp;uint64_t time_utc_usec;int32_t lat;int32_t lon;");
+    let new =
+        ("sensor_gps", "uint64_t timestamp;uint64_t timestamp_sample;uint64_t time_utc_usec;double latitude_deg;");
+    // Half a minute after the first row.
+    let fix = (31_000_000, (THREE_PAST_TWO_S + 30) * 1_000_000);
+    for (topic, fields) in [old, new] {
+        let started = |says: &[(u64, u64)]| started_s(&with_receiver(topic, fields, says));
+        assert_eq!(started(&[fix]), Some(THREE_PAST_TWO_S));
+        // Without a fix it says 0; damage says what no clock can.
+        let (cold, damaged) = ((11_000_000, 0), (21_000_000, u64::MAX));
+        assert_eq!(started(&[cold, damaged, fix]), Some(THREE_PAST_TWO_S));
+        assert_eq!(started(&[cold, damaged]), None);
+        assert_eq!(started(&[]), None);
+        // Of two logs in one file nobody knows whose it is.
+        assert_eq!(started_s(&with_receiver(topic, fields, &[fix]).repeat(2)), None);
+    }
 }

@@ -1,7 +1,7 @@
 //! The first screen of a log's page: what speaks against it, what a deployed device gets, of what the page is.
 
 use maud::{Markup, html};
-use zerorate_cal::calibration::CREATED_BY;
+use zerorate_cal::calibration::{CREATED_BY, Origin};
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::units::RateUnit;
@@ -115,11 +115,12 @@ impl LogPage<'_> {
         facts.extend(self.serial.map(|serial| ("Serial number", html! { (serial) })));
         facts.extend(self.labels.iter().map(|(name, label)| (name.as_str(), html! { (label) })));
         facts.extend(duration(self.fit).map(|duration| ("Duration", html! { (duration) })));
-        let changed: Vec<String> =
-            self.sources.iter().filter_map(|log| log.changed.as_deref()).map(to_the_minute).collect();
-        if !changed.is_empty() {
-            facts.push(("File last changed", html! { (changed.join(", ")) }));
-        }
+        // Of a log that does not know its own date, the file's is the next best.
+        let (dated, others): (Vec<&Origin>, Vec<&Origin>) = self.sources.iter().partition(|log| log.started.is_some());
+        let recorded = dated.into_iter().filter_map(|log| log.started.as_deref());
+        let changed = others.into_iter().filter_map(|log| log.changed.as_deref());
+        facts.extend(times(recorded).map(|times| ("Recorded", html! { (times) })));
+        facts.extend(times(changed).map(|times| ("File last changed", html! { (times) })));
         facts.push(("Made by", html! { (CREATED_BY) }));
         page::facts(&facts)
     }
@@ -210,6 +211,12 @@ fn is_deployed(fit: &LogFit) -> bool {
 /// What counts: what a deployed device has left, else what was held out.
 fn left(statistics: &FitStatistics) -> Option<ResidualStatistics> {
     statistics.deployed.or(statistics.held_out)
+}
+
+/// Times, if there are any.
+fn times<'a>(times: impl Iterator<Item = &'a str>) -> Option<String> {
+    let told: Vec<String> = times.map(to_the_minute).collect();
+    (!told.is_empty()).then(|| told.join(", "))
 }
 
 /// A time of RFC 3339 as people read it: `2026-03-01 08:00 UTC`.

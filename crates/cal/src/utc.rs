@@ -1,0 +1,8 @@
+//! Times of day and date as files hold them.
+
+use chrono::{DateTime, SecondsFormat, Utc};
+
+/// RFC 3339 in UTC, to the second.
+pub(crate) fn rfc3339(time: impl Into<DateTime<Utc>>) -> String {
+    time.into().to_rfc3339_opts(SecondsFormat::Secs, true)
+}
