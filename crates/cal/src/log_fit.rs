@@ -10,9 +10,12 @@ mod json;
 mod one_way;
 mod overlap;
 mod plain;
+mod still;
 mod words;
 
 use std::collections::BTreeMap;
+
+pub use overlap::LogRows;
 
 use thiserror::Error;
 use zerorate_core::drift::{Scale, ValidRange};
@@ -150,6 +153,8 @@ pub struct LogFit {
     pub notes: Vec<String>,
     /// One fit an axis that was not rejected, in the order of the log.
     pub axes: Vec<AxisFit>,
+    /// What the rows of each log are known by; nothing in plain mode and of ramps.
+    pub rows: Vec<LogRows>,
     /// Intervals left out; none in plain mode.
     pub excluded: Vec<Excluded>,
     /// Steps taken out; none in plain mode.
@@ -165,6 +170,7 @@ impl LogFit {
             verdicts: Vec::new(),
             notes: Vec::new(),
             axes: Vec::new(),
+            rows: Vec::new(),
             excluded: Vec::new(),
             steps: Vec::new(),
         }

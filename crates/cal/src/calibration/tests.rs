@@ -70,8 +70,13 @@ fn board_axis(shift: f64) -> AxisCalibration {
 
 fn board() -> Calibration {
     let sha256 = "0123456789abcdef".repeat(4);
-    let origin =
-        Origin { content: "full-temperature".into(), file: "full-temperature.parquet".into(), sha256, changed: None };
+    let origin = Origin {
+        content: "full-temperature".into(),
+        file: "full-temperature.parquet".into(),
+        sha256,
+        changed: None,
+        rows: Vec::new(),
+    };
     let axes = [("x".to_owned(), board_axis(0.0)), ("y".to_owned(), board_axis(17.3))].into();
     let serial = Some("ZR-000042".to_owned());
     Calibration {

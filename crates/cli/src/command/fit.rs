@@ -11,7 +11,7 @@ use clap::Args;
 use zerorate_bench::recorded;
 use zerorate_cal::calibration::{Calibration, Origin};
 use zerorate_cal::fit::fit;
-use zerorate_cal::log_fit::LogFit;
+use zerorate_cal::log_fit::{LogFit, LogRows};
 use zerorate_cal::recording::Recording;
 use zerorate_cal::source::Source;
 use zerorate_cal::units::WrittenRate;
@@ -170,10 +170,13 @@ impl Fit {
 
     /// The logs with their SHA-256.
     fn origins(&self, fit: &LogFit) -> Result<Vec<Origin>> {
-        let origin = |source: &Source| {
-            Origin::of_log(fit.autopilot, source).with_context(|| format!("{}: cannot be read", source.name()))
+        let origin = |(place, source): (usize, &Source)| {
+            let origin = Origin::of_log(fit.autopilot, source);
+            let origin = origin.with_context(|| format!("{}: cannot be read", source.name()))?;
+            let rows = fit.rows.get(place).map(LogRows::written).unwrap_or_default();
+            Ok(Origin { rows, ..origin })
         };
-        self.log.sources().iter().map(origin).collect()
+        self.log.sources().iter().enumerate().map(origin).collect()
     }
 
     fn calibration(&self, fit: &LogFit) -> Result<Calibration> {

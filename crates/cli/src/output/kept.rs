@@ -166,7 +166,13 @@ mod tests {
     const KEEP: Force = Force { force: false };
 
     fn origin(sha256: &str) -> Origin {
-        Origin { content: "log".into(), file: format!("{sha256}.csv"), sha256: sha256.into(), changed: None }
+        Origin {
+            content: "log".into(),
+            file: format!("{sha256}.csv"),
+            sha256: sha256.into(),
+            changed: None,
+            rows: Vec::new(),
+        }
     }
 
     #[test]

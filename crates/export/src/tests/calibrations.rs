@@ -28,8 +28,13 @@ pub fn axis(drift: Drift, rate_unit: RateUnit) -> AxisCalibration {
 }
 
 pub fn calibration(axes: Vec<(&str, AxisCalibration)>) -> Calibration {
-    let origin =
-        Origin { content: "log".to_owned(), file: "log.ulg".to_owned(), sha256: "ab".repeat(32), changed: None };
+    let origin = Origin {
+        content: "log".to_owned(),
+        file: "log.ulg".to_owned(),
+        sha256: "ab".repeat(32),
+        changed: None,
+        rows: Vec::new(),
+    };
     let serial = Some("ZR */ 7\nsecond line".to_owned());
     let axes = axes.into_iter().map(|(name, axis)| (name.to_owned(), axis)).collect();
     Calibration::new(Kind::Log, serial, vec![origin], TemperatureUnit::C, axes)

@@ -222,8 +222,13 @@ fn made() -> BoardRun {
     };
     let serial = "ZR-2012-0001".to_owned();
     let sha256 = "9f86d081884c7d659a2feaa0c55ad0159f86d081884c7d659a2feaa0c55ad015".into();
-    let recordings =
-        vec![Origin { content: "full-temperature".into(), file: FULL_TEMPERATURE.into(), sha256, changed: None }];
+    let recordings = vec![Origin {
+        content: "full-temperature".into(),
+        file: FULL_TEMPERATURE.into(),
+        sha256,
+        changed: None,
+        rows: Vec::new(),
+    }];
     let summary = Summary {
         schema: SCHEMA,
         plant: Some("paper".into()),
