@@ -10,10 +10,13 @@ mod json;
 mod one_way;
 mod overlap;
 mod plain;
+mod still;
 mod words;
 
 use std::collections::BTreeMap;
 use std::time::SystemTime;
+
+pub use overlap::LogRows;
 
 use thiserror::Error;
 use zerorate_core::drift::{Scale, ValidRange};
@@ -143,6 +146,8 @@ pub struct FittedLog {
     pub name: String,
     /// When its first row was taken, where it says so itself.
     pub started: Option<SystemTime>,
+    /// What its rows are known by; nothing in plain mode and of ramps.
+    pub rows: LogRows,
 }
 
 /// The fit of a log, or of several of one unit.
@@ -169,7 +174,10 @@ pub struct LogFit {
 impl LogFit {
     pub(crate) fn new(sources: &[Source]) -> Self {
         Self {
-            sources: sources.iter().map(|log| FittedLog { name: log.name().to_owned(), started: None }).collect(),
+            sources: sources
+                .iter()
+                .map(|log| FittedLog { name: log.name().to_owned(), started: None, rows: LogRows::default() })
+                .collect(),
             autopilot: None,
             judgement: Judgement::default(),
             verdicts: Vec::new(),

@@ -97,7 +97,7 @@ pub enum ReasonKind {
     Truncated,
     /// Warning: the temperature went one way over most of its span, so that hysteresis was not seen.
     OneDirection,
-    /// Warning, of a verification: more is left of an axis than was recorded.
+    /// Warning: more is left of an axis than was recorded: of a verification, or of a fit's own held-out folds.
     WorseThanUncorrected,
     /// Warning, of a verification: temperatures that were not measured for the calibration.
     OutsideRange,

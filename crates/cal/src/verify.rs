@@ -19,7 +19,7 @@ use zerorate_fit::model::Model;
 pub use axis::{VerifiedAxis, VerifiedPoint};
 pub use limits::{Limit, LimitError, Limits};
 
-use crate::calibration::{Calibration, sha256};
+use crate::calibration::{Calibration, Origin, sha256};
 use crate::condition::GROUP_S;
 use crate::fit::fit;
 use crate::log::{LogFault, SensorChoice};
@@ -55,7 +55,7 @@ pub struct Verified {
     /// Whether every axis of the calibration is there and meets its limits; `None` where no limit was given and none is
     /// missing: then nothing was tested.
     pub passed: Option<bool>,
-    /// Whether the calibration was fitted on this very log: what is left is then in-sample, and no test.
+    /// Whether the calibration was fitted on this very log, or on rows of it: what is left is then in-sample, and no test.
     pub in_sample: bool,
     /// The temperature's unit.
     pub temperature_unit: TemperatureUnit,
@@ -88,9 +88,9 @@ pub enum VerifyError {
 /// Why a log is no test of a calibration.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum NoTest {
-    /// The log is the one that the calibration was fitted on.
+    /// The log is the one that the calibration was fitted on, by its hash or by the hashes of runs of its rows.
     #[error(
-        "the calibration was fitted on this very log (by its SHA-256), so it is no test of it: give a log of another run, or allow it (`in_sample`) to look all the same"
+        "the calibration was fitted on this very log, or on rows of it, so it is no test of it: give a log of another run, or allow it (`in_sample`) to look all the same"
     )]
     InSample,
     /// The log is no good for this.
@@ -121,10 +121,6 @@ pub enum NoTest {
 pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) -> Result<Verified, VerifyError> {
     let no_test = |fault: NoTest| VerifyError::from(log.faulty(fault));
     let sha256 = sha256(log).map_err(|error| LogFitError::from(log.faulty::<LogFault>(error)))?;
-    let in_sample = calibration.sources.iter().any(|source| source.sha256 == sha256);
-    if in_sample && !options.in_sample {
-        return Err(no_test(NoTest::InSample));
-    }
     let fit = conditioned(log, options)?;
     if fit.axes.is_empty() {
         return Err(no_test(NoTest::Unusable { reasons: fit.reasons().collect::<Vec<_>>().join("; ") }));
@@ -133,6 +129,11 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
     let known = |axis| Known::of_fit(axis);
     let logged: Vec<Known<'_>> = fit.axes.iter().map(known).collect();
     let places = places(&calibrated, &logged).map_err(|error| no_test(error.into()))?;
+    let same_rows = |source: &Origin| fit.sources.iter().any(|log| log.rows.are_among(&source.rows));
+    let in_sample = calibration.sources.iter().any(|source| source.sha256 == sha256 || same_rows(source));
+    if in_sample && !options.in_sample {
+        return Err(no_test(NoTest::InSample));
+    }
     let mut axes = Vec::new();
     let mut notes = fit.notes.clone();
     for (own, place) in calibrated.iter().zip(&places) {

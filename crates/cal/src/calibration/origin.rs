@@ -29,6 +29,10 @@ pub struct Origin {
     /// When a log's file was last changed, RFC 3339 in UTC.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub changed: Option<String>,
+    /// What a log's rows are known by, whatever form they are kept in: the hashes of some runs of 64 successive rows, 16
+    /// hexadecimal digits each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rows: Vec<String>,
 }
 
 impl Origin {
@@ -43,6 +47,7 @@ impl Origin {
             sha256: sha256(source)?,
             started: None,
             changed: None,
+            rows: Vec::new(),
         })
     }
 

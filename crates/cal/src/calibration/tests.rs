@@ -76,6 +76,7 @@ fn board() -> Calibration {
         sha256,
         started: None,
         changed: None,
+        rows: Vec::new(),
     };
     let axes = [("x".to_owned(), board_axis(0.0)), ("y".to_owned(), board_axis(17.3))].into();
     let serial = Some("ZR-000042".to_owned());

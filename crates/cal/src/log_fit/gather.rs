@@ -2,7 +2,8 @@
 
 use std::time::SystemTime;
 
-use super::overlap::Fingerprint;
+use super::overlap::{Fingerprint, LogRows};
+use super::still::{Still, Stillness};
 use super::{FitOptions, LogFitError};
 use crate::condition::{GROUP_S, Group, Grouping, Length, MIN_GROUPS, Tally};
 use crate::log::{LogFile, Rows, Sensor, SensorKind, Sink, Stream};
@@ -22,6 +23,8 @@ pub(super) struct Gathered {
     pub rows: u64,
     /// The least change from one row's temperature to another.
     pub temperature_step: f64,
+    /// For each axis, where it read one number for so long that it measured nothing.
+    pub still: Vec<Option<Still>>,
 }
 
 /// What was gathered of all logs.
@@ -36,8 +39,8 @@ pub(super) struct Logs {
     pub autopilot: Option<imu_logs::Format>,
     /// The sensors that the logs have, wanted or not.
     pub seen: Vec<Sensor>,
-    /// By which rows each log is known, with its name; nothing where there is one log.
-    fingerprints: Vec<(String, Vec<Fingerprint>)>,
+    /// What the rows of each log are known by.
+    pub rows: Vec<LogRows>,
     /// The logs without a row.
     empty: Vec<String>,
     /// Uninterrupted logs so far.
@@ -49,7 +52,7 @@ pub(super) struct Logs {
 pub(super) fn gather(sources: &[Source], options: &FitOptions) -> Result<Logs, LogFitError> {
     let mut logs = Logs::default();
     for source in sources {
-        logs.read(source, options, sources.len() > 1)?;
+        logs.read(source, sources, options)?;
     }
     // A log alone that is empty is rejected as any log without rows is.
     if sources.len() > 1 {
@@ -60,19 +63,21 @@ pub(super) fn gather(sources: &[Source], options: &FitOptions) -> Result<Logs, L
 }
 
 impl Logs {
-    fn read(&mut self, source: &Source, options: &FitOptions, of_several: bool) -> Result<(), LogFitError> {
+    fn read(&mut self, source: &Source, sources: &[Source], options: &FitOptions) -> Result<(), LogFitError> {
         let file = LogFile::open(source, &options.columns)?;
         let length = match file.extent() {
             Some((rows, step_s)) => Length::of_extent(rows, step_s, options.group_s),
             None => Length::Seconds(options.group_s.unwrap_or(GROUP_S)),
         };
-        let mut taken = Taking::new(options, vec![length], self.logs, of_several);
+        let mut taken = Taking::new(options, vec![length], self.logs);
         let mut ending = file.read(&mut taken)?;
         if let Some(lengths) = taken.shorter(options) {
-            taken = Taking::new(options, lengths, self.logs, of_several);
+            taken = Taking::new(options, lengths, self.logs);
             ending = file.read(&mut taken)?;
         }
-        self.refuse_overlap(source, &mut taken)?;
+        let rows = LogRows(taken.sensors.iter_mut().map(|taken| std::mem::take(&mut taken.fingerprint)).collect());
+        self.refuse_overlap(source, sources, &rows)?;
+        self.rows.push(rows);
         self.started.push(ending.started);
         for note in ending.notes {
             if !self.notes.contains(&note) {
@@ -84,17 +89,14 @@ impl Logs {
     }
 
     /// Refuses a log that shares rows with one before it.
-    fn refuse_overlap(&mut self, source: &Source, taken: &mut Taking<'_>) -> Result<(), LogFitError> {
-        let own: Vec<Fingerprint> = taken.sensors.iter_mut().filter_map(|taken| taken.fingerprint.take()).collect();
-        for (first, theirs) in &self.fingerprints {
-            let parts = own.iter().flat_map(|own| theirs.iter().filter_map(|theirs| own.part_in(theirs)));
-            if let Some(part) = parts.max_by(f64::total_cmp) {
+    fn refuse_overlap(&self, source: &Source, sources: &[Source], own: &LogRows) -> Result<(), LogFitError> {
+        for (first, theirs) in sources.iter().zip(&self.rows) {
+            if let Some(part) = own.part_in(theirs) {
                 let part = if part < 0.99 { format!("about {:.0} %", (100.0 * part).max(1.0)) } else { "all".into() };
-                let second = source.name().to_owned();
-                return Err(LogFitError::Overlapping { first: first.clone(), second, part });
+                let (first, second) = (first.name().to_owned(), source.name().to_owned());
+                return Err(LogFitError::Overlapping { first, second, part });
             }
         }
-        self.fingerprints.push((source.name().to_owned(), own));
         Ok(())
     }
 
@@ -194,6 +196,9 @@ impl Gathered {
         self.groups.append(&mut next.groups);
         self.rows += next.rows;
         self.temperature_step = self.temperature_step.min(next.temperature_step);
+        for (own, other) in self.still.iter_mut().zip(next.still) {
+            *own = own.take().or(other);
+        }
         for (own, other) in self.tallies.iter_mut().zip(&next.tallies) {
             other.rejected().iter().for_each(|rejected| own.add(rejected.reason, rejected.count));
         }
@@ -206,8 +211,6 @@ struct Taking<'a> {
     /// One for all, or one a sensor wanted.
     lengths: Vec<Length>,
     log: u32,
-    /// Whether it is one of several logs, which must not overlap.
-    of_several: bool,
     /// For each sensor met, its place among those wanted.
     places: Vec<Option<usize>>,
     sensors: Vec<Taken>,
@@ -217,15 +220,16 @@ struct Taking<'a> {
 struct Taken {
     stream: Stream,
     grouping: Grouping,
-    fingerprint: Option<Fingerprint>,
+    fingerprint: Fingerprint,
+    stillness: Vec<Stillness>,
     rows: u64,
     first_s: f64,
     last_s: f64,
 }
 
 impl<'a> Taking<'a> {
-    fn new(options: &'a FitOptions, lengths: Vec<Length>, log: u32, of_several: bool) -> Self {
-        Self { options, lengths, log, of_several, places: Vec::new(), sensors: Vec::new(), seen: Vec::new() }
+    fn new(options: &'a FitOptions, lengths: Vec<Length>, log: u32) -> Self {
+        Self { options, lengths, log, places: Vec::new(), sensors: Vec::new(), seen: Vec::new() }
     }
 
     /// The lengths of groups by which a log that turned out to be short is to be read again, if any.
@@ -251,9 +255,17 @@ impl Sink for Taking<'_> {
         if wanted {
             let length = self.lengths.get(self.sensors.len()).unwrap_or(&self.lengths[0]);
             let grouping = Grouping::new(stream.names.len(), *length, stream.temperature_unit, self.log);
-            let fingerprint = self.of_several.then(Fingerprint::default);
-            let (first_s, last_s) = (f64::NAN, f64::NAN);
-            self.sensors.push(Taken { stream: stream.clone(), grouping, fingerprint, rows: 0, first_s, last_s });
+            let stillness = vec![Stillness::default(); stream.names.len()];
+            let (fingerprint, first_s, last_s) = (Fingerprint::default(), f64::NAN, f64::NAN);
+            self.sensors.push(Taken {
+                stream: stream.clone(),
+                grouping,
+                fingerprint,
+                stillness,
+                rows: 0,
+                first_s,
+                last_s,
+            });
         }
         wanted
     }
@@ -264,7 +276,8 @@ impl Sink for Taking<'_> {
         taken.first_s = if taken.first_s.is_nan() { rows.time_s[0] } else { taken.first_s };
         taken.last_s = rows.time_s[rows.time_s.len() - 1];
         taken.grouping.push_rows(rows);
-        taken.fingerprint.iter_mut().for_each(|fingerprint| fingerprint.push_rows(rows));
+        taken.fingerprint.push_rows(rows);
+        taken.stillness.iter_mut().enumerate().for_each(|(axis, stillness)| stillness.push_rows(rows, axis));
     }
 }
 
@@ -272,7 +285,8 @@ impl Taken {
     fn finish(self) -> Gathered {
         let temperature_step = self.grouping.temperature_step();
         let (groups, tallies) = self.grouping.finish();
-        Gathered { stream: self.stream, groups, tallies, rows: self.rows, temperature_step }
+        let still = self.stillness.iter().map(Stillness::found).collect();
+        Gathered { stream: self.stream, groups, tallies, rows: self.rows, temperature_step, still }
     }
 }
 

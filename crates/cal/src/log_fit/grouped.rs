@@ -28,7 +28,9 @@ pub(super) fn fit(sources: &[Source], options: &FitOptions, fit: &mut LogFit) ->
     let mut logs = gather(sources, options)?;
     fit.notes = std::mem::take(&mut logs.notes);
     fit.autopilot = logs.autopilot;
-    fit.sources.iter_mut().zip(&logs.started).for_each(|(source, started)| source.started = *started);
+    for ((source, started), rows) in fit.sources.iter_mut().zip(&logs.started).zip(std::mem::take(&mut logs.rows)) {
+        (source.started, source.rows) = (*started, rows);
+    }
     logs.reasons.drain(..).for_each(|reason| fit.judgement.add(reason));
     if logs.sensors.is_empty() {
         let seen: Vec<String> = logs.seen.iter().map(ToString::to_string).collect();
@@ -59,6 +61,10 @@ pub(super) fn fit(sources: &[Source], options: &FitOptions, fit: &mut LogFit) ->
 
 /// Finds what is no drift in a sensor's groups.
 fn condition(sensor: &mut Gathered) -> Levels {
+    for (axis, _) in sensor.still.iter().enumerate().filter(|(_, still)| still.is_some()) {
+        // It is no measure of how the others move.
+        sensor.groups.iter_mut().for_each(|group| group.axes[axis].rows = 0);
+    }
     if words::is_coarse(sensor) {
         dequantise(&mut sensor.groups, sensor.temperature_step);
     }
@@ -126,6 +132,10 @@ fn fit_sensor(sensor: &Gathered, levels: &Levels, options: &FitOptions, fit: &mu
 fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mut Judgement) -> Option<AxisFit> {
     let (stream, groups) = (&sensor.stream, &sensor.groups);
     let name = &stream.names[axis];
+    if let Some(still) = &sensor.still[axis] {
+        judgement.add(words::of_still(still, name, stream));
+        return None;
+    }
     let used = || (0_u64..).zip(groups).filter(|(_, group)| group.axes[axis].rows > 0 && group.temperature.is_finite());
     let span = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), (_, group)| {
         (min.min(group.temperature), max.max(group.temperature))
@@ -143,6 +153,7 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
             return None;
         }
     };
+    words::of_gain(&fitted.fit.statistics, name, stream).into_iter().for_each(|reason| judgement.add(reason));
     let point = |(group, residual): (&Group, &f64)| TracePoint {
         time_s: group.time_s,
         temperature: group.temperature,

@@ -18,14 +18,45 @@ const LEAST_CHANGES: usize = RUN / 4;
 /// Runs that are kept of a sensor's log.
 const MOST_KEPT: usize = 4096;
 
+/// Runs of a sensor's log that a calibration keeps: a log that is half another's has two of them but for one time in four
+/// thousand.
+const MOST_WRITTEN: usize = 16;
+
 /// Runs in common from which on two logs overlap.
 const LEAST_IN_COMMON: usize = 2;
 
 /// An odd number of well mixed bits, the base of the rolling hash (the golden ratio's).
 const BASE: u64 = 0x9e37_79b9_7f4a_7c15;
 
+/// What the rows of one log are known by, a sensor each.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LogRows(pub(super) Vec<Fingerprint>);
+
+impl LogRows {
+    /// What a calibration keeps of it: a few runs a sensor, 16 hexadecimal digits each.
+    #[must_use]
+    pub fn written(&self) -> Vec<String> {
+        let few = |sensor: &Fingerprint| sensor.clone().thinned(MOST_WRITTEN).kept;
+        self.0.iter().flat_map(few).map(|run| format!("{run:016x}")).collect()
+    }
+
+    /// Whether some of these rows are among those that a calibration was fitted on.
+    #[must_use]
+    pub fn are_among(&self, written: &[String]) -> bool {
+        let runs = || written.iter().filter_map(|run| u64::from_str_radix(run, 16).ok());
+        let common = |own: &Fingerprint| runs().filter(|run| own.kept.contains(run)).count();
+        self.0.iter().any(|own| common(own) >= LEAST_IN_COMMON)
+    }
+
+    /// The part of these rows that another log has too; `None` where the two have nothing in common.
+    pub(super) fn part_in(&self, other: &Self) -> Option<f64> {
+        let parts = self.0.iter().flat_map(|own| other.0.iter().filter_map(|other| own.part_in(other)));
+        parts.max_by(f64::total_cmp)
+    }
+}
+
 /// What one sensor's rows in one log are known by.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fingerprint {
     /// The hashes of the last rows and whether each was unlike the one before, by the row's number modulo [`RUN`].
     last: [(u64, bool); RUN],
@@ -69,14 +100,23 @@ impl Fingerprint {
             return;
         }
         self.kept.insert(run);
-        while self.kept.len() > MOST_KEPT {
+        self.thin(MOST_KEPT);
+    }
+
+    /// Keeps so many runs at most.
+    fn thin(&mut self, most: usize) {
+        while self.kept.len() > most {
             self.zeros += 1;
             self.kept.retain(|run| run.trailing_zeros() >= self.zeros);
         }
     }
 
-    /// The part of these rows that another log has too; `None` where the two have nothing in common.
-    pub(super) fn part_in(&self, other: &Self) -> Option<f64> {
+    fn thinned(mut self, most: usize) -> Self {
+        self.thin(most);
+        self
+    }
+
+    fn part_in(&self, other: &Self) -> Option<f64> {
         let zeros = self.zeros.max(other.zeros);
         let of_both = |run: &&u64| run.trailing_zeros() >= zeros;
         let (own, common) = self
@@ -125,6 +165,15 @@ mod tests {
         assert_eq!(rows(60_000..120_000).part_in(&first), None);
         // A short one in a long one.
         assert!(rows(1000..1400).part_in(&rows(0..60_000)).is_some_and(|part| part > 0.9));
+    }
+
+    #[test]
+    fn the_few_runs_that_are_written_tell_a_log_from_others() {
+        let written = LogRows(vec![rows(0..60_000), rows(900_000..960_000)]).written();
+        assert!(written.len() <= 2 * MOST_WRITTEN && written.len() > MOST_WRITTEN / 2, "{}", written.len());
+        let of = |range| LogRows(vec![rows(range)]);
+        assert!(of(0..60_000).are_among(&written) && of(20_000..60_000).are_among(&written));
+        assert!(!of(100_000..160_000).are_among(&written) && !of(0..60_000).are_among(&[]));
     }
 
     #[test]

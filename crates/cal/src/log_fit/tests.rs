@@ -211,6 +211,47 @@ fn logs_that_overlap_are_refused_and_successive_ones_are_not() {
 }
 
 #[test]
+fn a_gyro_that_reads_one_number_is_rejected_and_the_others_are_fitted_as_if_alone() {
+    let (temperatures, mut rates) = cycle();
+    let clean = fit(&temperatures, &rates, &FitOptions::default());
+    let middle = rates[0].len() / 2;
+    rates[0][middle..].fill(0.0125);
+    let told = fit(&temperatures, &rates, &FitOptions::default());
+    let [x, y] = &told.verdicts[..] else { panic!() };
+    assert_eq!((x.judgement.verdict, y.judgement.verdict), (Verdict::Rejected, Verdict::Good));
+    let text = &x.judgement.reasons[0].text;
+    assert!(
+        text.starts_with("x_rad_s: the rate is 0.0125 rad/s and nothing else from 2100 s to 4200 s (rows 4201 to 8400"),
+        "{text}"
+    );
+    assert_eq!(told.axes[0].calibration.drift(), clean.axes[1].calibration.drift());
+    assert!(told.excluded.is_empty(), "{:?}", told.excluded);
+}
+
+#[test]
+fn a_fit_that_leaves_more_than_nothing_does_is_told() {
+    // A rate that wanders in time and knows nothing of the temperature, which comes by twice: a random walk, seed 4.
+    let mut state = 4_u64;
+    let mut walk = 0.0;
+    let mut step = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        walk += ((state >> 33) as f64 / (1_u64 << 31) as f64 - 0.5) * 1e-4;
+        walk
+    };
+    let temperatures: Vec<f64> = (0..4000).map(|row| 20.0 + 0.01 * f64::from(row)).collect();
+    let rates = vec![
+        (0..4000).map(|_| step()).collect::<Vec<f64>>(),
+        temperatures.iter().map(|t| 1e-4 * t + 1e-6 * (t * 77.0).sin()).collect(),
+    ];
+    let told = fit(&temperatures, &rates, &FitOptions::default());
+    let statistics = &told.axes[0].calibration.fit.statistics;
+    let worse = statistics.deployed.unwrap().rms > statistics.uncorrected.unwrap().rms;
+    let of =
+        |axis: usize| told.verdicts[axis].judgement.reasons.iter().any(|r| r.kind == ReasonKind::WorseThanUncorrected);
+    assert!(worse && of(0) && !of(1), "{statistics:?}");
+}
+
+#[test]
 fn what_is_told_is_of_what_was_measured_and_how_far_it_is_believed_stands_beside_it() {
     let (temperatures, rates) = cycle();
     let fit = fit(&temperatures, &rates, &FitOptions::default());

@@ -1,7 +1,11 @@
 //! What conditioning found, in words.
 
+use zerorate_fit::drift_fit::FitStatistics;
+
 use super::gather::Gathered;
+use super::still::Still;
 use crate::condition::{DropReason, Excluded, Levels, Step};
+use crate::log::Stream;
 use crate::quality::{Judgement, Reason, ReasonKind};
 
 /// A step of the temperature of this fraction of the least span is coarse.
@@ -55,16 +59,41 @@ fn of_excluded(interval: &Excluded, unit: &str) -> Option<Reason> {
         // A step is told by itself.
         _ => return None,
     };
-    let (first, last) = (interval.rows.0 + 1, interval.rows.1);
-    // A log without a time column has rows alone.
-    let place = if interval.time_s.0.is_finite() && interval.time_s.1.is_finite() {
-        format!("from {:.0} s to {:.0} s (rows {first} to {last}, ", interval.time_s.0, interval.time_s.1)
+    let place = place(interval.time_s, interval.rows, interval.temperature, unit);
+    Some(Reason::new(kind, format!("{what} {place}: these rows were left out")))
+}
+
+/// Where in a log something is. A log without a time column has rows alone.
+fn place(time_s: (f64, f64), rows: (u64, u64), (least, most): (f64, f64), unit: &str) -> String {
+    let (first, last) = (rows.0 + 1, rows.1);
+    if time_s.0.is_finite() && time_s.1.is_finite() {
+        format!("from {:.0} s to {:.0} s (rows {first} to {last}, {least:.1} to {most:.1} {unit})", time_s.0, time_s.1)
     } else {
-        format!("in rows {first} to {last} (")
-    };
-    let (least, most) = interval.temperature;
-    let text = format!("{what} {place}{least:.1} to {most:.1} {unit}): these rows were left out");
-    Some(Reason::new(kind, text))
+        format!("in rows {first} to {last} ({least:.1} to {most:.1} {unit})")
+    }
+}
+
+/// An axis that is stuck.
+pub(super) fn of_still(still: &Still, name: &str, stream: &Stream) -> Reason {
+    let place = place(still.time_s, still.rows, still.temperature, stream.temperature_unit.name());
+    let text = format!(
+        "{name}: the rate is {} {} and nothing else {place}: the gyro is dead or stuck, or the wrong column was read",
+        still.rate, stream.unit
+    );
+    Reason::new(ReasonKind::StuckReading, text)
+}
+
+/// A fit by which a device has more left than without: its folds are of this log, the next log is no easier.
+pub(super) fn of_gain(statistics: &FitStatistics, name: &str, stream: &Stream) -> Option<Reason> {
+    let (deployed, uncorrected) = (statistics.deployed?.rms, statistics.uncorrected?.rms);
+    if deployed <= uncorrected {
+        return None;
+    }
+    let text = format!(
+        "{name}: a device that takes this off has {deployed:.3e} {} rms left of data that were not fitted, and {uncorrected:.3e} without it: do not use it; record the whole range of temperature, both ways",
+        stream.unit
+    );
+    Some(Reason::new(ReasonKind::WorseThanUncorrected, text))
 }
 
 fn of_step(step: &Step, name: &str, rate_unit: &str, unit: &str) -> Reason {

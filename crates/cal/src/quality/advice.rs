@@ -23,7 +23,7 @@ impl ReasonKind {
             Self::NoFiniteRows => "Check that the columns named hold numbers in the same rows.",
             Self::CutRun => "Look why the run ended before its ramp did, and record it again whole.",
             Self::LostGroups => "Take another copy of the recording, or record it again.",
-            Self::StuckReading => "Check the gyro’s supply and its line to the converter.",
+            Self::StuckReading => "Check the gyro’s supply and its line, and that the column is the gyro’s.",
             Self::Outliers => "Look for a loose connection or a disturbed bench, and record again.",
             Self::WiperMoved => {
                 "Fit the recording of the full-temperature test: there the wiper stays at the middle tap."
@@ -50,7 +50,7 @@ impl ReasonKind {
                  was passed both ways shows hysteresis."
             }
             Self::WorseThanUncorrected => {
-                "Fit a log that goes the way of this one too: a curve of one direction can be wrong by the whole hysteresis."
+                "Fit a log that goes over the whole range both ways: a curve of one direction can be wrong by the whole hysteresis."
             }
             Self::OutsideRange => "Calibrate over all temperatures that the unit will meet.",
             Self::NoSensor => {

@@ -21,7 +21,8 @@ fn first() -> Source {
 
 fn calibration() -> Calibration {
     let fitted = fit(&[first()], &FitOptions::default()).unwrap();
-    fitted.to_calibration(vec![Origin::of("log", &first()).unwrap()], None).unwrap()
+    let origin = Origin { rows: fitted.sources[0].rows.written(), ..Origin::of("log", &first()).unwrap() };
+    fitted.to_calibration(vec![origin], None).unwrap()
 }
 
 fn second(offset: f64, extra: f64, limits: &Limits, own: &Calibration) -> Result<Verified, VerifyError> {
@@ -60,6 +61,17 @@ fn the_log_that_was_fitted_is_no_test() {
     let own = calibration();
     let refused = verify(&first(), &own, &VerifyOptions::default()).unwrap_err();
     assert!(refused.to_string().contains("fitted on this very log"), "{refused}");
+    // Its rows are known in whatever form: packed, with another header, a part of it.
+    let rows = |log: &str, from: usize| {
+        let body: String = log.lines().skip(from).map(|line| format!("{line}\n")).collect();
+        let text = format!("t_s,temp_c,gyro_x_rad_s,gyro_y_rad_s\n{body}");
+        verify(&Source::bytes("copy.csv", text.into_bytes()), &own, &VerifyOptions::default())
+    };
+    for from in [1, 2000] {
+        let refused = rows(&log(617, 0.0, 0.0), from).unwrap_err();
+        assert!(refused.to_string().contains("on rows of it"), "{refused}");
+    }
+    assert!(rows(&log(733, 0.0, 0.0), 1).is_ok());
     let looked = verify(&first(), &own, &VerifyOptions { in_sample: true, ..VerifyOptions::default() }).unwrap();
     assert!(looked.in_sample && looked.passed.is_none());
 }
@@ -69,13 +81,16 @@ fn an_axis_that_is_dead_or_missing_fails_with_limits_and_without() {
     let own = calibration();
     let text = log(733, 0.0, 0.0);
     let rows = text.lines().skip(1).map(|row| row.split(',').collect::<Vec<_>>());
-    let [mut dead, mut missing] =
-        ["time_s,temperature_c,gyro_x_rad_s,gyro_y_rad_s\n", "time_s,temperature_c,gyro_y_rad_s\n"].map(str::to_owned);
-    for row in rows {
+    let header = "time_s,temperature_c,gyro_x_rad_s,gyro_y_rad_s\n";
+    let [mut dead, mut stuck, mut stops, mut missing] =
+        [header, header, header, "time_s,temperature_c,gyro_y_rad_s\n"].map(str::to_owned);
+    for (place, row) in rows.enumerate() {
         dead += &format!("{},{},,{}\n", row[0], row[1], row[3]);
+        stuck += &format!("{},{},0,{}\n", row[0], row[1], row[3]);
+        stops += &format!("{},{},{},{}\n", row[0], row[1], if place < 2000 { row[2] } else { "0.01" }, row[3]);
         missing += &format!("{},{},{}\n", row[0], row[1], row[3]);
     }
-    for text in [dead, missing] {
+    for text in [dead, stuck, stops, missing] {
         let log = Source::bytes("second.csv", text.into_bytes());
         for limits in [Limits::default(), limits("1 rad/s", "1 rad/s")] {
             let verified = verify(&log, &own, &VerifyOptions { limits, ..VerifyOptions::default() }).unwrap();
@@ -88,7 +103,7 @@ fn an_axis_that_is_dead_or_missing_fails_with_limits_and_without() {
 #[test]
 fn another_log_is_refused_with_what_it_has() {
     let own = calibration();
-    let text = log(617, 0.0, 0.0);
+    let text = log(733, 0.0, 0.0);
     let refused = |text: String, columns: &Columns| {
         let other = Source::bytes("other.csv", text.into_bytes());
         let options = VerifyOptions { columns: columns.clone(), ..VerifyOptions::default() };

@@ -17,9 +17,10 @@ pub(super) fn reasons(fit: &LogFit, axes: &[VerifiedAxis], unit: TemperatureUnit
     judgement.reasons
 }
 
-/// A narrow span, and one direction, are no faults of a log that is not fitted.
+/// A narrow span, one direction, and how well the log's own curve does are no faults of a log that is not fitted.
 fn is_of_a_fit_alone(reason: &Reason) -> bool {
-    matches!(reason.kind, ReasonKind::NarrowSpan | ReasonKind::OneDirection)
+    use ReasonKind::{NarrowSpan, OneDirection, WorseThanUncorrected};
+    matches!(reason.kind, NarrowSpan | OneDirection | WorseThanUncorrected)
 }
 
 fn worse(axes: &[VerifiedAxis]) -> impl Iterator<Item = Reason> {

@@ -173,7 +173,7 @@ impl Fit {
         let origin = |(source, log): (&Source, &FittedLog)| {
             let origin = Origin::of_log(fit.autopilot, source);
             let origin = origin.with_context(|| format!("{}: cannot be read", source.name()))?;
-            Ok(origin.started_at(log.started))
+            Ok(Origin { rows: log.rows.written(), ..origin.started_at(log.started) })
         };
         self.log.sources().iter().zip(&fit.sources).map(origin).collect()
     }

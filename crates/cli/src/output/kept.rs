@@ -172,6 +172,7 @@ mod tests {
             sha256: sha256.into(),
             started: None,
             changed: None,
+            rows: Vec::new(),
         }
     }
 

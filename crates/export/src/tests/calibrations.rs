@@ -34,6 +34,7 @@ pub fn calibration(axes: Vec<(&str, AxisCalibration)>) -> Calibration {
         sha256: "ab".repeat(32),
         started: None,
         changed: None,
+        rows: Vec::new(),
     };
     let serial = Some("ZR */ 7\nsecond line".to_owned());
     let axes = axes.into_iter().map(|(name, axis)| (name.to_owned(), axis)).collect();

@@ -228,6 +228,7 @@ fn made() -> BoardRun {
         sha256,
         started: None,
         changed: None,
+        rows: Vec::new(),
     }];
     let summary = Summary {
         schema: SCHEMA,
