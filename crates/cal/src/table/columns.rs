@@ -143,11 +143,17 @@ impl<'a> Names<'a> {
     fn gyros(&self, asked: &Columns) -> Result<Vec<Gyro>, TableError> {
         if asked.rates.is_empty() {
             let found = self.guess_rates();
+            // What is made of a column goes by its name.
+            found.iter().try_for_each(|&column| self.table.column(&self.table.names()[column]).map(drop))?;
             let gyros = if found.is_empty() { None } else { gyros::split(&found, &self.words) };
             return gyros.ok_or_else(|| self.unclear("rate", &found));
         }
         let columns: Vec<usize> =
             asked.rates.iter().map(|name| self.table.column(name)).collect::<Result<_, TableError>>()?;
+        if let Some(place) = (1..columns.len()).find(|&place| columns[..place].contains(&columns[place])) {
+            let column = asked.rates[place].clone();
+            return Err(self.table.source().faulty(TableFault::AskedTwice { column }));
+        }
         Ok(gyros::split(&columns, &self.words).unwrap_or_else(|| vec![Gyro { instance: None, columns }]))
     }
 

@@ -77,6 +77,24 @@ pub enum TableFault {
         /// Those there are.
         columns: String,
     },
+    /// Two columns have one name.
+    #[error(
+        "columns {first} and {second} are both called '{column}', and a column is known by its name: give each a name of its own in the header"
+    )]
+    OneName {
+        /// Their name.
+        column: String,
+        /// The place of the first, from 1.
+        first: usize,
+        /// The place of the second.
+        second: usize,
+    },
+    /// A rate column was asked for twice.
+    #[error("column '{column}' was asked for twice (`rate`): name it once")]
+    AskedTwice {
+        /// Its name.
+        column: String,
+    },
     /// The names do not make plain which column is which.
     #[error("{found} could be the {what}: say which (`{what}`); the columns are {columns}")]
     Unclear {

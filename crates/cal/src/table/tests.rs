@@ -166,6 +166,21 @@ fn a_column_asked_for_wins_and_a_wrong_one_lists_those_there_are() {
 }
 
 #[test]
+fn two_columns_of_one_name_are_no_two_axes() {
+    let head = "t_s,temp_c,x_rad_s,x_rad_s,z_rad_s";
+    let asked = Columns { rates: vec!["z_rad_s".into(), "x_rad_s".into()], ..Columns::default() };
+    for columns in [&Columns::default(), &asked] {
+        let refused = resolve(head, columns).unwrap_err().to_string();
+        assert!(refused.contains("columns 3 and 4 are both called 'x_rad_s'"), "{refused}");
+    }
+    let asked = Columns { rates: vec!["z_rad_s".into(), "z_rad_s".into()], ..Columns::default() };
+    let refused = resolve(head, &asked).unwrap_err().to_string();
+    assert!(refused.contains("column 'z_rad_s' was asked for twice (`rate`)"), "{refused}");
+    // Two that nobody asks for are in nobody's way.
+    assert_eq!(places(&resolve("t_s,temp_c,x_rad_s,note,note", &Columns::default()).unwrap()), [2]);
+}
+
+#[test]
 fn a_unit_that_a_name_says_is_read_or_refused_and_never_mistaken() {
     use WrittenTemperature::{Celsius, Fahrenheit, Kelvin};
     let guessed = Columns::default();
