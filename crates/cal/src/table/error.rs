@@ -105,6 +105,18 @@ pub enum TableFault {
         /// The columns there are.
         columns: String,
     },
+    /// A name says one unit, and the row of units below it another.
+    #[error("column '{column}' says {name} by its name and {row} in the row of units: say which is true (`{what}`)")]
+    TwoUnits {
+        /// The column's name.
+        column: String,
+        /// The unit that its name says.
+        name: String,
+        /// The unit that the row says.
+        row: String,
+        /// The parameter that says which.
+        what: &'static str,
+    },
     /// A name says a unit that is not read.
     #[error("column '{column}' is in {unit}, by its name, and that unit is not read: convert it to {instead}")]
     OtherUnit {

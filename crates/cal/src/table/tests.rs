@@ -286,6 +286,26 @@ fn a_row_of_units_below_the_names_is_no_row_and_its_units_are_taken() {
 }
 
 #[test]
+fn a_name_and_a_row_of_units_that_differ_ask_which_is_true() {
+    let resolve = |units: &str, columns: &Columns| {
+        columns.resolve(&table(format!("t_s,temp_c,x_rad_s\n{units}\n0,20,1\n").as_bytes()).unwrap())
+    };
+    let guessed = Columns::default();
+    assert!(resolve("s,°C,rad/s", &guessed).unwrap().guesses.is_empty());
+    for (units, told) in [
+        ("s,°C,deg/s", "'x_rad_s' says rad/s by its name and dps in the row of units: say which is true (`rate_unit`)"),
+        ("s,°C,rpm", "rad/s by its name and turns a minute in the row"),
+        ("s,K,rad/s", "'temp_c' says degrees C by its name and kelvin in the row of units: say which is true (`temperature_unit`)"),
+        ("ms,°C,rad/s", "'t_s' says s by its name and ms in the row of units: say which is true (`time_unit`)"),
+    ] {
+        let refused = resolve(units, &guessed).unwrap_err().to_string();
+        assert!(refused.contains(told), "{refused}");
+    }
+    let given = Columns { rate_unit: Some(WrittenRate::Dps), ..Columns::default() };
+    assert_eq!(resolve("s,°C,deg/s", &given).unwrap().sensors[0].rate_unit, RateUnit::Dps);
+}
+
+#[test]
 fn iso_times_are_seconds() {
     let content = "date,temp_c,x_dps\n2026-03-01T08:00:00.250+02:00,20,1\n2026-03-01T06:00:01Z,21,2\n,22,3\n";
     let (_, columns) = read(content).unwrap();
