@@ -111,9 +111,7 @@ fn curves(page: &mut Page, fit: &LogFit, scale: RateScale, unit: RateUnit) {
     grid.head(["", "", "", "drift", left_head, "", "", "uncorrected", "", "rows"]);
     grid.head([what, "verdict", "model", "pp", "rms", "±", "pp", "rms", "pp", "used"]);
     for (place, axis) in axes.iter().enumerate() {
-        let own = &axis.calibration.fit.model;
-        let beside = if own.history.is_some() || own.time_drift.is_some() { "+" } else { "" };
-        let model = format!("{}{beside}", axis.calibration.model());
+        let model = axis.calibration.fit.chosen_model();
         let used = thousands(axis.calibration.fit.statistics.samples_used);
         let cells = [&drifts, &rms, &error, &pp, &before_rms, &before_pp].map(|column| column[place].clone());
         grid.row([axis.name.clone(), axis.verdict.name().to_owned(), model].into_iter().chain(cells).chain([used]));
