@@ -29,6 +29,7 @@ use crate::matching::{Known, calibrated, places, renamed};
 use crate::quality::{Judgement, Reason, Verdict};
 use crate::source::{Faulty, Source};
 use crate::table::Columns;
+use crate::trace::period_s;
 use crate::units::TemperatureUnit;
 
 /// How a log is to be verified.
@@ -159,7 +160,7 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
         passed,
         in_sample,
         temperature_unit: calibration.temperature_unit,
-        averaged_over_s: axis::period_s(&fit.axes[0].trace),
+        averaged_over_s: period_s(&fit.axes[0].trace),
         axes,
         missing,
         reasons,

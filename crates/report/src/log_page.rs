@@ -69,7 +69,7 @@ impl LogPage<'_> {
             let advice = html! { ul.reasons { @for sentence in advice { li { (told(sentence)) } } } };
             chapters.push(("advice", "How to get a better log", advice));
         }
-        chapters.push(("reading", "How to read the numbers", definitions()));
+        chapters.push(("reading", "How to read the numbers", definitions(fit)));
         if !self.sources.is_empty() {
             chapters.push(("sources", "What this page is made of", page::sources(CREATED_BY, self.sources)));
         }
@@ -200,13 +200,13 @@ fn in_full(axis: &AxisFit) -> String {
     )
 }
 
-fn definitions() -> Markup {
+fn definitions(fit: &LogFit) -> Markup {
     page::terms(&[
         (
             "Deployed",
             html! {
-                "What a device has left of a whole log like this one, in averages over about 10 s: it takes its zero in the "
-                "first half minute, and the prediction off from then on. Held out, and without the log’s own drift in time. "
+                "What a device has left of a whole log like this one, in averages over " (fit.averaged_over()) ": it takes its "
+                "zero in the " (fit.zero_taken_in()) ", and the prediction off from then on. Held out, and without the log’s own drift in time. "
                 code { "zerorate verify" } " finds the same number in another run."
             },
         ),

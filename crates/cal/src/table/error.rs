@@ -35,6 +35,18 @@ pub enum TableFault {
         /// Cells in the first line.
         expected: usize,
     },
+    /// A row has more cells than the first, and each could be half of a number.
+    #[error(
+        "line {line}: {found} cells where the first line has {expected}: commas seem to stand both between cells and in numbers (0,5): export it again with semicolons or tabs between cells, or with decimal points"
+    )]
+    DecimalCommas {
+        /// The line, from 1.
+        line: u64,
+        /// Cells in the line.
+        found: usize,
+        /// Cells in the first line.
+        expected: usize,
+    },
     /// Text stands where a number or a time should.
     #[error(
         "line {line}: column '{column}' holds '{text}' where {wanted} should be: correct it, or leave the cell empty"

@@ -67,6 +67,14 @@ fn a_line_cut_short_is_named() {
 }
 
 #[test]
+fn commas_in_numbers_between_commas_are_told_apart_from_a_damaged_line() {
+    let mixed = read("t_s,temp_c,x\n0,20,5\n1,20,5,-0,25\n").unwrap_err().to_string();
+    assert!(mixed.contains("line 3: 5 cells where the first line has 3: commas seem to stand both"), "{mixed}");
+    let damaged = read("t_s,temp_c,x\n0,20.5,5\n1,20.5,5,1,20.5,5\n").unwrap_err().to_string();
+    assert!(damaged.contains("cut off or damaged"), "{damaged}");
+}
+
+#[test]
 fn what_is_no_table_says_so() {
     assert!(matches!(read("").unwrap_err().fault, TableFault::Empty));
     assert!(matches!(read("\n\n").unwrap_err().fault, TableFault::Empty));
