@@ -30,7 +30,7 @@ use crate::quality::{Judgement, Reason, Verdict};
 use crate::source::{Faulty, Source};
 use crate::table::Columns;
 use crate::trace::period_s;
-use crate::units::TemperatureUnit;
+use crate::units::{RateUnit, TemperatureUnit};
 
 /// How a log is to be verified.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -187,10 +187,13 @@ fn missing(own: &Known<'_>, fit: &LogFit) -> String {
     let rejected: Vec<&Judgement> =
         fit.verdicts.iter().filter(|axis| axis.name == own.name).map(|axis| &axis.judgement).collect();
     let reasons: Vec<&str> = rejected.iter().flat_map(|axis| &axis.reasons).map(|r| r.text.as_str()).collect();
-    if reasons.is_empty() {
-        format!("{}: the log has no such axis", own.name)
-    } else {
+    let is_acceleration = |unit: RateUnit| unit == RateUnit::MetresPerS2;
+    if !reasons.is_empty() {
         format!("{}: nothing that can be used: {}", own.name, reasons.join("; "))
+    } else if is_acceleration(own.unit) && !fit.axes.iter().any(|axis| is_acceleration(axis.calibration.rate_unit)) {
+        format!("{}: the log has no accelerometer; to verify the gyros alone give `sensor` gyro", own.name)
+    } else {
+        format!("{}: the log has no such axis", own.name)
     }
 }
 
