@@ -127,11 +127,17 @@ impl Table {
     /// The place of a column.
     ///
     /// # Errors
-    /// When there is no such column; the error lists those there are.
+    /// When there is no such column (the error lists those there are), or there are two.
     pub fn column(&self, name: &str) -> Result<usize, TableError> {
-        self.names.iter().position(|own| own == name).ok_or_else(|| {
-            self.source.faulty(TableFault::NoSuchColumn { column: name.to_owned(), columns: self.names.join(", ") })
-        })
+        let mut places = (0..self.names.len()).filter(|&place| self.names[place] == name);
+        let column = name.to_owned();
+        match (places.next(), places.next()) {
+            (Some(only), None) => Ok(only),
+            (Some(first), Some(second)) => {
+                Err(self.source.faulty(TableFault::OneName { column, first: first + 1, second: second + 1 }))
+            }
+            (None, _) => Err(self.source.faulty(TableFault::NoSuchColumn { column, columns: self.names.join(", ") })),
+        }
     }
 
     /// Streams the numbers of some columns.

@@ -1,5 +1,7 @@
 //! What was fitted, point by point: for figures, and for what is told of the whole.
 
+use zerorate_fit::robust::median;
+
 /// Points in the trace of a fit of rows, at most: rows can be without number.
 const BINS: u64 = 2000;
 
@@ -19,6 +21,12 @@ pub struct TracePoint {
 /// The groups that were fitted, each as it is: what is told of groups must not be told of means of them.
 pub(crate) fn of_groups(groups: impl Iterator<Item = TracePoint>) -> Vec<TracePoint> {
     groups.filter(|point| point.residual.is_finite()).collect()
+}
+
+/// The time from one point to the next, seconds, as a rule; `None` without times.
+pub(crate) fn period_s(trace: &[TracePoint]) -> Option<f64> {
+    let mut steps: Vec<f64> = trace.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    Some(median(&mut steps)).filter(|period| period.is_finite())
 }
 
 /// A trace of rows on its way: successive rows gathered in equal bins.

@@ -29,7 +29,8 @@ use crate::matching::{Known, calibrated, places, renamed};
 use crate::quality::{Judgement, Reason, Verdict};
 use crate::source::{Faulty, Source};
 use crate::table::Columns;
-use crate::units::TemperatureUnit;
+use crate::trace::period_s;
+use crate::units::{RateUnit, TemperatureUnit};
 
 /// How a log is to be verified.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -160,7 +161,7 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
         passed,
         in_sample,
         temperature_unit: calibration.temperature_unit,
-        averaged_over_s: axis::period_s(&fit.axes[0].trace),
+        averaged_over_s: period_s(&fit.axes[0].trace),
         axes,
         missing,
         reasons,
@@ -187,10 +188,13 @@ fn missing(own: &Known<'_>, fit: &LogFit) -> String {
     let rejected: Vec<&Judgement> =
         fit.verdicts.iter().filter(|axis| axis.name == own.name).map(|axis| &axis.judgement).collect();
     let reasons: Vec<&str> = rejected.iter().flat_map(|axis| &axis.reasons).map(|r| r.text.as_str()).collect();
-    if reasons.is_empty() {
-        format!("{}: the log has no such axis", own.name)
-    } else {
+    let is_acceleration = |unit: RateUnit| unit == RateUnit::MetresPerS2;
+    if !reasons.is_empty() {
         format!("{}: nothing that can be used: {}", own.name, reasons.join("; "))
+    } else if is_acceleration(own.unit) && !fit.axes.iter().any(|axis| is_acceleration(axis.calibration.rate_unit)) {
+        format!("{}: the log has no accelerometer; to verify the gyros alone give `sensor` gyro", own.name)
+    } else {
+        format!("{}: the log has no such axis", own.name)
     }
 }
 

@@ -19,7 +19,9 @@ use std::io;
 use std::process::ExitCode;
 
 use anyhow::Result;
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
+use zerorate_words::sentence;
 
 use crate::screen;
 
@@ -76,9 +78,39 @@ pub enum Outcome {
 /// The exit code of an error; clap's own for wrong usage is the same.
 const ERROR: u8 = 2;
 
+/// Runs the command that was typed and gives its exit code.
+pub fn run() -> ExitCode {
+    match Cli::try_parse() {
+        Ok(cli) => cli.run(),
+        Err(usage) => {
+            if usage.use_stderr() && wants_json() {
+                screen::json_error(&usage_sentence(&usage));
+            }
+            usage.exit()
+        }
+    }
+}
+
+/// What is wrong with the arguments, in a line; how they are to be given is for people.
+fn usage_sentence(usage: &clap::Error) -> String {
+    if usage.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        return "no command was given: --help lists them".to_owned();
+    }
+    let text = usage.render().to_string();
+    let told =
+        text.split("\n\n").take_while(|part| !["Usage:", "For more"].iter().any(|start| part.starts_with(start)));
+    let words = told.flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ");
+    words.trim_start_matches("error: ").to_owned()
+}
+
+/// Whether programs are to be told: whatever else was typed, it may be what is wrong.
+fn wants_json() -> bool {
+    std::env::args_os().any(|argument| argument == "--json")
+}
+
 impl Cli {
     /// Runs the command and gives the exit code.
-    pub fn run(&self) -> ExitCode {
+    fn run(&self) -> ExitCode {
         let result = match &self.command {
             Command::Calibrate(calibrate) => calibrate.run(),
             Command::Fit(fit) => fit.run(),
@@ -108,8 +140,8 @@ fn exit_code(result: &Result<Outcome>) -> ExitCode {
         Err(error) if is_closed_pipe(error) => ExitCode::SUCCESS,
         Err(error) => {
             screen::error(error);
-            if std::env::args_os().any(|argument| argument == "--json") {
-                screen::json_error(error);
+            if wants_json() {
+                screen::json_error(&sentence(error.as_ref()));
             }
             ExitCode::from(ERROR)
         }

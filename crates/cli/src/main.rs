@@ -10,8 +10,6 @@ mod screen;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 fn main() -> ExitCode {
-    command::Cli::parse().run()
+    command::run()
 }

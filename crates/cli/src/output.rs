@@ -3,7 +3,7 @@
 mod kept;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use zerorate_bench::whole_file::write_whole;
@@ -13,7 +13,7 @@ pub use kept::Force;
 /// Refuses a place without a folder, a folder in a file's place, and the place of something that the command reads.
 pub fn check(option: &str, path: &Path, inputs: &[&Path]) -> Result<()> {
     let shown = path.display();
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder_of(path);
     match fs::metadata(folder) {
         Ok(found) => ensure!(
             found.is_dir(),
@@ -32,6 +32,36 @@ pub fn check(option: &str, path: &Path, inputs: &[&Path]) -> Result<()> {
         ensure!(!same, "{option} {shown}: this is the file that is read, and it would be lost: give another place");
     }
     Ok(())
+}
+
+/// Looks at all places of a command that writes to several, an option each: each as [`check`] does, and no two are one.
+pub fn check_all(places: &[(&str, Option<&Path>)], inputs: &[&Path]) -> Result<()> {
+    let mut seen: Vec<(&str, PathBuf)> = Vec::new();
+    for (option, path) in places.iter().filter_map(|(option, path)| Some((*option, (*path)?))) {
+        check(option, path, inputs)?;
+        let file = file(path);
+        if let Some((first, _)) = seen.iter().find(|(_, other)| *other == file && !is_device(path)) {
+            bail!("{first} and {option} are one file, {}, and one would be lost: give each its own", path.display());
+        }
+        seen.push((option, file));
+    }
+    Ok(())
+}
+
+/// Which file a path is, whether it is there or not; its folder is.
+fn file(path: &Path) -> PathBuf {
+    let folder =
+        || fs::canonicalize(folder_of(path)).ok().zip(path.file_name()).map(|(folder, name)| folder.join(name));
+    fs::canonicalize(path).ok().or_else(folder).unwrap_or_else(|| path.to_owned())
+}
+
+/// Whether all that is written there is gone, or goes on, as in `/dev/null` and a pipe.
+fn is_device(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|there| !there.is_file())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Writes a text whole or not at all.

@@ -82,14 +82,14 @@ pub fn print_json(value: &impl Serialize) -> Result<()> {
 }
 
 /// An error for programs, which read standard output alone.
-pub fn json_error(error: &anyhow::Error) {
+pub fn json_error(sentence: &str) {
     #[derive(Serialize)]
     struct Failed {
         schema: u32,
         error: String,
     }
     // Whoever does not listen is not told.
-    let _ = print_json(&Failed { schema: 1, error: as_options(&sentence(error.as_ref())) });
+    let _ = print_json(&Failed { schema: 1, error: as_options(sentence) });
 }
 
 /// Tells something on standard error, where it does not mix with JSON.

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::cubic::{Cubic, Loss};
 use super::{ExportError, ExportOptions, Format};
-use zerorate_cal::calibration::Calibration;
+use zerorate_cal::calibration::{AxisCalibration, Calibration};
 use zerorate_cal::log::{Sensor, SensorKind};
 use zerorate_cal::matching::direction;
 use zerorate_cal::units::{RateUnit, TemperatureUnit};
@@ -76,10 +76,7 @@ pub(super) fn sensors(
         let not_a_rate = || ExportError::NotARate { axis: name.clone(), unit: axis.rate_unit, format };
         let factor = factor(axis.rate_unit, kind).ok_or_else(not_a_rate)?;
         let place = direction(name).ok_or_else(|| ExportError::NoLetter { axis: name.clone(), format })?;
-        let cubic = Cubic::of(axis);
-        let loss = Loss::of(axis, &cubic).times(factor);
-        let model = axis.fit.chosen_model();
-        let exported = ExportedAxis { name: name.clone(), model, cubic: cubic.times(factor), loss };
+        let exported = ExportedAxis::of(name, axis).times(factor);
         let at = sensors.iter().position(|sensor| (sensor.kind, sensor.instance) == (kind, instance));
         let at = at.unwrap_or_else(|| {
             let range = [f64::NEG_INFINITY, f64::INFINITY];
@@ -158,6 +155,19 @@ pub(super) fn remarks(sensor: &ExportedSensor) -> Vec<String> {
 }
 
 impl ExportedAxis {
+    /// An axis of a calibration, in its own unit.
+    #[must_use]
+    pub fn of(name: &str, axis: &AxisCalibration) -> Self {
+        let cubic = Cubic::of(axis);
+        let (model, loss) = (axis.fit.chosen_model(), Loss::of(axis, &cubic));
+        Self { name: name.to_owned(), model, cubic, loss }
+    }
+
+    /// The same in another unit.
+    fn times(self, factor: f64) -> Self {
+        Self { cubic: self.cubic.times(factor), loss: self.loss.times(factor), ..self }
+    }
+
     /// What the cubic costs, as a phrase.
     #[must_use]
     pub fn cost(&self, unit: &str) -> String {

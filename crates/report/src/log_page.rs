@@ -13,7 +13,7 @@ use zerorate_cal::condition::{Excluded, Rejected};
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::units::{TemperatureUnit, WrittenRate};
 use zerorate_core::drift::Shape;
-use zerorate_export::Format;
+use zerorate_export::{ExportedAxis, Format};
 use zerorate_fit::least_squares::raw_coefficients;
 
 use super::candidates;
@@ -69,7 +69,7 @@ impl LogPage<'_> {
             let advice = html! { ul.reasons { @for sentence in advice { li { (told(sentence)) } } } };
             chapters.push(("advice", "How to get a better log", advice));
         }
-        chapters.push(("reading", "How to read the numbers", definitions()));
+        chapters.push(("reading", "How to read the numbers", definitions(fit)));
         if !self.sources.is_empty() {
             chapters.push(("sources", "What this page is made of", page::sources(CREATED_BY, self.sources)));
         }
@@ -152,11 +152,31 @@ fn coefficients(fit: &LogFit) -> Markup {
         div.pair { @for (place, axis) in fit.axes.iter().enumerate() { div {
             @let shape = &axis.calibration.drift().shape;
             h3 { (axis.name) ", " (axis.calibration.rate_unit) }
+            @if let Some(cost) = cost(axis) {
+                p.small { "Of " (axis.calibration.fit.chosen_model()) " this is the static cubic alone: " (cost) "." }
+            }
             @if let Shape::Polynomial(_) = shape {
                 div.equation { p { i { "bias" } " = " (polynomial(&raw_coefficients(shape), "T", 5)) } }
             }
             (parameters::to_copy(&format!("coefficients-{}", place + 1), &in_full(axis)))
         } } }
+    }
+}
+
+/// What the static cubic costs, beside which a model with a history was chosen; `None` of another model.
+fn cost(axis: &AxisFit) -> Option<String> {
+    let calibration = &axis.calibration;
+    let history = calibration.fit.model.history.as_ref();
+    history.map(|_| ExportedAxis::of(&axis.name, calibration).cost(&calibration.rate_unit.to_string()))
+}
+
+/// What the coefficients are of: the model chosen, or what four numbers can hold of it.
+fn of_what(axis: &AxisFit) -> String {
+    let (model, chosen) = (axis.calibration.model(), axis.calibration.fit.chosen_model());
+    match (cost(axis), axis.calibration.fit.model.time_drift) {
+        (Some(cost), _) => format!("{model}, the static cubic beside {chosen}\n# {cost}\n# "),
+        (None, Some(_)) => format!("{model}, of {chosen} without the log's own drift in time: "),
+        (None, None) => format!("{chosen}: "),
     }
 }
 
@@ -169,9 +189,9 @@ fn in_full(axis: &AxisFit) -> String {
         Shape::Table(_) => "piecewise linear: values at equally spaced knots over the valid range",
     };
     format!(
-        "# {}, {}: {what}\ncoefficients = [\n  {},\n]\nmeasured_range = [{}, {}]\nvalid_range = [{}, {}]\n",
+        "# {}, {}{what}\ncoefficients = [\n  {},\n]\nmeasured_range = [{}, {}]\nvalid_range = [{}, {}]\n",
         axis.name,
-        axis.calibration.fit.chosen_model(),
+        of_what(axis),
         numbers.join(",\n  "),
         axis.calibration.fit.measured.min(),
         axis.calibration.fit.measured.max(),
@@ -180,13 +200,13 @@ fn in_full(axis: &AxisFit) -> String {
     )
 }
 
-fn definitions() -> Markup {
+fn definitions(fit: &LogFit) -> Markup {
     page::terms(&[
         (
             "Deployed",
             html! {
-                "What a device has left of a whole log like this one, in averages over about 10 s: it takes its zero in the "
-                "first half minute, and the prediction off from then on. Held out, and without the log’s own drift in time. "
+                "What a device has left of a whole log like this one, in averages over " (fit.averaged_over()) ": it takes its "
+                "zero in the " (fit.zero_taken_in()) ", and the prediction off from then on. Held out, and without the log’s own drift in time. "
                 code { "zerorate verify" } " finds the same number in another run."
             },
         ),

@@ -169,6 +169,24 @@ fn the_page_of_a_log_has_its_models_what_was_excluded_and_coefficients_to_copy()
 }
 
 #[test]
+fn the_static_cubic_of_a_model_with_a_history_is_called_so_and_says_what_it_costs() {
+    let mut log = sample::log();
+    let page = log_page(&log);
+    let copied = between(&page, "<code id=\"coefficients-1\">", "</code>")[0];
+    let axis = &log.axes[0].calibration.fit;
+    let (chosen, nested) = (axis.chosen_model(), axis.statistics.nested.unwrap());
+    assert!(axis.model.history.is_some() && chosen.contains(" + "), "{chosen}");
+    let beside = format!("# gyro_x_rad_s, poly:3, the static cubic beside {chosen}\n# this cubic leaves ");
+    assert!(copied.starts_with(&beside), "{copied}");
+    for rms in [nested.cubic_deployed, nested.deployed_warm] {
+        assert!(copied.contains(&format!("{:.3e}", rms.unwrap())), "{copied}");
+    }
+    log.axes[0].calibration.fit.model.history = None;
+    log.axes[0].calibration.fit.model.time_drift = None;
+    assert!(!log_page(&log).contains("gyro_x_rad_s, poly:3, the static"));
+}
+
+#[test]
 fn a_lot_names_the_units_outside_its_limits_the_furthest_first_and_draws_the_limits() {
     let page = sample::lot(204, 0.37).to_html();
     let section = between(&page, "<section id=\"outside\">", "</section>")[0];

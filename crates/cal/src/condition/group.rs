@@ -23,7 +23,7 @@ const MAX_ASKED_GROUPS: u64 = 200_000;
 /// Rows in a group, at most, whatever their times, so that memory stays bounded.
 const MAX_GROUP_ROWS: u64 = 1 << 16;
 
-/// A time between rows of as many groups, or of as many [`GROUP_S`], is a gap.
+/// A time between rows of as many groups, or of as many [`GROUP_S`], is a gap, and ends a group.
 const GAP: f64 = 1.5;
 
 /// A row further than this many standard deviations from its group's median is a spike.
@@ -77,8 +77,13 @@ pub struct Group {
 /// When a group is full.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Length {
-    /// After so many rows.
-    Rows(u64),
+    /// After so many rows, or before a gap.
+    Rows {
+        /// So many.
+        rows: u64,
+        /// The time from one to the next on average, seconds; NaN if not known.
+        step_s: f64,
+    },
     /// After so many seconds, and not before as many rows as tell a spike.
     Seconds(f64),
 }
@@ -95,7 +100,16 @@ impl Length {
             Some(seconds) if step_s > 0.0 => (by_time(seconds), MAX_ASKED_GROUPS),
             _ => (by_time(GROUP_S).max(MIN_GROUP_ROWS).min(rows / MIN_GROUPS), MAX_GROUPS),
         };
-        Self::Rows(wanted.max(rows.div_ceil(most)).max(1))
+        Self::Rows { rows: wanted.max(rows.div_ceil(most)).max(1), step_s }
+    }
+
+    /// A time between rows of so many seconds is a gap.
+    fn gap_s(self) -> f64 {
+        let seconds = match self {
+            Self::Rows { rows, step_s } => rows as f64 * step_s,
+            Self::Seconds(seconds) => seconds,
+        };
+        GAP * seconds.max(GROUP_S)
     }
 }
 
@@ -178,25 +192,22 @@ impl Grouping {
     fn room(&self, times: &[f64]) -> usize {
         let open = self.temperatures.len();
         let place = |rows: u64| usize::try_from(rows).unwrap_or(usize::MAX).saturating_sub(open).min(times.len());
-        match self.length {
-            Length::Rows(rows) => place(rows),
-            Length::Seconds(seconds) => {
-                let first = self.times.first().copied().unwrap_or(times[0]);
-                let mut last = self.times.last().copied().unwrap_or(times[0]);
-                let least = place(MIN_GROUP_ROWS);
-                let mut room = 0;
-                for time in &times[..place(MAX_GROUP_ROWS)] {
-                    // Across a gap a group is not filled up.
-                    let near = time - last < GAP * seconds.max(GROUP_S);
-                    if !near || (room >= least && time - first >= seconds) {
-                        break;
-                    }
-                    last = *time;
-                    room += 1;
-                }
-                room
+        let (least, most, seconds) = match self.length {
+            Length::Rows { rows, .. } => (place(rows), place(rows), f64::INFINITY),
+            Length::Seconds(seconds) => (place(MIN_GROUP_ROWS), place(MAX_GROUP_ROWS), seconds),
+        };
+        let first = self.times.first().copied().unwrap_or(times[0]);
+        let mut last = self.times.last().copied().unwrap_or(times[0]);
+        let mut room = 0;
+        for time in &times[..most] {
+            // Across a gap a group is not filled up.
+            if time - last >= self.length.gap_s() || (room >= least && time - first >= seconds) {
+                break;
             }
+            last = *time;
+            room += 1;
         }
+        room
     }
 
     /// The groups so far, the open one among them.
@@ -277,7 +288,7 @@ impl Grouping {
             self.groups.push(group);
         }
         self.length = match self.length {
-            Length::Rows(rows) => Length::Rows(2 * rows),
+            Length::Rows { rows, step_s } => Length::Rows { rows: 2 * rows, step_s },
             Length::Seconds(seconds) => Length::Seconds(2.0 * seconds),
         };
     }

@@ -147,7 +147,8 @@ fn take_back_jumps(groups: &mut [Group], rows: &[Vec<u32>], steps: &[Step], mark
 fn mark_gaps_within(groups: &[Group], marks: &mut [Option<DropReason>]) {
     let limit = gap_limit(groups);
     for (group, mark) in groups.iter().zip(marks) {
-        if group.times_s.1 - group.times_s.0 > limit && mark.is_none() {
+        // That its rows scatter as if it were moved comes of it.
+        if group.times_s.1 - group.times_s.0 > limit {
             *mark = Some(DropReason::Gap);
         }
     }
@@ -170,7 +171,8 @@ fn gaps(groups: &[Group]) -> Vec<Excluded> {
 
 /// A time longer than this is a gap, seconds.
 fn gap_limit(groups: &[Group]) -> f64 {
-    let mut lengths: Vec<f64> = groups.iter().map(|group| group.times_s.1 - group.times_s.0).collect();
+    // From start to start, for a group of one row has no length.
+    let mut lengths: Vec<f64> = groups.windows(2).map(|pair| pair[1].times_s.0 - pair[0].times_s.0).collect();
     let typical = zerorate_fit::robust::median(&mut lengths);
     if typical.is_finite() { (GAP_GROUPS * typical).max(GAP_S) } else { f64::INFINITY }
 }

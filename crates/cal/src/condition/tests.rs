@@ -40,14 +40,17 @@ fn condition(temperatures: &[f64], rates: &[Vec<f64>]) -> (Vec<Group>, Vec<Tally
 
 #[test]
 fn groups_last_ten_seconds_and_are_neither_too_few_nor_too_many() {
-    let of = |rows, step_s| Length::of_extent(rows, step_s, None);
-    assert_eq!(of(8400, 0.5054), Length::Rows(21));
-    assert_eq!(of(4_000_000, 1e-3), Length::Rows(10_000));
-    assert_eq!(of(2400, 1.5), Length::Rows(21));
-    assert_eq!(of(300, 0.5), Length::Rows(4));
-    assert_eq!(of(10, f64::NAN), Length::Rows(1));
-    assert_eq!(of(100_000_000, 0.5), Length::Rows(5000));
-    assert_eq!(Length::of_extent(8400, 0.5, Some(2.0)), Length::Rows(4));
+    let of = |rows, step_s, asked_s| match Length::of_extent(rows, step_s, asked_s) {
+        Length::Rows { rows, .. } => rows,
+        Length::Seconds(_) => 0,
+    };
+    assert_eq!(of(8400, 0.5054, None), 21);
+    assert_eq!(of(4_000_000, 1e-3, None), 10_000);
+    assert_eq!(of(2400, 1.5, None), 21);
+    assert_eq!(of(300, 0.5, None), 4);
+    assert_eq!(of(10, f64::NAN, None), 1);
+    assert_eq!(of(100_000_000, 0.5, None), 5000);
+    assert_eq!(of(8400, 0.5, Some(2.0)), 4);
 }
 
 #[test]
@@ -165,18 +168,31 @@ fn what_settles_after_the_start_is_left_out() {
 #[test]
 fn a_time_without_rows_is_told() {
     let (temperatures, rates) = cycle();
-    let length = Length::Seconds(10.0);
-    let mut grouping = Grouping::new(2, length, TemperatureUnit::C, 0);
     let kept: Vec<usize> = (0..ROWS).filter(|row| !(2000..2600).contains(row)).collect();
     let time_s: Vec<f64> = kept.iter().map(|row| *row as f64 * 0.5).collect();
     let temperatures: Vec<f64> = kept.iter().map(|row| temperatures[*row]).collect();
     let rates = rates.map(|rate| kept.iter().map(|row| rate[*row]).collect::<Vec<f64>>());
-    grouping.push_rows(&rows(&time_s, &temperatures, &rates));
+    for length in [Length::Seconds(10.0), Length::of_extent(kept.len() as u64, 0.54, None)] {
+        let mut grouping = Grouping::new(2, length, TemperatureUnit::C, 0);
+        grouping.push_rows(&rows(&time_s, &temperatures, &rates));
+        let (mut groups, mut tallies) = grouping.finish();
+        assert!(groups.iter().all(|group| group.times_s.1 - group.times_s.0 < 20.0));
+        let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY);
+        let [gap] = &levels.excluded[..] else { panic!("{levels:?}") };
+        assert_eq!((gap.reason, gap.rows, gap.time_s), (DropReason::Gap, (2000, 2000), (999.5, 1300.0)));
+        assert!(tallies.iter().all(|tally| tally.rejected().is_empty()), "{tallies:?}");
+    }
+}
+
+#[test]
+fn rows_a_minute_apart_have_no_gaps_between_them() {
+    let time_s: Vec<f64> = (0..100).map(|row| 60.0 * f64::from(row)).collect();
+    let temperatures: Vec<f64> = (0..100).map(|row| 0.5 * f64::from(row)).collect();
+    let mut grouping = Grouping::new(1, Length::of_extent(100, 60.0, None), TemperatureUnit::C, 0);
+    grouping.push_rows(&rows(&time_s, &temperatures, &[vec![0.0; 100]]));
     let (mut groups, mut tallies) = grouping.finish();
-    assert!(groups.iter().all(|group| group.times_s.1 - group.times_s.0 < 20.0));
     let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY);
-    let [gap] = &levels.excluded[..] else { panic!("{levels:?}") };
-    assert_eq!((gap.reason, gap.rows, gap.time_s), (DropReason::Gap, (2000, 2000), (999.5, 1300.0)));
+    assert_eq!((groups.len(), levels.excluded), (100, Vec::new()));
 }
 
 #[test]

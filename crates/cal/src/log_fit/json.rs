@@ -56,7 +56,7 @@ impl Serialize for AxisFit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let axis = &self.calibration;
         let (model, statistics) = (&axis.fit.model, &axis.fit.statistics);
-        let mut fields = serializer.serialize_struct("AxisFit", 18)?;
+        let mut fields = serializer.serialize_struct("AxisFit", 19)?;
         if let Some(sensor) = &axis.sensor {
             fields.serialize_field("sensor", sensor)?;
         }
@@ -64,6 +64,7 @@ impl Serialize for AxisFit {
             fields.serialize_field("reference_temperature", reference)?;
         }
         fields.serialize_field("model", &axis.fit.chosen_model())?;
+        fields.serialize_field("static_model", &axis.model().to_string())?;
         fields.serialize_field("raw_coefficients", &raw_coefficients(&model.drift.shape))?;
         fields.serialize_field("rate_unit", &axis.rate_unit)?;
         fields.serialize_field("temperature_unit", &self.temperature_unit)?;

@@ -161,6 +161,7 @@ fn the_json_is_the_documented_one() {
         keys,
         [
             "model",
+            "static_model",
             "raw_coefficients",
             "rate_unit",
             "temperature_unit",

@@ -50,9 +50,10 @@ fn of_excluded(interval: &Excluded, unit: &str) -> Option<Reason> {
         DropReason::StartUp => (ReasonKind::StartUp, "the readings settled after the start"),
         DropReason::FrozenTemperature => (ReasonKind::FrozenTemperature, "the temperature stood still, then jumped,"),
         DropReason::Gap => {
+            let ((from, to), (least, most)) = (interval.time_s, interval.temperature);
             let text = format!(
-                "nothing was logged from {:.0} s to {:.0} s, at {:.1} to {:.1} {unit}: what happened there is not known",
-                interval.time_s.0, interval.time_s.1, interval.temperature.0, interval.temperature.1
+                "nothing was logged for {}, from {from:.0} s to {to:.0} s, at {least:.1} to {most:.1} {unit}: what happened there is not known",
+                lasting(to - from)
             );
             return Some(Reason::new(ReasonKind::Gap, text));
         }
@@ -94,6 +95,15 @@ pub(super) fn of_gain(statistics: &FitStatistics, name: &str, stream: &Stream) -
         stream.unit
     );
     Some(Reason::new(ReasonKind::WorseThanUncorrected, text))
+}
+
+/// A time as people say it.
+fn lasting(seconds: f64) -> String {
+    match seconds {
+        short if short < 120.0 => format!("{short:.0} s"),
+        minutes if minutes < 7200.0 => format!("{:.0} min", minutes / 60.0),
+        hours => format!("{:.1} h", hours / 3600.0),
+    }
 }
 
 fn of_step(step: &Step, name: &str, rate_unit: &str, unit: &str) -> Reason {

@@ -2,6 +2,8 @@
 
 mod gyros;
 
+use std::fmt::Display;
+
 use imu_logs::{Sensor, SensorKind};
 
 use super::words::{
@@ -92,20 +94,22 @@ struct Names<'a> {
     table: &'a Table,
     /// The words of each name.
     words: Vec<Vec<String>>,
-    /// Those, and the words of the unit that stands below it.
+    /// The words of the unit that stands below it; none of most.
+    units: Vec<Vec<String>>,
+    /// Both.
     with_units: Vec<Vec<String>>,
 }
 
 impl<'a> Names<'a> {
     fn of(table: &'a Table) -> Self {
         let all: Vec<Vec<String>> = table.names().iter().map(|name| words(name)).collect();
-        let units = table.units.iter().map(|unit| words(unit));
-        let with_units = all.iter().zip(units).map(|(name, unit)| [name.clone(), unit].concat()).collect();
-        Self { table, words: all, with_units }
+        let units: Vec<Vec<String>> = table.units.iter().map(|unit| words(unit)).collect();
+        let with_units = all.iter().zip(&units).map(|(name, unit)| [&name[..], unit].concat()).collect();
+        Self { table, words: all, units, with_units }
     }
 
     fn resolve(&self, asked: &Columns) -> Result<Resolved, TableError> {
-        let (table, units) = (self.table, &self.with_units);
+        let table = self.table;
         let temperatures = match &asked.temperature {
             Some(name) => vec![table.column(name)?],
             None => self.places(is_temperature),
@@ -119,14 +123,17 @@ impl<'a> Names<'a> {
             // Of `timestamp` and `timestamp_sample` the one with fewer words; a log may also have none.
             None => {
                 let named = self.places(is_time).into_iter().min_by_key(|&column| self.words[column].len());
-                named.or_else(|| (0..units.len()).find(|&column| table.clocks[column].is_some()))
+                named.or_else(|| (0..table.clocks.len()).find(|&column| table.clocks[column].is_some()))
             }
         };
         let clock = time.and_then(|time| table.clocks[time]);
-        let of_column = || clock.map(|clock| clock.unit).or_else(|| time_unit(&units[time?]));
+        let of_column = |time: usize| match asked.time_unit.or(clock.map(|clock| clock.unit)) {
+            Some(known) => Ok(Some(known)),
+            None => self.said(time, "time_unit", time_unit),
+        };
         let mut resolved = Resolved {
             time,
-            time_unit: asked.time_unit.or_else(of_column),
+            time_unit: time.map_or(Ok(asked.time_unit), of_column)?,
             is_utc: clock.is_none_or(|clock| clock.is_utc),
             sensors: Vec::new(),
             notes: Vec::new(),
@@ -147,11 +154,17 @@ impl<'a> Names<'a> {
     fn gyros(&self, asked: &Columns) -> Result<Vec<Gyro>, TableError> {
         if asked.rates.is_empty() {
             let found = self.guess_rates();
+            // What is made of a column goes by its name.
+            found.iter().try_for_each(|&column| self.table.column(&self.table.names()[column]).map(drop))?;
             let gyros = if found.is_empty() { None } else { gyros::split(&found, &self.words) };
             return gyros.ok_or_else(|| self.unclear("rate", &found));
         }
         let columns: Vec<usize> =
             asked.rates.iter().map(|name| self.table.column(name)).collect::<Result<_, TableError>>()?;
+        if let Some(place) = (1..columns.len()).find(|&place| columns[..place].contains(&columns[place])) {
+            let column = asked.rates[place].clone();
+            return Err(self.table.source().faulty(TableFault::AskedTwice { column }));
+        }
         Ok(gyros::split(&columns, &self.words).unwrap_or_else(|| vec![Gyro { instance: None, columns }]))
     }
 
@@ -190,7 +203,10 @@ impl<'a> Names<'a> {
         asked: &Columns,
         resolved: &mut Resolved,
     ) -> Result<ResolvedSensor, TableError> {
-        let said = asked.temperature_unit.or_else(|| temperature_unit(&self.with_units[temperature]));
+        let said = match asked.temperature_unit {
+            Some(given) => Some(given),
+            None => self.said(temperature, "temperature_unit", temperature_unit)?,
+        };
         let written_temperature = said.unwrap_or_else(|| {
             let text = format!(
                 "'{}' names no unit: taken as degrees C (`temperature_unit` says otherwise)",
@@ -233,18 +249,38 @@ impl<'a> Names<'a> {
         asked: &Columns,
         resolved: &mut Resolved,
     ) -> Result<Option<WrittenRate>, TableError> {
-        let name = &self.table.names()[column];
-        match (asked.rate_unit, rate_unit(&self.with_units[column])) {
-            (Some(given), Some(Said::Known(said))) if said != given => {
+        if let Some(given) = asked.rate_unit {
+            if let Some(Said::Known(said)) =
+                rate_unit(&self.with_units[column]).filter(|said| *said != Said::Known(given))
+            {
+                let name = &self.table.names()[column];
                 resolved.notes.push(format!("'{name}' says {said}, and is taken as {given}, as asked (`rate_unit`)"));
-                Ok(Some(given))
             }
-            (Some(given), _) => Ok(Some(given)),
-            (None, Some(Said::Known(said))) => Ok(Some(said)),
-            (None, Some(Said::Other(unit))) => {
+            return Ok(Some(given));
+        }
+        match self.said(column, "rate_unit", rate_unit)? {
+            Some(Said::Known(said)) => Ok(Some(said)),
+            Some(Said::Other(unit)) => {
                 Err(self.other_unit(column, unit.to_owned(), "dps or rad/s, or say its unit (`rate_unit`)".to_owned()))
             }
-            (None, None) => Ok(None),
+            None => Ok(None),
+        }
+    }
+
+    /// The unit that a column's name and the unit below it say together: nobody knows which is true where they differ.
+    fn said<U: PartialEq + Display>(
+        &self,
+        column: usize,
+        what: &'static str,
+        unit_of: fn(&[String]) -> Option<U>,
+    ) -> Result<Option<U>, TableError> {
+        match (unit_of(&self.words[column]), unit_of(&self.units[column])) {
+            (Some(name), Some(row)) if name != row => {
+                let column = self.table.names()[column].clone();
+                let (name, row) = (name.to_string(), row.to_string());
+                Err(self.table.source().faulty(TableFault::TwoUnits { column, name, row, what }))
+            }
+            _ => Ok(unit_of(&self.with_units[column])),
         }
     }
 

@@ -35,6 +35,18 @@ pub enum TableFault {
         /// Cells in the first line.
         expected: usize,
     },
+    /// A row has more cells than the first, and each could be half of a number.
+    #[error(
+        "line {line}: {found} cells where the first line has {expected}: commas seem to stand both between cells and in numbers (0,5): export it again with semicolons or tabs between cells, or with decimal points"
+    )]
+    DecimalCommas {
+        /// The line, from 1.
+        line: u64,
+        /// Cells in the line.
+        found: usize,
+        /// Cells in the first line.
+        expected: usize,
+    },
     /// Text stands where a number or a time should.
     #[error(
         "line {line}: column '{column}' holds '{text}' where {wanted} should be: correct it, or leave the cell empty"
@@ -77,6 +89,24 @@ pub enum TableFault {
         /// Those there are.
         columns: String,
     },
+    /// Two columns have one name.
+    #[error(
+        "columns {first} and {second} are both called '{column}', and a column is known by its name: give each a name of its own in the header"
+    )]
+    OneName {
+        /// Their name.
+        column: String,
+        /// The place of the first, from 1.
+        first: usize,
+        /// The place of the second.
+        second: usize,
+    },
+    /// A rate column was asked for twice.
+    #[error("column '{column}' was asked for twice (`rate`): name it once")]
+    AskedTwice {
+        /// Its name.
+        column: String,
+    },
     /// The names do not make plain which column is which.
     #[error("{found} could be the {what}: say which (`{what}`); the columns are {columns}")]
     Unclear {
@@ -86,6 +116,18 @@ pub enum TableFault {
         found: &'static str,
         /// The columns there are.
         columns: String,
+    },
+    /// A name says one unit, and the row of units below it another.
+    #[error("column '{column}' says {name} by its name and {row} in the row of units: say which is true (`{what}`)")]
+    TwoUnits {
+        /// The column's name.
+        column: String,
+        /// The unit that its name says.
+        name: String,
+        /// The unit that the row says.
+        row: String,
+        /// The parameter that says which.
+        what: &'static str,
     },
     /// A name says a unit that is not read.
     #[error("column '{column}' is in {unit}, by its name, and that unit is not read: convert it to {instead}")]

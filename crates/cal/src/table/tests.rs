@@ -67,6 +67,14 @@ fn a_line_cut_short_is_named() {
 }
 
 #[test]
+fn commas_in_numbers_between_commas_are_told_apart_from_a_damaged_line() {
+    let mixed = read("t_s,temp_c,x\n0,20,5\n1,20,5,-0,25\n").unwrap_err().to_string();
+    assert!(mixed.contains("line 3: 5 cells where the first line has 3: commas seem to stand both"), "{mixed}");
+    let damaged = read("t_s,temp_c,x\n0,20.5,5\n1,20.5,5,1,20.5,5\n").unwrap_err().to_string();
+    assert!(damaged.contains("cut off or damaged"), "{damaged}");
+}
+
+#[test]
 fn what_is_no_table_says_so() {
     assert!(matches!(read("").unwrap_err().fault, TableFault::Empty));
     assert!(matches!(read("\n\n").unwrap_err().fault, TableFault::Empty));
@@ -163,6 +171,21 @@ fn a_column_asked_for_wins_and_a_wrong_one_lists_those_there_are() {
     assert!(error.ends_with("there is no column 'heat'; the columns are a, b"), "{error}");
     let two = resolve("temp_1,temp_2,gyro_x", &Columns::default()).unwrap_err().to_string();
     assert!(two.contains("more than one column could be the temperature"), "{two}");
+}
+
+#[test]
+fn two_columns_of_one_name_are_no_two_axes() {
+    let head = "t_s,temp_c,x_rad_s,x_rad_s,z_rad_s";
+    let asked = Columns { rates: vec!["z_rad_s".into(), "x_rad_s".into()], ..Columns::default() };
+    for columns in [&Columns::default(), &asked] {
+        let refused = resolve(head, columns).unwrap_err().to_string();
+        assert!(refused.contains("columns 3 and 4 are both called 'x_rad_s'"), "{refused}");
+    }
+    let asked = Columns { rates: vec!["z_rad_s".into(), "z_rad_s".into()], ..Columns::default() };
+    let refused = resolve(head, &asked).unwrap_err().to_string();
+    assert!(refused.contains("column 'z_rad_s' was asked for twice (`rate`)"), "{refused}");
+    // Two that nobody asks for are in nobody's way.
+    assert_eq!(places(&resolve("t_s,temp_c,x_rad_s,note,note", &Columns::default()).unwrap()), [2]);
 }
 
 #[test]
@@ -268,6 +291,29 @@ fn a_row_of_units_below_the_names_is_no_row_and_its_units_are_taken() {
     // An older program's degree sign, one byte.
     let latin = table(b"t_s,Temp [\xB0F],x_dps\n1,50,2\n").unwrap();
     assert_eq!(latin.names()[1], "Temp [°F]");
+}
+
+#[test]
+fn a_name_and_a_row_of_units_that_differ_ask_which_is_true() {
+    let resolve = |units: &str, columns: &Columns| {
+        columns.resolve(&table(format!("t_s,temp_c,x_rad_s\n{units}\n0,20,1\n").as_bytes()).unwrap())
+    };
+    let guessed = Columns::default();
+    assert!(resolve("s,°C,rad/s", &guessed).unwrap().guesses.is_empty());
+    for (units, told) in [
+        ("s,°C,deg/s", "'x_rad_s' says rad/s by its name and dps in the row of units: say which is true (`rate_unit`)"),
+        ("s,°C,rpm", "rad/s by its name and turns a minute in the row"),
+        (
+            "s,K,rad/s",
+            "'temp_c' says degrees C by its name and kelvin in the row of units: say which is true (`temperature_unit`)",
+        ),
+        ("ms,°C,rad/s", "'t_s' says s by its name and ms in the row of units: say which is true (`time_unit`)"),
+    ] {
+        let refused = resolve(units, &guessed).unwrap_err().to_string();
+        assert!(refused.contains(told), "{refused}");
+    }
+    let given = Columns { rate_unit: Some(WrittenRate::Dps), ..Columns::default() };
+    assert_eq!(resolve("s,°C,deg/s", &given).unwrap().sensors[0].rate_unit, RateUnit::Dps);
 }
 
 #[test]

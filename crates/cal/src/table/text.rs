@@ -4,7 +4,7 @@ use std::io::BufReader;
 
 use super::cells::{Splitter, text};
 use super::dialect::Dialect;
-use super::lines::Lines;
+use super::lines::{Line, Lines};
 use super::value::Notation;
 use super::{BATCH_ROWS, Batch, TableFault};
 use crate::source::ReadSeek;
@@ -72,7 +72,7 @@ impl TextBatches {
             }
             let found = self.splitter.split(line.text);
             if found != self.names.len() {
-                return Err(TableFault::Ragged { line: line.number, found, expected: self.names.len() });
+                return Err(ragged(&line, found, self.names.len()));
             }
             for (&column, numbers) in self.columns.iter().zip(&mut batch.columns) {
                 let cell = text(self.splitter.cell(column));
@@ -92,6 +92,16 @@ impl TextBatches {
         self.row += rows as u64;
         Ok((rows > 0 || batch.cut_line.is_some()).then_some(batch))
     }
+}
+
+/// A line that has not as many cells as the first: cut off, or its numbers were cut at their decimal commas.
+fn ragged(line: &Line<'_>, found: usize, expected: usize) -> TableFault {
+    let is_of_digits = line.text.iter().all(|letter| b"0123456789+-eE, ".contains(letter));
+    // Two halves a number at most.
+    if is_of_digits && line.text.contains(&b',') && (expected + 1..=2 * expected).contains(&found) {
+        return TableFault::DecimalCommas { line: line.number, found, expected };
+    }
+    TableFault::Ragged { line: line.number, found, expected }
 }
 
 impl Iterator for TextBatches {

@@ -1,5 +1,7 @@
 //! What a column's name says: what it holds, of which sensor and axis, in what unit.
 
+use std::fmt;
+
 use crate::units::{TimeUnit, WrittenRate, WrittenTemperature};
 
 const COUNTS: [&str; 5] = ["count", "counts", "lsb", "adc", "raw"];
@@ -94,6 +96,15 @@ pub(super) enum Said {
     Known(WrittenRate),
     /// Another, and it must not be taken for one of those.
     Other(&'static str),
+}
+
+impl fmt::Display for Said {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Known(unit) => unit.fmt(f),
+            Self::Other(unit) => f.write_str(unit),
+        }
+    }
 }
 
 /// The unit of rates that a name says, if it says one.

@@ -4,7 +4,6 @@ use serde::Serialize;
 use zerorate_fit::boot::left_after_zero;
 use zerorate_fit::predict::{Predictor, Start};
 use zerorate_fit::residual::ResidualStatistics;
-use zerorate_fit::robust::median;
 
 use super::NoTest;
 use crate::calibration::AxisCalibration;
@@ -117,10 +116,4 @@ fn corrected(own: &AxisCalibration, trace: &[TracePoint], factor: f64) -> Vec<Ve
         VerifiedPoint { time_s: point.time_s, temperature: point.temperature, raw, corrected: raw - bias }
     };
     trace.iter().filter(finite).map(correct).collect()
-}
-
-/// The time from one point to the next, seconds, as a rule; `None` without times.
-pub(super) fn period_s(trace: &[TracePoint]) -> Option<f64> {
-    let mut steps: Vec<f64> = trace.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
-    Some(median(&mut steps)).filter(|period| period.is_finite())
 }

@@ -1,5 +1,6 @@
 use super::*;
-use crate::calibration::Origin;
+use crate::calibration::{AxisCalibration, Origin};
+use crate::log::{Sensor, SensorKind};
 use crate::quality::ReasonKind;
 use crate::units::{RateUnit, WrittenRate};
 
@@ -98,6 +99,25 @@ fn an_axis_that_is_dead_or_missing_fails_with_limits_and_without() {
             assert!(verified.missing[0].starts_with("gyro_x_rad_s: "), "{:?}", verified.missing);
         }
     }
+}
+
+#[test]
+fn gyros_alone_are_verified_where_that_is_said_and_else_it_is_said_how() {
+    let mut own = calibration();
+    let sensor = |kind| Some(Sensor { kind, instance: 0, device_id: None });
+    own.axes.values_mut().for_each(|axis| axis.sensor = sensor(SensorKind::Gyro));
+    let accelerometer = AxisCalibration {
+        rate_unit: RateUnit::MetresPerS2,
+        sensor: sensor(SensorKind::Accelerometer),
+        ..own.axes["gyro_x_rad_s"].clone()
+    };
+    own.axes.insert("accel0.x".into(), accelerometer);
+    let log = Source::bytes("second.csv", log(733, 0.0, 0.0).into_bytes());
+    let verified = |sensor| verify(&log, &own, &VerifyOptions { sensor, ..VerifyOptions::default() }).unwrap();
+    let told = "accel0.x: the log has no accelerometer; to verify the gyros alone give `sensor` gyro";
+    assert_eq!(verified(None).missing, [told]);
+    let gyros = verified(Some(SensorChoice::Kind(SensorKind::Gyro)));
+    assert!(gyros.passed.is_none() && gyros.missing.is_empty(), "{gyros:?}");
 }
 
 #[test]

@@ -16,14 +16,14 @@ use crate::{output, screen};
 ///
 /// px4, ardupilot, methodic-configurator and json hold a cubic of temperature and no more: they get the best one there is,
 /// in the autopilot's own units, names and range, and what it costs against the chosen model is told here and in the file.
-/// c and rust are self-contained and hold the model itself, in floating point and in integers. csv is the curve as a table.
+/// c is self-contained and holds the model itself, in floating point and in integers. csv is the curve as a table.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Export {
     /// The calibration that `zerorate fit --out` wrote
     calibration: PathBuf,
 
-    /// px4, ardupilot, methodic-configurator, c, rust, json or csv
+    /// px4, ardupilot, methodic-configurator, c, json or csv
     #[arg(long, value_name = "FORMAT")]
     format: Format,
 

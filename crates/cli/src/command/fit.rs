@@ -100,11 +100,8 @@ impl Fit {
     pub fn run(&self) -> Result<Outcome> {
         let logs = self.log.paths();
         let places = self.places();
-        for (option, path) in [("--out", &places.out), ("--record", &self.record), ("--report", &places.report)] {
-            if let Some(path) = path {
-                output::check(option, path, &logs)?;
-            }
-        }
+        let files = [("--out", &places.out), ("--record", &self.record), ("--report", &places.report)];
+        output::check_all(&files.map(|(option, path)| (option, path.as_deref())), &logs)?;
         let busy = Busy::reading(logs[0]);
         let fit = fit(&self.log.sources(), &self.log.options())?;
         let units = self.units.of(fit.axes.iter().map(|axis| axis.calibration.rate_unit))?;

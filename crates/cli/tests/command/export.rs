@@ -51,5 +51,7 @@ fn what_cannot_be_exported_is_an_error_that_says_what_to_do() {
     let wrong = zerorate(folder.path(), &["export", "calibration.json", "--format", "inav"]);
     assert_eq!(wrong.code, 2);
     wrong.says(&["'inav' is no format: give px4, ardupilot"]);
+    let help = zerorate(folder.path(), &["export", "--help"]);
+    assert!(!help.out.contains("rust"), "what there is no more is not offered: {}", help.out);
     zerorate(folder.path(), &["export", "none.json", "--format", "c"]).is_error(&["none.json: cannot be read"]);
 }

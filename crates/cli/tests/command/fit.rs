@@ -167,6 +167,28 @@ fn json_stands_alone_on_standard_output_and_has_what_was_guessed() {
 }
 
 #[test]
+fn a_model_with_a_history_has_its_own_name_everywhere_and_its_static_cubic_another() {
+    let mut log = Log::cycle();
+    // What the sensor feels follows its temperature in five minutes.
+    let mut felt = log.temperature_c[0];
+    for (row, temperature) in log.temperature_c.iter().enumerate() {
+        felt += 0.5 / 300.0 * (temperature - felt);
+        log.rates.iter_mut().for_each(|rate| rate[row] += 1e-3 * (felt - temperature));
+    }
+    let folder = folder_with("log.csv", log.csv());
+    let ran = zerorate(folder.path(), &["fit", "log.csv", "--report", "report.html"]);
+    let json = zerorate(folder.path(), &["fit", "log.csv", "--json"]).json();
+    let axis = &json["axes"]["x_rad_s"];
+    let model = axis["model"].as_str().unwrap();
+    assert!(model.contains(" + "), "{model}");
+    assert_eq!((&axis["static_model"], axis["raw_coefficients"].as_array().unwrap().len()), (&"poly:3".into(), 4));
+    let row = ran.out.lines().find(|line| line.starts_with("  x_rad_s")).unwrap();
+    assert!(row.contains(&format!("  {model}  ")), "{row}");
+    let page = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains(&format!("# x_rad_s, poly:3, the static cubic beside {model}\n# this cubic leaves ")));
+}
+
+#[test]
 fn a_missing_file_and_an_empty_one_are_errors() {
     let folder = folder_with("empty.csv", "");
     zerorate(folder.path(), &["fit", "nothing.csv"]).is_error(&["nothing.csv: cannot be read", "No such file"]);

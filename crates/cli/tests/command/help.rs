@@ -44,6 +44,27 @@ fn without_a_subcommand_the_help_is_shown_as_an_error() {
 }
 
 #[test]
+fn what_is_wrong_with_the_arguments_is_told_to_programs_too() {
+    let folder = folder_with("half.csv", "a,b\n1,2\n");
+    for (arguments, told) in [
+        (&["fit", "half.csv", "--units", "furlong", "--json"][..], "invalid value 'furlong' for '--units <UNIT>'"),
+        (&["export", "--format", "rust", "--json"], "'rust' is no format"),
+        (&["export", "--json"], "were not provided: --format <FORMAT>"),
+        (&["fitt", "--json"], "unrecognized subcommand 'fitt'"),
+        (&["device", "--json"], "no command was given"),
+    ] {
+        let ran = zerorate(folder.path(), arguments);
+        assert_eq!(ran.code, 2, "{}", ran.err);
+        let json = ran.json();
+        let error = json["error"].as_str().unwrap();
+        assert!(error.contains(told) && !error.contains("error:") && !error.contains("Usage"), "{error}");
+        assert!(!ran.err.is_empty());
+    }
+    let help = zerorate(folder.path(), &["fit", "--help", "--json"]);
+    assert_eq!((help.code, help.out.starts_with('{')), (0, false));
+}
+
+#[test]
 fn the_version_is_told() {
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(zerorate(folder.path(), &["--version"]).out, concat!("zerorate ", env!("CARGO_PKG_VERSION"), "\n"));

@@ -20,6 +20,22 @@ fn a_folder_that_is_missing_or_a_file_is_named_before_any_work() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
+#[test]
+fn two_results_in_one_place_are_refused_however_it_is_written() {
+    let folder = folder_with("log.csv", Log::cycle().csv());
+    for places in [
+        ["--out", "p.json", "--report", "p.json"],
+        ["--out", "p.json", "--report", "./p.json"],
+        ["--record", "p.json", "--out", "p.json"],
+    ] {
+        let ran = zerorate(folder.path(), &[&["fit", "log.csv"], &places[..]].concat());
+        ran.is_error(&["--out", "are one file", "p.json", "one would be lost"]);
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    #[cfg(unix)]
+    assert_eq!(zerorate(folder.path(), &["fit", "log.csv", "--out", "/dev/null", "--report", "/dev/null"]).code, 0);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_device_that_is_full_is_an_error_and_stays_a_device() {

@@ -162,13 +162,31 @@ fn a_correction_stays_in_the_unit_of_its_column() {
 }
 
 #[test]
+fn a_hole_in_time_is_named_with_its_place_and_how_long_it_is() {
+    let log = Log::cycle();
+    let both = [log.rows(0..2403), log.rows(4443..8400)];
+    let csv = both[0].csv() + both[1].csv().split_once('\n').unwrap().1;
+    let json = fit(csv, &[]).json();
+    assert_eq!((json["reasons"].as_array().unwrap().len(), &json["reasons"][0]["kind"]), (1, &"gap".into()), "{json}");
+    let text = json["reasons"][0]["text"].as_str().unwrap();
+    assert!(text.starts_with("nothing was logged for 17 min, from 1201 s to 2222 s, at "), "{text}");
+}
+
+#[test]
 fn without_a_time_column_a_place_is_told_by_its_rows() {
     let mut log = Log::cycle();
     (5000..5060).for_each(|row| log.rates[0][row] += 2.0);
     let text: String = log.csv().lines().map(|line| line.split_once(',').unwrap().1.to_owned() + "\n").collect();
     let folder = folder_with("log.csv", text);
-    let ran = zerorate(folder.path(), &["fit", "log.csv"]);
+    let ran = zerorate(folder.path(), &["fit", "log.csv", "--explain", "--out", "c.json", "--report", "r.html"]);
     assert_eq!(ran.code, 0, "{}", ran.err);
-    ran.says(&["the unit was moved in rows "]);
-    assert!(!ran.out.contains("NaN"), "{}", ran.out);
+    ran.says(&["the unit was moved in rows ", "in averages over about 21 rows", "its zero in the first average"]);
+    let page = fs::read_to_string(folder.path().join("r.html")).unwrap();
+    assert!(page.contains("in averages over about 21 rows"));
+    let verified = zerorate(folder.path(), &["verify", "log.csv", "--with", "c.json", "--in-sample"]);
+    verified.says(&["the run's first average"]);
+    for text in [ran.out, page, verified.out] {
+        let told = ["NaN", "about 10 s", "half minute"].into_iter().find(|part| text.contains(part));
+        assert_eq!(told, None, "of a log without times: {text}");
+    }
 }

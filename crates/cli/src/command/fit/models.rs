@@ -27,8 +27,11 @@ pub fn models(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
     page.gap();
     page.sentence(
         "  ",
-        "Each of eight folds as above. Deployed: as a run of one fold's length, its zero taken in the fold's first half \
-         minute; warm: the history is known from the log's start; cold: it begins with the fold.",
+        &format!(
+            "Each of eight folds as above. Deployed: as a run of one fold's length, its zero taken in the fold's {}; warm: the \
+             history is known from the log's start; cold: it begins with the fold.",
+            fit.zero_taken_in()
+        ),
     );
 }
 
@@ -51,11 +54,14 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
     page.gap();
     page.sentence(
         "  ",
-        "Held out: each fold of the log, predicted by a fit of the others. Deployed: the same without drift in time, less \
-         the mean of its first half minute. Cold and hot end: the coldest and the hottest groups held out, as many as a fold. Taken \
-         (*) is the simplest model whose held-out and deployed squares are within one standard error of the best. It must \
-         be at neither end worse than the better of a straight line and a cubic, and in neither direction of the ramp worse \
-         than the cubic. Where what is so taken predicts new data worse than the cubic, the best plain curve is taken.",
+        &format!(
+            "Held out: each fold of the log, predicted by a fit of the others. Deployed: the same without drift in time, less \
+             the mean of its {}. Cold and hot end: the coldest and the hottest groups held out, as many as a fold. Taken (*) is \
+             the simplest model whose held-out and deployed squares are within one standard error of the best. It must be at \
+             neither end worse than the better of a straight line and a cubic, and in neither direction of the ramp worse than \
+             the cubic. Where what is so taken predicts new data worse than the cubic, the best plain curve is taken.",
+            fit.zero_taken_in()
+        ),
     );
 }
 

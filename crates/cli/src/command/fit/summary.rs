@@ -111,9 +111,7 @@ fn curves(page: &mut Page, fit: &LogFit, scale: RateScale, unit: RateUnit) {
     grid.head(["", "", "", "drift", left_head, "", "", "uncorrected", "", "rows"]);
     grid.head([what, "verdict", "model", "pp", "rms", "±", "pp", "rms", "pp", "used"]);
     for (place, axis) in axes.iter().enumerate() {
-        let own = &axis.calibration.fit.model;
-        let beside = if own.history.is_some() || own.time_drift.is_some() { "+" } else { "" };
-        let model = format!("{}{beside}", axis.calibration.model());
+        let model = axis.calibration.fit.chosen_model();
         let used = thousands(axis.calibration.fit.statistics.samples_used);
         let cells = [&drifts, &rms, &error, &pp, &before_rms, &before_pp].map(|column| column[place].clone());
         grid.row([axis.name.clone(), axis.verdict.name().to_owned(), model].into_iter().chain(cells).chain([used]));
@@ -170,13 +168,16 @@ fn terms(page: &mut Page, fit: &LogFit) {
     page.gap();
     let axes: Vec<&AxisFit> = fit.axes.iter().collect();
     if deployed(&axes) {
+        let (averaged_over, zero_taken_in) = (fit.averaged_over(), fit.zero_taken_in());
         page.sentence(
             "  ",
-            "Deployed is what a device has left of a whole log like this one, in averages over about 10 s, if it takes its \
-             zero in the first half minute and the prediction off from then on: each eighth of the log as a model predicts it \
-             that was chosen and fitted on the other seven, and without the log's own drift in time, which no device knows. \
-             Uncorrected is the same without a model. zerorate verify measures the same two of another run. \u{b1} is one \
-             standard error of the rms, by how much the eight folds differ; pp is peak to peak.",
+            &format!(
+                "Deployed is what a device has left of a whole log like this one, in averages over {averaged_over}, if it \
+                 takes its zero in the {zero_taken_in} and the prediction off from then on: each eighth of the log as a model \
+                 predicts it that was chosen and fitted on the other seven, and without the log's own drift in time, which no \
+                 device knows. Uncorrected is the same without a model. zerorate verify finds the same two numbers in another \
+                 run. \u{b1} is one standard error of the rms, by how much the eight folds differ; pp is peak to peak."
+            ),
         );
     }
     if fit.axes.iter().any(|axis| axis.calibration.reference_temperature.is_some()) {
@@ -191,8 +192,8 @@ fn terms(page: &mut Page, fit: &LogFit) {
 /// What the numbers within the recording mean.
 fn terms_in_recording(page: &mut Page, fit: &LogFit, over: ResidualOver) {
     let of_what = match over {
-        ResidualOver::Rows => "single rows",
-        ResidualOver::Groups => "averages over about 10 s",
+        ResidualOver::Rows => "single rows".to_owned(),
+        ResidualOver::Groups => format!("averages over {}", fit.averaged_over()),
     };
     let believed = if fit.axes.iter().any(|axis| axis.calibration.fit.model.time_drift.is_some()) {
         " Both take the log's own drift in time off, and its history as known from the start: that shows how well the model \

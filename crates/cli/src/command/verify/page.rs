@@ -90,14 +90,14 @@ fn grid(axes: &[&VerifiedAxis], scale: RateScale) -> Grid {
 }
 
 fn terms(verified: &Verified) -> String {
-    let averages = match verified.averaged_over_s {
-        Some(period) => format!("Averages over {period:.1} s."),
-        None => "Averages over successive rows: the log has no times.".to_owned(),
+    let (averages, zero_taken_in) = match verified.averaged_over_s {
+        Some(period) => (format!("Averages over {period:.1} s."), "first half minute"),
+        None => ("Averages over successive rows: the log has no times.".to_owned(), "first average"),
     };
     format!(
         "{averages} Recorded and corrected: rms about the mean, which the start of another run sets anew; the mean that is \
          left stands under mean. Times smaller: recorded rms over corrected rms, so below 1 the correction is worse than \
-         none. Uncorrected and deployed: the rate, and the rate corrected, less the mean of the run's first half \
-         minute, as a device's zero at the start takes it off; fit tells both first."
+         none. Uncorrected and deployed: the rate, and the rate corrected, less the mean of the run's \
+         {zero_taken_in}, as a device's zero at the start takes it off; fit tells both first."
     )
 }
