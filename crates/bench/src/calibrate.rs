@@ -86,6 +86,9 @@ fn run(
     };
     let mut session = Session::new(bench, setup, progress);
     session.plan();
+    if identity.calibration.is_in_use() {
+        session.progress.note("the board holds a calibration: its compensation is off while the unit is measured");
+    }
     first_time(&mut session)?;
 
     let full =

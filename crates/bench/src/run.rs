@@ -1,5 +1,6 @@
 //! Taking groups: the one loop that every procedure records with.
 
+mod rest;
 mod unseen;
 mod warnings;
 
@@ -161,23 +162,6 @@ impl<'b> Session<'b> {
     pub fn phase(&mut self, name: &str, groups: u32) {
         name.clone_into(&mut self.doing);
         self.progress.phase(name, groups);
-    }
-
-    /// Power off and on, acquisition stopped, both wipers at the middle tap: how every run begins.
-    ///
-    /// # Errors
-    /// [`BenchError`].
-    pub fn begin(&mut self) -> Result<(), BenchError> {
-        self.bench.surroundings.power_cycle()?;
-        if self.bench.surroundings.obeys() {
-            self.bench.device.restarted();
-            self.bench.device.identify()?;
-        } else {
-            self.await_power()?;
-        }
-        let middle = self.setup.middle();
-        self.bench.device.set_taps([middle, middle])?;
-        Ok(())
     }
 
     /// Sends the chamber to a temperature and holds it there, the acquisition standing still.

@@ -2,9 +2,8 @@
 //! Uncompensated, both wipers at the middle tap, as on the ramp.
 
 use serde::{Deserialize, Serialize};
-use zerorate_core::compensate::Mode;
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds};
-use zerorate_core::wire::{Request, SampleWindow};
+use zerorate_core::wire::SampleWindow;
 
 use crate::checkpoint::Checkpoints;
 use crate::error::BenchError;
@@ -53,12 +52,6 @@ pub fn run_once(session: &mut Session<'_>, recorder: &mut Recorder, kept: &Check
     // On a bench that obeys, every run begins alike.
     if session.bench.surroundings.obeys() || is_left {
         session.begin()?;
-        // A calibrated board would compensate what the soaks are to show.
-        for axis in Axis::BOTH {
-            session.bench.device.order(Request::SetMode { axis, mode: Mode::Off })?;
-        }
-        let middle = session.setup.middle();
-        session.bench.device.set_taps([middle, middle])?;
     }
     let mut points = Vec::with_capacity(temperatures.len());
     let began = session.elapsed;
