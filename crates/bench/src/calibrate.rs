@@ -89,6 +89,10 @@ fn run(
     if identity.calibration.is_in_use() {
         session.progress.note("the board holds a calibration: its compensation is off while the unit is measured");
     }
+    if let Some(left_out) = setup.soaks_left_out() {
+        let told = session.warnings.add(left_out);
+        session.progress.note(&told);
+    }
     first_time(&mut session)?;
 
     let full =
@@ -122,7 +126,7 @@ fn run(
         recorder.finish()?;
     }
 
-    let mut recorder = output.go_on(SOAKS, &info("soaks"), soaks::extent(&checkpoints, setup.chamber.soaks_c.len()))?;
+    let mut recorder = output.go_on(SOAKS, &info("soaks"), soaks::extent(&checkpoints, setup.soaks().len()))?;
     let soaks = soaks::run_once(&mut session, &mut recorder, &checkpoints)?;
     let soaks = soak_comparison::compared(&soaks, setup, &measured);
     recorder.finish()?;

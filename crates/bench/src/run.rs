@@ -22,7 +22,7 @@ use crate::setup::SetUp;
 use crate::steps::StepWatch;
 
 /// A chamber is where it was sent when its air is this close.
-const AT_SET_POINT: Kelvins = Kelvins(0.5);
+pub(crate) const AT_SET_POINT: Kelvins = Kelvins(0.5);
 /// How often the chamber is looked at on the way to a soak.
 const LOOK_EVERY: Seconds = Seconds(10.0);
 /// A chamber slower than this on the way to a soak has failed: twenty hours a hundred kelvins.

@@ -169,7 +169,7 @@ pub struct Soaks {
     pub ramp_hours: f64,
     /// Chamber time of all soaks and the ways between them, hours.
     pub soak_hours: f64,
-    /// The chamber time that the ramp saves, hours.
+    /// The chamber time that the ramp saves: that of the soaks which lie on it, less its own, hours.
     pub hours_saved: f64,
     /// The axes by name, `x` and `y`.
     #[serde(flatten)]
@@ -179,7 +179,7 @@ pub struct Soaks {
 /// The soaks of one axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisSoaks {
-    /// The largest distance of a soak from the ramp's curve, counts, of the soaks in the range that the ramp measured;
+    /// The largest distance of a soak from the ramp's curve, counts, of those that are not [`outside`](SoakPoint::outside_ramp);
     /// `None` where none is.
     pub max_difference_counts: Option<f64>,
     /// The soaks, in the order in which they were made.
@@ -197,6 +197,18 @@ pub struct SoakPoint {
     pub zro_counts: f64,
     /// The ramp's fitted curve at that temperature.
     pub ramp_counts: f64,
+    /// Whether the temperature lies outside of those that the ramp measured, by more than a chamber is held to: then
+    /// nothing can be compared.
+    #[serde(default)]
+    pub outside_ramp: bool,
+}
+
+impl AxisSoaks {
+    /// How many of the soaks are compared with the ramp.
+    #[must_use]
+    pub fn compared(&self) -> usize {
+        self.points.iter().filter(|soak| !soak.outside_ramp).count()
+    }
 }
 
 /// Why a summary cannot be read, with its name.
