@@ -131,7 +131,9 @@ fn run(
     let soaks = soak_comparison::compared(&soaks, setup, &measured);
     recorder.finish()?;
 
+    let results: Vec<_> = verifications.iter().flat_map(|test| &test.results).collect();
     let warnings = &mut measured.calibration.warnings;
+    warnings.extend(results.iter().filter_map(|result| result.warning()));
     warnings.extend(session.warnings.sentences());
     let line = session.bench.device.counts();
     if line != LineCounts::default() {
@@ -140,7 +142,6 @@ fn run(
             "the line to the device lost {lost_uploads} uploads and damaged {damaged_frames} frames; {sent_again} commands were sent again"
         ));
     }
-    let results: Vec<_> = verifications.iter().flat_map(|test| &test.results).collect();
     let mut checks = check(&results, &setup.limits, setup.board.centre_counts);
     checks.extend(soaks.iter().flat_map(|soaks| soak_comparison::check(soaks, &setup.limits)));
     let origin = |(content, file): (&str, &str)| {
