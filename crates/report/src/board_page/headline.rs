@@ -154,8 +154,11 @@ fn unit_facts(board: &Board) -> Markup {
         ("Groups", html! { (board.group_samples()) " samples, " (groups) " a minute" }),
         ("Scale factor", html! { (significant(summary.counts_per_dps, 4)) " counts per deg/s" }),
     ]);
-    if !board.run.full_temperature.info.firmware.is_empty() {
-        facts.push(("Firmware", html! { (board.run.full_temperature.info.firmware) }));
+    let recorded = &board.run.full_temperature.info;
+    // A simulated run has no date, so that it gives the same bytes again.
+    facts.extend(recorded.started.map(|started| ("Begun", html! { (started.format("%Y-%m-%d %H:%M UTC")) })));
+    if !recorded.firmware.is_empty() {
+        facts.push(("Firmware", html! { (recorded.firmware) }));
     }
     facts.extend(calibration.labels.iter().map(|(name, label)| (name.as_str(), html! { (label) })));
     facts.push(("Made by", html! { (calibration.created_by) }));
