@@ -86,6 +86,13 @@ fn run(
     };
     let mut session = Session::new(bench, setup, progress);
     session.plan();
+    if identity.calibration.is_in_use() {
+        session.progress.note("the board holds a calibration: its compensation is off while the unit is measured");
+    }
+    if let Some(left_out) = setup.soaks_left_out() {
+        let told = session.warnings.add(left_out);
+        session.progress.note(&told);
+    }
     first_time(&mut session)?;
 
     let full =
@@ -119,12 +126,14 @@ fn run(
         recorder.finish()?;
     }
 
-    let mut recorder = output.go_on(SOAKS, &info("soaks"), soaks::extent(&checkpoints, setup.chamber.soaks_c.len()))?;
+    let mut recorder = output.go_on(SOAKS, &info("soaks"), soaks::extent(&checkpoints, setup.soaks().len()))?;
     let soaks = soaks::run_once(&mut session, &mut recorder, &checkpoints)?;
     let soaks = soak_comparison::compared(&soaks, setup, &measured);
     recorder.finish()?;
 
+    let results: Vec<_> = verifications.iter().flat_map(|test| &test.results).collect();
     let warnings = &mut measured.calibration.warnings;
+    warnings.extend(results.iter().filter_map(|result| result.warning()));
     warnings.extend(session.warnings.sentences());
     let line = session.bench.device.counts();
     if line != LineCounts::default() {
@@ -133,7 +142,6 @@ fn run(
             "the line to the device lost {lost_uploads} uploads and damaged {damaged_frames} frames; {sent_again} commands were sent again"
         ));
     }
-    let results: Vec<_> = verifications.iter().flat_map(|test| &test.results).collect();
     let mut checks = check(&results, &setup.limits, setup.board.centre_counts);
     checks.extend(soaks.iter().flat_map(|soaks| soak_comparison::check(soaks, &setup.limits)));
     let origin = |(content, file): (&str, &str)| {

@@ -2,6 +2,7 @@
 
 use zerorate_cal::board_run::BoardRunError;
 use zerorate_cal::recording::{RecordingError, WriteError};
+use zerorate_core::compensate::Mode;
 use zerorate_core::units::{Axis, Taps};
 
 use crate::client::ClientError;
@@ -25,6 +26,20 @@ pub enum BenchError {
     /// The recording cannot be written.
     #[error(transparent)]
     NotRecorded(#[from] WriteError),
+    /// The board does not rest although it was told to.
+    #[error(
+        "axis {}: the board is in mode {} at tap {} although it was told off and {}, and what it compensates cannot be measured: switch it off and on; if that does not help, update its firmware", axis.name(), mode.name(), tap.get(), middle.get()
+    )]
+    NotAtRest {
+        /// The axis.
+        axis: Axis,
+        /// The mode that it is in.
+        mode: Mode,
+        /// The tap that it was last commanded to.
+        tap: Taps,
+        /// The tap that it was told.
+        middle: Taps,
+    },
     /// No tap brings the reading near the centre.
     #[error(
         "axis {}: at a supply of {supply_v:.4} V no tap brings the reading near the centre of {centre_counts:.0} counts: the search ended at tap {} with {reading_counts:.0} counts. Make trim.span_counts smaller, or check the zero-adjust circuit", axis.name(), tap.get()

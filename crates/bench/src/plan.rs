@@ -77,11 +77,12 @@ impl Plan {
             add(Part::Test(mode, Axis::Y), cold, cold_s + ramp_s, hot);
         }
         let (mut soaks_s, mut from) = (0.0, hot);
-        for &soak in &chamber.soaks_c {
-            soaks_s += way_s(from, soak) + chamber.soak_s + f64::from(GROUPS_A_SOAK) * period_s;
-            from = soak;
+        let soaks = setup.soaks();
+        for soak in &soaks {
+            soaks_s += way_s(from, soak.0) + chamber.soak_s + f64::from(GROUPS_A_SOAK) * period_s;
+            from = soak.0;
         }
-        if !chamber.soaks_c.is_empty() {
+        if !soaks.is_empty() {
             parts.push((Part::Soaks, Seconds(soaks_s)));
         }
         Self { parts }

@@ -1,5 +1,6 @@
 //! Taking groups: the one loop that every procedure records with.
 
+mod rest;
 mod unseen;
 mod warnings;
 
@@ -21,7 +22,7 @@ use crate::setup::SetUp;
 use crate::steps::StepWatch;
 
 /// A chamber is where it was sent when its air is this close.
-const AT_SET_POINT: Kelvins = Kelvins(0.5);
+pub(crate) const AT_SET_POINT: Kelvins = Kelvins(0.5);
 /// How often the chamber is looked at on the way to a soak.
 const LOOK_EVERY: Seconds = Seconds(10.0);
 /// A chamber slower than this on the way to a soak has failed: twenty hours a hundred kelvins.
@@ -161,23 +162,6 @@ impl<'b> Session<'b> {
     pub fn phase(&mut self, name: &str, groups: u32) {
         name.clone_into(&mut self.doing);
         self.progress.phase(name, groups);
-    }
-
-    /// Power off and on, acquisition stopped, both wipers at the middle tap: how every run begins.
-    ///
-    /// # Errors
-    /// [`BenchError`].
-    pub fn begin(&mut self) -> Result<(), BenchError> {
-        self.bench.surroundings.power_cycle()?;
-        if self.bench.surroundings.obeys() {
-            self.bench.device.restarted();
-            self.bench.device.identify()?;
-        } else {
-            self.await_power()?;
-        }
-        let middle = self.setup.middle();
-        self.bench.device.set_taps([middle, middle])?;
-        Ok(())
     }
 
     /// Sends the chamber to a temperature and holds it there, the acquisition standing still.

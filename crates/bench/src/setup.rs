@@ -4,6 +4,7 @@
 //! over a field stands over it in the file that `zerorate setup` prints, too.
 
 mod contradictions;
+mod soaks;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -100,7 +101,7 @@ pub struct ChamberProfile {
     pub soak_groups: u32,
     /// The least and the greatest temperature that the chamber may be sent to, degrees C.
     pub limits_c: [f64; 2],
-    /// The soaks of the traditional test to compare with, degrees C.
+    /// The soaks of the traditional test to compare with, degrees C. Those outside of the ramp's ends are left out.
     pub soaks_c: Vec<f64>,
 }
 

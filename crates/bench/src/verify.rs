@@ -67,7 +67,7 @@ pub fn check(results: &[&TestResult], limits: &Limits, centre_counts: f64) -> Ve
 }
 
 /// Counts, held against the most that they may be.
-pub(crate) fn at_most(what: String, limit: f64, measured: f64) -> Check {
+fn at_most(what: String, limit: f64, measured: f64) -> Check {
     Check {
         what,
         limit: format!("at most {limit:.1} counts"),

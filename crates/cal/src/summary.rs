@@ -169,7 +169,7 @@ pub struct Soaks {
     pub ramp_hours: f64,
     /// Chamber time of all soaks and the ways between them, hours.
     pub soak_hours: f64,
-    /// The chamber time that the ramp saves, hours.
+    /// The chamber time that the ramp saves: that of the soaks which lie on it, less its own, hours.
     pub hours_saved: f64,
     /// The axes by name, `x` and `y`.
     #[serde(flatten)]
@@ -179,7 +179,7 @@ pub struct Soaks {
 /// The soaks of one axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisSoaks {
-    /// The largest distance of a soak from the ramp's curve, counts, of the soaks in the range that the ramp measured;
+    /// The largest distance of a soak from the ramp's curve, counts, of those that are not [`outside`](SoakPoint::outside_ramp);
     /// `None` where none is.
     pub max_difference_counts: Option<f64>,
     /// The soaks, in the order in which they were made.
@@ -197,6 +197,18 @@ pub struct SoakPoint {
     pub zro_counts: f64,
     /// The ramp's fitted curve at that temperature.
     pub ramp_counts: f64,
+    /// Whether the temperature lies outside of those that the ramp measured, by more than a chamber is held to: then
+    /// nothing can be compared.
+    #[serde(default)]
+    pub outside_ramp: bool,
+}
+
+impl AxisSoaks {
+    /// How many of the soaks are compared with the ramp.
+    #[must_use]
+    pub fn compared(&self) -> usize {
+        self.points.iter().filter(|soak| !soak.outside_ramp).count()
+    }
 }
 
 /// Why a summary cannot be read, with its name.
@@ -264,6 +276,31 @@ impl TestResult {
     pub fn ratio(&self) -> f64 {
         self.uncompensated_pp_counts / self.residual_pp_counts
     }
+
+    /// The same in words: `12 times less`; where more is left, `1.3 times more`; `no less` where nothing was gained.
+    #[must_use]
+    pub fn times(&self) -> String {
+        let ratio = self.ratio();
+        let (times, what) = if ratio < 1.0 { (ratio.recip(), "more") } else { (ratio, "less") };
+        match times {
+            ..1.05 => "no less".to_owned(),
+            ..9.95 => format!("{times:.1} times {what}"),
+            _ => format!("{times:.0} times {what}"),
+        }
+    }
+
+    /// Where the compensation has made the axis worse, a sentence.
+    #[must_use]
+    pub fn warning(&self) -> Option<String> {
+        let Self { mode, axis, direction, residual_pp_counts: left, uncompensated_pp_counts: before, .. } = self;
+        let test = format!("{} {}, {}", axis.name().to_uppercase(), mode.name(), direction.name());
+        (left > before).then(|| {
+            format!(
+                "{test}: {left:.1} counts peak to peak are left, and without compensation they are {before:.1}: {}",
+                self.times()
+            )
+        })
+    }
 }
 
 #[cfg(test)]
@@ -281,6 +318,22 @@ mod tests {
         assert_eq!((&again["mode"], &again["direction"]), (&"hybrid".into(), &"cooling".into()));
         let wrong = serde_json::from_str::<TestResult>(&text.replace("hybrid", "mixed")).unwrap_err().to_string();
         assert!(wrong.contains("'mixed' is no mode: there are off, trim, digital, hybrid"), "{wrong}");
+    }
+
+    #[test]
+    fn what_is_left_is_told_as_less_or_more_and_a_warning_says_that_it_is_more() {
+        for (left, times) in [(34.9, "1.3 times more"), (27.0, "no less"), (26.4, "no less"), (4.4, "6.0 times less")] {
+            let text = format!(
+                r#"{{"mode":"trim","axis":"x","control":"y","direction":"heating","residual_pp_counts":{left},
+                "residual_rms_counts":1.0,"uncompensated_pp_counts":26.4,"control_pp_counts":400.0,"wiper_writes":13,
+                "mean_counts":8200.1,"largest_step_counts":0.5}}"#
+            );
+            let test: TestResult = serde_json::from_str(&text).unwrap();
+            assert_eq!(test.times(), times);
+            let told = test.warning();
+            assert_eq!(told.is_some(), left > 26.4, "{told:?}");
+            assert!(told.is_none_or(|told| told.starts_with("X trim, heating: ") && told.ends_with(times)));
+        }
     }
 
     #[test]

@@ -45,7 +45,7 @@ pub fn board_page(run: &BoardRun) -> String {
     }
     chapters.push(("checks", "What was checked", reading::checks(&run.summary.checks)));
     chapters.push(("reading", "How to read the numbers", reading::definitions(&board)));
-    let sources = page::sources(&run.calibration.created_by, &run.calibration.sources);
+    let sources = page::sources(&run.calibration.created_by, &run.summary.recordings);
     chapters.push(("sources", "What this page is made of", sources));
     page::page(&format!("Calibration of {}", run.summary.serial), &headline::headline(&board), &chapters)
 }

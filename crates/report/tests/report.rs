@@ -2,6 +2,7 @@
 
 mod sample;
 
+use zerorate_cal::calibration::Origin;
 use zerorate_cal::log_fit::{AxisVerdict, LogFit};
 use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
 use zerorate_cal::units::WrittenRate;
@@ -99,6 +100,22 @@ fn a_calibration_shows_the_papers_figures_and_corrects_its_erratum_aloud() {
     }
     assert!(page.contains("See erratum") && page.contains("As printed: + 0.676531"));
     assert!(page.contains("1 of 4 checks"));
+}
+
+#[test]
+fn a_board_run_shows_when_it_was_begun_and_every_recording_that_it_left() {
+    let files = ["full-temperature", "trim-sweep", "compensation-test-trim", "compensation-test-hybrid", "soaks"];
+    let mut run = sample::board_run();
+    assert!(!board_page(&run).contains("Begun"), "a simulated run has no date");
+    run.full_temperature.info.started = Some("2026-03-01T08:05:59Z".parse().unwrap());
+    run.summary.recordings = files
+        .map(|file| Origin { content: file.into(), file: format!("{file}.parquet"), sha256: format!("hash of {file}") })
+        .into();
+    let page = board_page(&run);
+    assert!(page.contains("<dt>Begun</dt><dd>2026-03-01 08:05 UTC</dd>"));
+    for file in files {
+        assert!(page.contains(&format!("of {file}.parquet, SHA-256 <code>hash of {file}</code>")), "{file}");
+    }
 }
 
 #[test]

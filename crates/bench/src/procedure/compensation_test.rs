@@ -50,7 +50,6 @@ pub fn run(
     let (soak, soak_groups, ramp_groups) = (Seconds(chamber.soak_s), chamber.soak_groups, chamber.ramp_groups);
     session.begin()?;
     session.bench.device.order(Request::SetMode { axis, mode })?;
-    session.bench.device.order(Request::SetMode { axis: axis.other(), mode: Mode::Off })?;
     session.soak("cold soak", cold, soak)?;
     session.start(if extent.samples { steps::window(axis, session.first_second()) } else { SampleWindow::NONE })?;
     let name =

@@ -2,9 +2,8 @@
 //! Uncompensated, both wipers at the middle tap, as on the ramp.
 
 use serde::{Deserialize, Serialize};
-use zerorate_core::compensate::Mode;
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds};
-use zerorate_core::wire::{Request, SampleWindow};
+use zerorate_core::wire::SampleWindow;
 
 use crate::checkpoint::Checkpoints;
 use crate::error::BenchError;
@@ -12,20 +11,22 @@ use crate::plan::Part;
 use crate::run::{Extent, Phase, Recorder, Session, Taken};
 use crate::setup::GROUPS_A_SOAK;
 
-/// What the soaks came to.
+/// What a soak came to.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Soaks {
-    /// Mean temperature and zero-rate reading of X and Y at each soak.
-    pub points: Vec<[(Counts, Counts); 2]>,
-    /// Chamber time from the way to the first soak to the last one's end.
+pub struct Soak {
+    /// Mean temperature and zero-rate reading of X and Y.
+    pub means: [(Counts, Counts); 2],
+    /// Chamber time from the way to it to its end.
     pub chamber_time: Seconds,
+    /// Where the chamber was sent.
+    pub set_point: Celsius,
 }
 
-/// Soaks at every temperature of the set-up, one hour each, and takes a minute of groups at the end of each.
+/// Soaks at every temperature of the set-up that the ramp covers, one hour each, and takes a minute of groups at the end of each.
 ///
 /// # Errors
 /// [`BenchError`].
-pub fn run(session: &mut Session<'_>, recorder: &mut Recorder) -> Result<Soaks, BenchError> {
+pub fn run(session: &mut Session<'_>, recorder: &mut Recorder) -> Result<Vec<Soak>, BenchError> {
     run_once(session, recorder, &Checkpoints::none())
 }
 
@@ -43,8 +44,12 @@ fn name(index: usize) -> String {
 ///
 /// # Errors
 /// [`BenchError`].
-pub fn run_once(session: &mut Session<'_>, recorder: &mut Recorder, kept: &Checkpoints) -> Result<Soaks, BenchError> {
-    let temperatures = session.setup.chamber.soaks_c.clone();
+pub fn run_once(
+    session: &mut Session<'_>,
+    recorder: &mut Recorder,
+    kept: &Checkpoints,
+) -> Result<Vec<Soak>, BenchError> {
+    let temperatures = session.setup.soaks();
     let hold = Seconds(session.setup.chamber.soak_s);
     let is_left = (0..temperatures.len()).any(|index| kept.extent(&name(index)).is_none());
     if is_left {
@@ -53,34 +58,22 @@ pub fn run_once(session: &mut Session<'_>, recorder: &mut Recorder, kept: &Check
     // On a bench that obeys, every run begins alike.
     if session.bench.surroundings.obeys() || is_left {
         session.begin()?;
-        // A calibrated board would compensate what the soaks are to show.
-        for axis in Axis::BOTH {
-            session.bench.device.order(Request::SetMode { axis, mode: Mode::Off })?;
-        }
-        let middle = session.setup.middle();
-        session.bench.device.set_taps([middle, middle])?;
     }
-    let mut points = Vec::with_capacity(temperatures.len());
-    let began = session.elapsed;
-    // What the soaks took that an earlier part of the run carried through.
-    let mut earlier = Seconds(0.0);
-    for (index, &temperature) in temperatures.iter().enumerate() {
-        let what = format!("soak {} of {} at {temperature:.0} C", index + 1, temperatures.len());
-        let before = session.elapsed;
-        let (point, took) = kept.once(&name(index), recorder, |recorder| {
-            session.soak(&what, Celsius(temperature), hold)?;
+    let mut soaks = Vec::with_capacity(temperatures.len());
+    for (index, &set_point) in temperatures.iter().enumerate() {
+        let what = format!("soak {} of {} at {:.0} C", index + 1, temperatures.len(), set_point.0);
+        soaks.push(kept.once(&name(index), recorder, |recorder| {
+            let began = session.elapsed;
+            session.soak(&what, set_point, hold)?;
             session.start(SampleWindow::NONE)?;
             let taken = session.until(GROUPS_A_SOAK, Phase::Soak, recorder)?;
             session.stop()?;
             recorder.next_run();
-            Ok((Axis::BOTH.map(|axis| mean(&taken, axis)), session.elapsed - before))
-        })?;
-        points.push(point);
-        if session.elapsed.0.total_cmp(&before.0).is_eq() {
-            earlier = earlier + took;
-        }
+            let means = Axis::BOTH.map(|axis| mean(&taken, axis));
+            Ok(Soak { means, chamber_time: session.elapsed - began, set_point })
+        })?);
     }
-    Ok(Soaks { points, chamber_time: session.elapsed - began + earlier })
+    Ok(soaks)
 }
 
 fn mean(taken: &[Taken], axis: Axis) -> (Counts, Counts) {

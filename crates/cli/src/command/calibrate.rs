@@ -222,7 +222,7 @@ impl Bar {
         // Groups are what takes time: a ramp or two for the fit, six for the tests, and the soaks' minutes.
         let of_fit = if setup.chamber.cooling_ramp { 2 } else { 1 };
         let ramps = u64::from(setup.chamber.ramp_groups) * (of_fit + 6) + u64::from(setup.chamber.soak_groups) * 5;
-        let bar = ProgressBar::new(ramps + 40 * setup.chamber.soaks_c.len() as u64);
+        let bar = ProgressBar::new(ramps + 40 * setup.soaks().len() as u64);
         // A template that does not parse would be ours, and the plain bar is one too.
         if let Ok(style) = ProgressStyle::with_template("{msg:56} {bar:24} {elapsed} gone, {eta} left") {
             bar.set_style(style);

@@ -66,10 +66,11 @@ impl Setup {
             return screen::print_json(&Checked { schema: 1, file, sound: true, unreachable, differences });
         }
         let mut page = Page::default();
+        let found = if unreachable.is_empty() { "sound" } else { "nothing in it contradicts itself, but no unit can pass" };
         if differences.is_empty() {
-            page.sentence("", &format!("{}: sound, and the same as the paper's.", file.display()));
+            page.sentence("", &format!("{}: {found}, and the same as the paper's.", file.display()));
         } else {
-            page.sentence("", &format!("{}: sound. It differs from the paper's in", file.display()));
+            page.sentence("", &format!("{}: {found}. It differs from the paper's in", file.display()));
             let mut grid = screen::Grid::new("lll");
             grid.head(["field", "here", "paper"]);
             for difference in &differences {

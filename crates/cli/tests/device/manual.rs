@@ -182,6 +182,22 @@ fn a_run_by_hand_that_was_stopped_goes_on_and_passes() {
 }
 
 #[test]
+fn a_board_that_holds_a_calibration_is_measured_without_it() {
+    let (mut board, folder) = bench("pty");
+    fs::write(folder.path().join("calibration.json"), crate::bench::calibration()).unwrap();
+    board.device(&["deploy", "calibration.json"], folder.path()).ends(0, &["axis X is in mode hybrid"]);
+    let mut run = Run::start(&board, &[], folder.path());
+    // The ramp was fitted: the next step begins.
+    assert!(run.obey_until(&mut board, "step 2 of 7: trim experiment", 1), "{:#?}", run.lines);
+    run.child.kill().unwrap();
+    run.child.wait().unwrap();
+    assert_eq!(run.count("the board holds a calibration: its compensation is off"), 1, "{:#?}", run.lines);
+    let ramp = folder.path().join("calibration/in-progress/full-temperature.parquet");
+    let rows = Recording::read(&(&ramp).into()).unwrap().rows;
+    assert!(rows.iter().all(|row| row.tap == 511 && row.mode.name() == "off"), "the wiper stays");
+}
+
+#[test]
 fn a_board_that_goes_in_the_middle_of_a_ramp_leaves_its_groups() {
     let (mut board, folder) = bench("tcp:127.0.0.1:0");
     let mut run = Run::start(&board, &[], folder.path());

@@ -8,12 +8,12 @@ use super::{Board, name_of};
 use crate::number::{fixed, fixed_or_none, significant};
 use crate::page::{self, Table};
 
-/// A bar: class, name, counts, how many times smaller than before.
+/// A bar: class, name, counts, how many times less than before.
 struct Bar {
     class: &'static str,
     name: &'static str,
     counts: f64,
-    ratio: Option<f64>,
+    times: Option<String>,
 }
 
 pub(super) fn headline(board: &Board) -> Markup {
@@ -53,13 +53,13 @@ fn lead(board: &Board) -> Markup {
         (fixed(board.summary.drift_pp_counts(test.axis), 0)) " counts. "
         @if let Some(trim) = trim {
             "Trimmed by the potentiometer, as in the paper, it moves " (fixed(trim.residual_pp_counts, 1))
-            " counts, " (fixed(trim.ratio(), 0)) " times less"
+            " counts, " (trim.times())
             @if hybrid.is_some() { "; " } @else { "." }
         }
         @if let Some(hybrid) = hybrid {
             @if trim.is_none() { "With " } @else { "with " }
             "the remainder subtracted in numbers, " (fixed(hybrid.residual_pp_counts, 1)) " counts, "
-            (fixed(hybrid.ratio(), 0)) " times less."
+            (hybrid.times()) "."
         }
     }
 }
@@ -70,21 +70,22 @@ fn bars(board: &Board) -> Markup {
         return html! {};
     };
     let before = board.summary.drift_pp_counts(test.axis);
-    let mut bars = vec![Bar { class: "before", name: "before", counts: before, ratio: None }];
+    let mut bars = vec![Bar { class: "before", name: "before", counts: before, times: None }];
     let after = [("trim", trim), ("hybrid", hybrid)];
     bars.extend(after.into_iter().filter_map(|(name, test)| {
-        test.map(|test| Bar { class: "x", name, counts: test.residual_pp_counts, ratio: Some(test.ratio()) })
+        test.map(|test| Bar { class: "x", name, counts: test.residual_pp_counts, times: Some(test.times()) })
     }));
-    bars.extend(test.floor_pp_counts.map(|counts| Bar { class: "floor", name: "floor", counts, ratio: None }));
+    bars.extend(test.floor_pp_counts.map(|counts| Bar { class: "floor", name: "floor", counts, times: None }));
+    let widest = bars.iter().map(|bar| bar.counts).fold(0.0, f64::max);
     html! {
         dl.bars aria-label={ (name_of(test.axis)) ", peak to peak, heating, held out" } {
             @for bar in &bars {
                 dt { (bar.name) }
                 dd {
-                    span.room { span class={ "bar " (bar.class) } style=(width(bar.counts / before)) {} }
+                    span.room { span class={ "bar " (bar.class) } style=(width(bar.counts / widest)) {} }
                     span {
                         b { (fixed(bar.counts, 1)) " counts" }
-                        @if let Some(ratio) = bar.ratio { " · " (fixed(ratio, 1)) " ×" }
+                        @if let Some(times) = &bar.times { " · " (times) }
                         " " small { (significant(bar.counts / board.summary.counts_per_dps.abs(), 3)) " deg/s" }
                     }
                 }
@@ -92,7 +93,7 @@ fn bars(board: &Board) -> Markup {
         }
         p.small {
             (name_of(test.axis)) ", peak to peak of group means over the heating ramp; trim and hybrid in second "
-            "runs that no fit has seen. × is how many times less than before. "
+            "runs that no fit has seen. "
             @if test.floor_pp_counts.is_some() { "The floor is what noise alone makes; below it is chance." }
             @else { "What of it is noise, which no compensation could take out, is not known on a real bench." }
         }
@@ -116,7 +117,7 @@ fn left(board: &Board) -> Markup {
     };
     let mut heads = vec!["Axis, mode, ramp", "Left, pp, counts"];
     heads.extend(Known::of(summary).floor.then_some("Floor, pp, counts"));
-    heads.extend(["Left, pp, deg/s", "Left, rms, counts", "Without, pp, counts", "Times smaller"]);
+    heads.extend(["Left, pp, deg/s", "Left, rms, counts", "Without, pp, counts", "Without / left"]);
     html! {
         @if !summary.tests.is_empty() {
             (Table {
@@ -153,8 +154,11 @@ fn unit_facts(board: &Board) -> Markup {
         ("Groups", html! { (board.group_samples()) " samples, " (groups) " a minute" }),
         ("Scale factor", html! { (significant(summary.counts_per_dps, 4)) " counts per deg/s" }),
     ]);
-    if !board.run.full_temperature.info.firmware.is_empty() {
-        facts.push(("Firmware", html! { (board.run.full_temperature.info.firmware) }));
+    let recorded = &board.run.full_temperature.info;
+    // A simulated run has no date, so that it gives the same bytes again.
+    facts.extend(recorded.started.map(|started| ("Begun", html! { (started.format("%Y-%m-%d %H:%M UTC")) })));
+    if !recorded.firmware.is_empty() {
+        facts.push(("Firmware", html! { (recorded.firmware) }));
     }
     facts.extend(calibration.labels.iter().map(|(name, label)| (name.as_str(), html! { (label) })));
     facts.push(("Made by", html! { (calibration.created_by) }));

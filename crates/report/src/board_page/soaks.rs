@@ -6,7 +6,7 @@ use zerorate_cal::summary::{SoakPoint, Soaks};
 use super::Board;
 use super::axis::BoardAxis;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample, holding};
-use crate::number::fixed;
+use crate::number::{counted, fixed};
 use crate::page::Table;
 
 /// The soaks of an axis.
@@ -20,16 +20,37 @@ fn largest_difference(soaks: &Soaks, axis: &BoardAxis) -> String {
     largest.map_or("an unknown number of".to_owned(), |counts| fixed(counts, 1))
 }
 
+/// The set points of the soaks that are not compared with the ramp, on any axis.
+fn outside(soaks: &Soaks) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    for soak in soaks.axes.values().flat_map(|axis| &axis.points).filter(|soak| soak.outside_ramp) {
+        let set_point = fixed(soak.chamber_c, 0);
+        if !found.contains(&set_point) {
+            found.push(set_point);
+        }
+    }
+    found
+}
+
 pub(super) fn chapter(soaks: &Soaks, board: &Board) -> Markup {
     let count = board.axes.first().map_or(0, |axis| points(soaks, axis).len());
+    let outside = outside(soaks);
     html! {
         p {
-            "The paper’s claim is that one ramp replaces many soaks. Here it is tried: the unit was also held at " (count)
-            " temperatures, as the traditional test does."
+            "The paper’s claim is that one ramp replaces many soaks. Here it is tried: the unit was also held at "
+            (counted(count, "temperature")) ", as the traditional test does. "
+            @if outside.is_empty() { "All of them lie on the ramp." }
+            @else {
+                (count - outside.len()) " of them lie on the ramp and are compared with it; at " (outside.join(", "))
+                "\u{a0}°C it measured nothing."
+            }
         }
         p.lead {
             "The ramp took " (fixed(soaks.ramp_hours, 1)) " hours of chamber time, the soaks "
-            (fixed(soaks.soak_hours, 1)) ": " (fixed(soaks.hours_saved, 1)) " hours saved. The curves differ by at most "
+            (fixed(soaks.soak_hours, 1))
+            @if !outside.is_empty() { ", those on the ramp " (fixed(soaks.ramp_hours + soaks.hours_saved, 1)) }
+            ": " @if soaks.hours_saved > 0.0 { (fixed(soaks.hours_saved, 1)) " hours saved. " } @else { "none saved. " }
+            "The curves differ by at most "
             @for (place, axis) in board.axes.iter().enumerate() {
                 @if place > 0 { " and " }
                 (largest_difference(soaks, axis)) " counts (" (axis.name) ")"
@@ -46,7 +67,8 @@ fn figure(soaks: &Soaks, board: &Board) -> Figure {
         let (name, ink, soaks) = (axis.name, axis.ink, points(soaks, axis));
         let temperature = "temperature reading, counts";
         let at: Vec<(f64, f64)> = soaks.iter().map(|soak| (soak.temperature_counts, soak.zro_counts)).collect();
-        let difference = soaks.iter().map(|soak| (soak.temperature_counts, soak.zro_counts - soak.ramp_counts));
+        let on_the_ramp = soaks.iter().filter(|soak| !soak.outside_ramp);
+        let difference = on_the_ramp.map(|soak| (soak.temperature_counts, soak.zro_counts - soak.ramp_counts));
         let title = format!("{name}: soaks and the ramp’s curve");
         let curve = axis.curve();
         let ends = holding(curve.iter().chain(&at).map(|point| point.0));
@@ -84,7 +106,9 @@ fn table(soaks: &Soaks, axis: &BoardAxis, board: &Board) -> Markup {
         cells.extend([
             html! { (fixed(soak.zro_counts, 1)) },
             html! { (fixed(soak.ramp_counts, 1)) },
-            html! { (fixed(soak.zro_counts - soak.ramp_counts, 2)) },
+            html! {
+                @if soak.outside_ramp { "outside the ramp" } @else { (fixed(soak.zro_counts - soak.ramp_counts, 2)) }
+            },
         ]);
         cells
     };

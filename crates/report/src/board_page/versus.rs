@@ -92,7 +92,7 @@ fn before_and_after() -> [Row; 3] {
             },
         },
         Row {
-            name: html! { "times better, peak to peak" },
+            name: html! { "drift / residual, peak to peak" },
             run: |board, axis| by_trim(board, axis, TestResult::ratio),
             paper: |paper| {
                 if paper.compensated {

@@ -188,7 +188,13 @@ fn soaks(gyro: &Gyro) -> AxisSoaks {
         let temperature_counts = 8500.0 + 340.0 * f64::from(i);
         let ramp_counts = gyro.zro(temperature_counts);
         let zro_counts = ramp_counts + 1.4 * noise(gyro.seed + 500 + u64::from(i));
-        SoakPoint { chamber_c: -40.0 + 10.0 * f64::from(i), temperature_counts, zro_counts, ramp_counts }
+        SoakPoint {
+            chamber_c: -40.0 + 10.0 * f64::from(i),
+            temperature_counts,
+            zro_counts,
+            ramp_counts,
+            outside_ramp: false,
+        }
     };
     AxisSoaks { max_difference_counts: Some(1.4), points: (0..11).map(point).collect() }
 }

@@ -101,12 +101,12 @@ fn headline(page: &mut Page, summary: &Summary) {
     let mut told = format!("X drifts {before:.0} counts over the heating ramp");
     let [trim, hybrid] = summary.headline();
     if let Some(trim) = trim {
-        let (left, ratio) = (trim.residual_pp_counts, trim.ratio());
-        told += &format!("; the potentiometer leaves {left:.0} ({ratio:.0} times better, peak to peak)");
+        let (left, times) = (trim.residual_pp_counts, trim.times());
+        told += &format!("; the potentiometer leaves {left:.0} ({times}, peak to peak)");
     }
     if let Some(hybrid) = hybrid {
-        let (left, ratio) = (hybrid.residual_pp_counts, hybrid.ratio());
-        told += &format!("; with the rest subtracted in numbers {left:.1} ({ratio:.0} times)");
+        let (left, times) = (hybrid.residual_pp_counts, hybrid.times());
+        told += &format!("; with the rest subtracted in numbers {left:.1} ({times})");
     }
     page.sentence("", &(told + "."));
 }

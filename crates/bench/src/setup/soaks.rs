@@ -1,0 +1,51 @@
+//! Which soaks of a set-up are made: those within the ramp that they are compared with.
+
+use zerorate_core::units::Celsius;
+
+use super::SetUp;
+
+impl SetUp {
+    /// The temperatures of the soaks that are made.
+    #[must_use]
+    pub fn soaks(&self) -> Vec<Celsius> {
+        self.chamber.soaks_c.iter().copied().filter(|&soak| self.is_on_the_ramp(soak)).map(Celsius).collect()
+    }
+
+    /// Which soaks are not made and why, a sentence; `None` where all are.
+    #[must_use]
+    pub fn soaks_left_out(&self) -> Option<String> {
+        let (asked, [cold, hot]) = (&self.chamber.soaks_c, self.ends());
+        let outside: Vec<String> =
+            asked.iter().filter(|&&soak| !self.is_on_the_ramp(soak)).map(|soak| format!("{soak:.0}")).collect();
+        (!outside.is_empty()).then(|| {
+            format!(
+                "{} of the {} soaks of chamber.soaks_c are left out: {} C lie outside the ramp of {} to {} C, which measures nothing there to compare them with",
+                outside.len(),
+                asked.len(),
+                outside.join(", "),
+                cold.0,
+                hot.0
+            )
+        })
+    }
+
+    fn is_on_the_ramp(&self, soak_c: f64) -> bool {
+        let [cold, hot] = self.ends();
+        (cold.0..=hot.0).contains(&soak_c)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn soaks_outside_the_ramp_are_not_made_and_are_named() {
+        // The paper's soaks are 10 K apart from -40 to 60 C: two of them lie from 20 to 32 C.
+        let narrow = SetUp::parse("[chamber]\ncold_c = 20.0\nhot_c = 32.0\n", "x").unwrap();
+        assert_eq!(narrow.soaks(), [Celsius(20.0), Celsius(30.0)]);
+        let told = narrow.soaks_left_out().unwrap();
+        assert!(told.starts_with("9 of the 11 soaks") && told.contains("-40, -30, -20, -10, 0, 10, 40, 50, 60 C"), "{told}");
+        assert_eq!((SetUp::paper().soaks().len(), SetUp::paper().soaks_left_out()), (11, None));
+    }
+}
