@@ -19,7 +19,6 @@ use std::io;
 use std::process::ExitCode;
 
 use anyhow::Result;
-use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use zerorate_words::sentence;
 
@@ -93,9 +92,6 @@ pub fn run() -> ExitCode {
 
 /// What is wrong with the arguments, in a line; how they are to be given is for people.
 fn usage_sentence(usage: &clap::Error) -> String {
-    if usage.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return "no command was given: --help lists them".to_owned();
-    }
     let text = usage.render().to_string();
     let told =
         text.split("\n\n").take_while(|part| !["Usage:", "For more"].iter().any(|start| part.starts_with(start)));

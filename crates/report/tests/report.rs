@@ -108,8 +108,9 @@ fn a_board_run_shows_when_it_was_begun_and_every_recording_that_it_left() {
     let mut run = sample::board_run();
     assert!(!board_page(&run).contains("Begun"), "a simulated run has no date");
     run.full_temperature.info.started = Some("2026-03-01T08:05:59Z".parse().unwrap());
+    let first = run.summary.recordings[0].clone();
     run.summary.recordings = files
-        .map(|file| Origin { content: file.into(), file: format!("{file}.parquet"), sha256: format!("hash of {file}") })
+        .map(|file| Origin { file: format!("{file}.parquet"), sha256: format!("hash of {file}"), ..first.clone() })
         .into();
     let page = board_page(&run);
     assert!(page.contains("<dt>Begun</dt><dd>2026-03-01 08:05 UTC</dd>"));

@@ -45,7 +45,10 @@ mod tests {
         let narrow = SetUp::parse("[chamber]\ncold_c = 20.0\nhot_c = 32.0\n", "x").unwrap();
         assert_eq!(narrow.soaks(), [Celsius(20.0), Celsius(30.0)]);
         let told = narrow.soaks_left_out().unwrap();
-        assert!(told.starts_with("9 of the 11 soaks") && told.contains("-40, -30, -20, -10, 0, 10, 40, 50, 60 C"), "{told}");
+        assert!(
+            told.starts_with("9 of the 11 soaks") && told.contains("-40, -30, -20, -10, 0, 10, 40, 50, 60 C"),
+            "{told}"
+        );
         assert_eq!((SetUp::paper().soaks().len(), SetUp::paper().soaks_left_out()), (11, None));
     }
 }

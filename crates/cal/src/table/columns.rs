@@ -249,21 +249,22 @@ impl<'a> Names<'a> {
         asked: &Columns,
         resolved: &mut Resolved,
     ) -> Result<Option<WrittenRate>, TableError> {
-        if let Some(given) = asked.rate_unit {
-            if let Some(Said::Known(said)) =
-                rate_unit(&self.with_units[column]).filter(|said| *said != Said::Known(given))
-            {
-                let name = &self.table.names()[column];
+        let name = &self.table.names()[column];
+        let said = match asked.rate_unit {
+            Some(_) => rate_unit(&self.with_units[column]),
+            None => self.said(column, "rate_unit", rate_unit)?,
+        };
+        match (asked.rate_unit, said) {
+            (Some(given), Some(Said::Known(said))) if said != given => {
                 resolved.notes.push(format!("'{name}' says {said}, and is taken as {given}, as asked (`rate_unit`)"));
+                Ok(Some(given))
             }
-            return Ok(Some(given));
-        }
-        match self.said(column, "rate_unit", rate_unit)? {
-            Some(Said::Known(said)) => Ok(Some(said)),
-            Some(Said::Other(unit)) => {
+            (Some(given), _) => Ok(Some(given)),
+            (None, Some(Said::Known(said))) => Ok(Some(said)),
+            (None, Some(Said::Other(unit))) => {
                 Err(self.other_unit(column, unit.to_owned(), "dps or rad/s, or say its unit (`rate_unit`)".to_owned()))
             }
-            None => Ok(None),
+            (None, None) => Ok(None),
         }
     }
 

@@ -66,7 +66,8 @@ impl Setup {
             return screen::print_json(&Checked { schema: 1, file, sound: true, unreachable, differences });
         }
         let mut page = Page::default();
-        let found = if unreachable.is_empty() { "sound" } else { "nothing in it contradicts itself, but no unit can pass" };
+        let found =
+            if unreachable.is_empty() { "sound" } else { "nothing in it contradicts itself, but no unit can pass" };
         if differences.is_empty() {
             page.sentence("", &format!("{}: {found}, and the same as the paper's.", file.display()));
         } else {

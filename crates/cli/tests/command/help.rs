@@ -51,7 +51,7 @@ fn what_is_wrong_with_the_arguments_is_told_to_programs_too() {
         (&["export", "--format", "rust", "--json"], "'rust' is no format"),
         (&["export", "--json"], "were not provided: --format <FORMAT>"),
         (&["fitt", "--json"], "unrecognized subcommand 'fitt'"),
-        (&["device", "--json"], "no command was given"),
+        (&["device", "--json"], "requires a subcommand"),
     ] {
         let ran = zerorate(folder.path(), arguments);
         assert_eq!(ran.code, 2, "{}", ran.err);

@@ -43,7 +43,11 @@ fn a_limit_that_no_unit_can_meet_is_told() {
     let check = ["setup", "--check", "bench.toml"];
     let checked = zerorate(folder.path(), &check);
     assert!(!checked.out.contains("sound"), "{}", checked.out);
-    checked.says(&["no unit can pass", "No unit can meet", "limits.trim_residual_pp_counts 30 is less than a tap, 31.3 counts"]);
+    checked.says(&[
+        "no unit can pass",
+        "No unit can meet",
+        "limits.trim_residual_pp_counts 30 is less than a tap, 31.3 counts",
+    ]);
     let json = zerorate(folder.path(), &[&check[..], &["--json"]].concat()).json();
     assert_eq!(json["unreachable"].as_array().unwrap().len(), 1);
     fs::write(folder.path().join("bench.toml"), "[limits]\ntrim_residual_pp_counts = 32.0\n").unwrap();
