@@ -52,7 +52,7 @@ impl Log {
         text
     }
 
-    /// As a PX4 ULog of one gyro, its third axis still. Time 0 was 14:03 UTC on 1 March 2026, as its receiver says.
+    /// As a PX4 ULog of one gyro, its third axis half of its first. Time 0 was 14:03 UTC on 1 March 2026, as its receiver says.
     pub fn ulg(&self) -> Vec<u8> {
         let message = |kind: u8, body: &[u8]| {
             let size = u16::try_from(body.len()).unwrap();
@@ -73,7 +73,7 @@ impl Log {
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             body.extend(((self.time_s[row] * 1e6) as u64).to_le_bytes());
             body.extend(2_621_448_u32.to_le_bytes());
-            for value in [self.rates[0][row], self.rates[1][row], 0.0, self.temperature_c[row]] {
+            for value in [self.rates[0][row], self.rates[1][row], 0.5 * self.rates[0][row], self.temperature_c[row]] {
                 #[allow(clippy::cast_possible_truncation)]
                 body.extend((value as f32).to_le_bytes());
             }
