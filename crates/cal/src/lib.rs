@@ -1,6 +1,5 @@
 #![doc = include_str!("../README.md")]
 
-pub mod apply;
 pub mod board_run;
 pub mod calibration;
 pub mod compose;
@@ -22,4 +21,3 @@ pub mod table;
 pub mod trace;
 pub mod units;
 mod utc;
-pub mod verify;

@@ -11,10 +11,12 @@ use crate::units::RateUnit;
 
 /// An axis as a log or a calibration tells of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Known<'a> {
+pub struct Known<'a> {
+    /// Its name.
     pub name: &'a str,
     /// The sensor; `None` for a table's columns.
     pub sensor: Option<Sensor>,
+    /// The rate's unit.
     pub unit: RateUnit,
 }
 
@@ -47,7 +49,8 @@ pub enum Unmatched {
 }
 
 /// A calibration's axes that are wanted. The choice is of sensors: a column is no sensor's, and is always wanted.
-pub(crate) fn calibrated(calibration: &Calibration, choice: Option<SensorChoice>) -> Vec<Known<'_>> {
+#[must_use]
+pub fn calibrated(calibration: &Calibration, choice: Option<SensorChoice>) -> Vec<Known<'_>> {
     let known = calibration.axes.iter().map(|(name, axis)| Known { name, sensor: axis.sensor, unit: axis.rate_unit });
     known.filter(|axis| choice.zip(axis.sensor).is_none_or(|(choice, sensor)| choice.takes(&sensor))).collect()
 }
@@ -56,7 +59,7 @@ pub(crate) fn calibrated(calibration: &Calibration, choice: Option<SensorChoice>
 ///
 /// # Errors
 /// [`Unmatched`].
-pub(crate) fn places(calibrated: &[Known<'_>], logged: &[Known<'_>]) -> Result<Vec<Option<usize>>, Unmatched> {
+pub fn places(calibrated: &[Known<'_>], logged: &[Known<'_>]) -> Result<Vec<Option<usize>>, Unmatched> {
     let places = matched(calibrated, logged)?;
     if places.iter().all(Option::is_none) {
         let names = |axes: &[Known<'_>]| axes.iter().map(|axis| axis.name).collect::<Vec<_>>().join(", ");
@@ -66,7 +69,8 @@ pub(crate) fn places(calibrated: &[Known<'_>], logged: &[Known<'_>]) -> Result<V
 }
 
 /// That an axis of a log is taken for one of the calibration of another name; nothing where the names are one.
-pub(crate) fn renamed(logged: &str, calibrated: &str) -> Option<String> {
+#[must_use]
+pub fn renamed(logged: &str, calibrated: &str) -> Option<String> {
     (logged != calibrated).then(|| format!("'{logged}' of the log is taken for {calibrated} of the calibration"))
 }
 

@@ -112,7 +112,8 @@ impl Source {
     }
 
     /// A fault of this source, with its name.
-    pub(crate) fn faulty<F: fmt::Display>(&self, fault: impl Into<F>) -> Faulty<F> {
+    #[must_use]
+    pub fn faulty<F: fmt::Display>(&self, fault: impl Into<F>) -> Faulty<F> {
         Faulty { name: self.name.clone(), fault: fault.into() }
     }
 }

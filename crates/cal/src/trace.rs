@@ -24,7 +24,8 @@ pub(crate) fn of_groups(groups: impl Iterator<Item = TracePoint>) -> Vec<TracePo
 }
 
 /// The time from one point to the next, seconds, as a rule; `None` without times.
-pub(crate) fn period_s(trace: &[TracePoint]) -> Option<f64> {
+#[must_use]
+pub fn period_s(trace: &[TracePoint]) -> Option<f64> {
     let mut steps: Vec<f64> = trace.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
     Some(median(&mut steps)).filter(|period| period.is_finite())
 }

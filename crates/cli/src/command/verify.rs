@@ -8,12 +8,12 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde::Serialize;
+use zerorate_apply::verify::{Limit, Limits, Verified, VerifyOptions, verify};
 use zerorate_cal::calibration::{Calibration, Kind};
 use zerorate_cal::log::SensorChoice;
 use zerorate_cal::source::{Source, in_quotes};
 use zerorate_cal::table::Table;
 use zerorate_cal::units::WrittenRate;
-use zerorate_cal::verify::{Limit, Limits, Verified, VerifyOptions, verify};
 
 use super::Outcome;
 use crate::log_arguments::{ColumnArguments, ShownUnits};

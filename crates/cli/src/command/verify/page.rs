@@ -1,8 +1,8 @@
 //! The page that `zerorate verify` prints.
 
 use console::Style;
+use zerorate_apply::verify::{Verified, VerifiedAxis};
 use zerorate_cal::units::{RateUnit, WrittenRate};
-use zerorate_cal::verify::{Verified, VerifiedAxis};
 
 use crate::screen::{Grid, Page, RateScale, aligned, style};
 

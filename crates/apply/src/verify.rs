@@ -19,18 +19,18 @@ use zerorate_fit::model::Model;
 pub use axis::{VerifiedAxis, VerifiedPoint};
 pub use limits::{Limit, LimitError, Limits};
 
-use crate::calibration::{Calibration, Origin, sha256};
-use crate::condition::GROUP_S;
-use crate::fit::fit;
-use crate::log::{LogFault, SensorChoice};
-use crate::log_fit::{AxisFit, FitOptions, LogFit, LogFitError};
-pub use crate::matching::Unmatched;
-use crate::matching::{Known, calibrated, places, renamed};
-use crate::quality::{Judgement, Reason, Verdict};
-use crate::source::{Faulty, Source};
-use crate::table::Columns;
-use crate::trace::period_s;
-use crate::units::{RateUnit, TemperatureUnit};
+use zerorate_cal::calibration::{Calibration, Origin, sha256};
+use zerorate_cal::condition::GROUP_S;
+use zerorate_cal::fit::fit;
+use zerorate_cal::log::{LogFault, SensorChoice};
+use zerorate_cal::log_fit::{AxisFit, FitOptions, LogFit, LogFitError};
+pub use zerorate_cal::matching::Unmatched;
+use zerorate_cal::matching::{Known, calibrated, places, renamed};
+use zerorate_cal::quality::{Judgement, Reason, Verdict};
+use zerorate_cal::source::{Faulty, Source};
+use zerorate_cal::table::Columns;
+use zerorate_cal::trace::period_s;
+use zerorate_cal::units::{RateUnit, TemperatureUnit};
 
 /// How a log is to be verified.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -127,7 +127,6 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
         return Err(no_test(NoTest::Unusable { reasons: fit.reasons().collect::<Vec<_>>().join("; ") }));
     }
     let calibrated = calibrated(calibration, options.sensor);
-    let known = |axis| Known::of_fit(axis);
     let logged: Vec<Known<'_>> = fit.axes.iter().map(known).collect();
     let places = places(&calibrated, &logged).map_err(|error| no_test(error.into()))?;
     let same_rows = |source: &Origin| fit.sources.iter().any(|log| log.rows.are_among(&source.rows));
@@ -198,10 +197,9 @@ fn missing(own: &Known<'_>, fit: &LogFit) -> String {
     }
 }
 
-impl<'a> Known<'a> {
-    fn of_fit(axis: &'a AxisFit) -> Self {
-        Self { name: &axis.name, sensor: axis.calibration.sensor, unit: axis.calibration.rate_unit }
-    }
+/// An axis of a log that was fitted.
+fn known(axis: &AxisFit) -> Known<'_> {
+    Known { name: &axis.name, sensor: axis.calibration.sensor, unit: axis.calibration.rate_unit }
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! What is to be known of a verification, in words.
 
 use super::VerifiedAxis;
-use crate::log_fit::LogFit;
-use crate::quality::{Judgement, Reason, ReasonKind};
-use crate::units::TemperatureUnit;
+use zerorate_cal::log_fit::LogFit;
+use zerorate_cal::quality::{Judgement, Reason, ReasonKind};
+use zerorate_cal::units::TemperatureUnit;
 
 /// A larger share of the log outside what was measured is told. Two runs of one chamber's ramp end a few averages apart, and
 /// that is less.

@@ -7,10 +7,10 @@
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
+use zerorate_apply::verify::{VerifyOptions, verify};
 use zerorate_cal::fit::fit;
 use zerorate_cal::log_fit::{FitOptions, LogFit};
 use zerorate_cal::source::Source;
-use zerorate_cal::verify::{VerifyOptions, verify};
 use zerorate_fit::model::Model;
 
 /// Rows of a log of two a second: 400 groups of 21.

@@ -4,7 +4,7 @@ use zerorate_core::drift::{Drift, History, Memory, Polynomial, Scale, Shape, Ter
 use zerorate_fit::predict::TimeDrift;
 
 use super::*;
-use crate::source::Source;
+use zerorate_cal::source::Source;
 
 const TO: AppliedTo<'static> = AppliedTo { time: None, time_unit: None, start: Start::Unknown };
 

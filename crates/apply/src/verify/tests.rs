@@ -1,8 +1,8 @@
 use super::*;
-use crate::calibration::{AxisCalibration, Origin};
-use crate::log::{Sensor, SensorKind};
-use crate::quality::ReasonKind;
-use crate::units::{RateUnit, WrittenRate};
+use zerorate_cal::calibration::{AxisCalibration, Origin};
+use zerorate_cal::log::{Sensor, SensorKind};
+use zerorate_cal::quality::ReasonKind;
+use zerorate_cal::units::{RateUnit, WrittenRate};
 
 /// A log of a parabola with a second-run offset, noise by `seed`, and a sine of size `extra`.
 fn log(seed: i32, offset: f64, extra: f64) -> String {

@@ -6,10 +6,10 @@ use zerorate_fit::predict::{Predictor, Start};
 use zerorate_fit::residual::ResidualStatistics;
 
 use super::NoTest;
-use crate::calibration::AxisCalibration;
-use crate::log_fit::AxisFit;
-use crate::trace::TracePoint;
-use crate::units::{RateUnit, TemperatureUnit};
+use zerorate_cal::calibration::AxisCalibration;
+use zerorate_cal::log_fit::AxisFit;
+use zerorate_cal::trace::TracePoint;
+use zerorate_cal::units::{RateUnit, TemperatureUnit};
 
 /// A rate that never changes is left as it is but for its last digits, and those are nobody's drift.
 const ROUNDING: f64 = 1e-9;

@@ -6,12 +6,12 @@ use thiserror::Error;
 use zerorate_fit::predict::{DriftModel, Predictor, Start};
 
 use super::{Applied, ApplyError, RowTold, cell};
-use crate::calibration::Calibration;
-use crate::log::{LogFile, Rows, SensorChoice, Sink, Stream};
-use crate::matching::{Known, Unmatched, calibrated, places, renamed};
-use crate::source::Source;
-use crate::table::Columns;
-use crate::units::{RateUnit, TemperatureUnit};
+use zerorate_cal::calibration::Calibration;
+use zerorate_cal::log::{LogFile, Rows, SensorChoice, Sink, Stream};
+use zerorate_cal::matching::{Known, Unmatched, calibrated, places, renamed};
+use zerorate_cal::source::Source;
+use zerorate_cal::table::Columns;
+use zerorate_cal::units::{RateUnit, TemperatureUnit};
 
 /// The columns of what is written. Rates and predictions are in `rate_unit`; a sensor's axis that was not calibrated has
 /// neither prediction nor corrected rate.
@@ -85,7 +85,7 @@ pub fn apply_to_sensors(
         .enumerate()
         .flat_map(|(sensor, stream)| (0..stream.names.len()).map(move |at| (sensor, at)))
         .collect();
-    let logged: Vec<Known<'_>> = axes.iter().map(|(sensor, at)| Known::of_stream(&met.0[*sensor], *at)).collect();
+    let logged: Vec<Known<'_>> = axes.iter().map(|(sensor, at)| known(&met.0[*sensor], *at)).collect();
     let own = calibrated(calibration, sensor);
     let faulty = |fault: SensorFault| ApplyError::from(log.faulty::<SensorFault>(fault));
     let places = places(&own, &logged).map_err(|error| faulty(error.into()))?;
@@ -136,10 +136,9 @@ pub fn apply_to_sensors(
     Ok(done)
 }
 
-impl<'a> Known<'a> {
-    fn of_stream(stream: &'a Stream, axis: usize) -> Self {
-        Self { name: &stream.names[axis], sensor: stream.sensor, unit: stream.unit }
-    }
+/// An axis of a log that was not fitted.
+fn known(stream: &Stream, axis: usize) -> Known<'_> {
+    Known { name: &stream.names[axis], sensor: stream.sensor, unit: stream.unit }
 }
 
 /// The sensors met, without their rows.

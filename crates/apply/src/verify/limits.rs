@@ -8,7 +8,7 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::VerifiedAxis;
-use crate::units::RateUnit;
+use zerorate_cal::units::RateUnit;
 
 /// A size with its unit, as it was written: `0.5 mrad/s`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

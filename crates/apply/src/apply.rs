@@ -10,10 +10,10 @@ use zerorate_fit::predict::{DriftModel, Prediction, Predictor, Start};
 
 pub use sensors::{AppliedSensors, COLUMNS, SensorFault, apply_to_sensors};
 
-use crate::log::LogError;
-use crate::source::Faulty;
-use crate::table::{Table, TableError};
-use crate::units::{TimeUnit, WrittenTemperature};
+use zerorate_cal::log::LogError;
+use zerorate_cal::source::Faulty;
+use zerorate_cal::table::{Table, TableError};
+use zerorate_cal::units::{TimeUnit, WrittenTemperature};
 
 /// The model to apply to one rate column.
 #[derive(Debug, Clone, PartialEq)]
