@@ -121,7 +121,11 @@ pub enum NoTest {
 /// [`VerifyError`].
 pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) -> Result<Verified, VerifyError> {
     let no_test = |fault: NoTest| VerifyError::from(log.faulty(fault));
+    let refused =
+        |in_sample: bool| if in_sample && !options.in_sample { Err(no_test(NoTest::InSample)) } else { Ok(()) };
     let sha256 = sha256(log).map_err(|error| LogFitError::from(log.faulty::<LogFault>(error)))?;
+    let is_same_file = calibration.sources.iter().any(|source| source.sha256 == sha256);
+    refused(is_same_file)?;
     let fit = conditioned(log, options)?;
     if fit.axes.is_empty() {
         return Err(no_test(NoTest::Unusable { reasons: fit.reasons().collect::<Vec<_>>().join("; ") }));
@@ -129,11 +133,9 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
     let calibrated = calibrated(calibration, options.sensor);
     let logged: Vec<Known<'_>> = fit.axes.iter().map(known).collect();
     let places = places(&calibrated, &logged).map_err(|error| no_test(error.into()))?;
-    let same_rows = |source: &Origin| fit.sources.iter().any(|log| log.rows.are_among(&source.rows));
-    let in_sample = calibration.sources.iter().any(|source| source.sha256 == sha256 || same_rows(source));
-    if in_sample && !options.in_sample {
-        return Err(no_test(NoTest::InSample));
-    }
+    let has_its_rows = |source: &Origin| fit.sources.iter().any(|log| log.rows.are_among(&source.rows));
+    let in_sample = is_same_file || calibration.sources.iter().any(has_its_rows);
+    refused(in_sample)?;
     let mut axes = Vec::new();
     let mut notes = fit.notes.clone();
     for (own, place) in calibrated.iter().zip(&places) {

@@ -17,6 +17,7 @@ mod words;
 use std::collections::BTreeMap;
 use std::time::SystemTime;
 
+pub use averages::zero_taken_in;
 pub use overlap::LogRows;
 
 use thiserror::Error;

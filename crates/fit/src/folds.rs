@@ -7,6 +7,9 @@ use std::ops::Range;
 /// The folds of a record.
 pub const FOLDS: usize = 8;
 
+/// One rms is told from another if it is so many times that: a twentieth is as little as eight folds tell.
+pub const TELLING: f64 = 1.05;
+
 /// The rows of a fold, 0 to 7, of a record of so many rows: `fold n / 8` to `(fold + 1) n / 8`, rounded down.
 #[must_use]
 pub fn rows_of_fold(fold: usize, rows: usize) -> Range<usize> {

@@ -7,15 +7,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::folds::{FOLDS, fold_of_row, jackknife_error};
+use crate::folds::{FOLDS, TELLING, fold_of_row, jackknife_error};
 use crate::series::Series;
 
 /// Noise alone exceeds this, to either side, once in a thousand times: Student's t of seven degrees of freedom, one fewer
 /// than folds. A log has six axes and two trends each.
 const BEYOND_NOISE: f64 = 5.408;
-
-/// A trend is told if the rms without it would be smaller by more than this: a twentieth, as little as eight folds tell.
-const WORTH_TELLING: f64 = 1.05;
 
 /// Where time and temperature correlate more than this, the log does not tell a trend in one from a trend in the other.
 const ALIKE: f64 = 0.9;
@@ -108,7 +105,7 @@ impl Slope {
             let left = centred(points.iter().map(|point| (point.log, point.residual - slope * point.at[axis])));
             left.iter().map(|left| left.powi(2)).sum::<f64>()
         };
-        let is_worth_it = square(slope) * WORTH_TELLING.powi(2) < square(0.0);
+        let is_worth_it = square(slope) * TELLING.powi(2) < square(0.0);
         (is_worth_it && found.t() > BEYOND_NOISE).then_some(found)
     }
 

@@ -207,7 +207,7 @@ fn definitions(fit: &LogFit) -> Markup {
             html! {
                 "What a device has left of a whole log like this one, in averages over " (fit.averaged_over()) ": it takes its "
                 "zero in the " (fit.zero_taken_in()) ", and the prediction off from then on. Held out, and without the log’s own drift in time. "
-                code { "zerorate verify" } " finds the same number in another run."
+                code { "zerorate verify" } " measures the same of another run."
             },
         ),
         ("In-sample", html! { "Measured on the data that the model was fitted to: always a little too good." }),

@@ -28,6 +28,12 @@ impl LogFit {
     /// When a device takes its zero, of what its run begins with.
     #[must_use]
     pub fn zero_taken_in(&self) -> &'static str {
-        if self.averaged_over_s().is_some_and(|period| period < BOOT_S) { "first half minute" } else { "first average" }
+        zero_taken_in(self.averaged_over_s())
     }
+}
+
+/// The same of averages that are so many seconds apart; `None` without times.
+#[must_use]
+pub fn zero_taken_in(averaged_over_s: Option<f64>) -> &'static str {
+    if averaged_over_s.is_some_and(|period| period < BOOT_S) { "first half minute" } else { "first average" }
 }

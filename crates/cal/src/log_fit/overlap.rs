@@ -36,7 +36,11 @@ impl LogRows {
     /// What a calibration keeps of it: a few runs a sensor, 16 hexadecimal digits each.
     #[must_use]
     pub fn written(&self) -> Vec<String> {
-        let few = |sensor: &Fingerprint| sensor.clone().thinned(MOST_WRITTEN).kept;
+        let few = |sensor: &Fingerprint| {
+            let mut few = sensor.clone();
+            few.thin(MOST_WRITTEN);
+            few.kept
+        };
         self.0.iter().flat_map(few).map(|run| format!("{run:016x}")).collect()
     }
 
@@ -109,11 +113,6 @@ impl Fingerprint {
             self.zeros += 1;
             self.kept.retain(|run| run.trailing_zeros() >= self.zeros);
         }
-    }
-
-    fn thinned(mut self, most: usize) -> Self {
-        self.thin(most);
-        self
     }
 
     fn part_in(&self, other: &Self) -> Option<f64> {

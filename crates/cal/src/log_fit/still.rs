@@ -69,7 +69,7 @@ impl Stillness {
 }
 
 impl Still {
-    pub(super) fn count(&self) -> u64 {
+    fn count(&self) -> u64 {
         self.rows.1 - self.rows.0
     }
 

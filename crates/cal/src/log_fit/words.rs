@@ -1,6 +1,7 @@
 //! What conditioning found, in words.
 
 use zerorate_fit::drift_fit::FitStatistics;
+use zerorate_fit::folds::TELLING;
 
 use super::gather::Gathered;
 use super::still::Still;
@@ -10,9 +11,6 @@ use crate::quality::{Judgement, Reason, ReasonKind};
 
 /// A step of the temperature of this fraction of the least span is coarse.
 const COARSE: f64 = 0.02;
-
-/// From so many times what was recorded on a device has more left than nothing: a twentieth is no more than eight folds tell.
-const WORSE: f64 = 1.05;
 
 /// Puts what conditioning found of an axis into its judgement.
 pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, levels: &Levels) {
@@ -90,7 +88,7 @@ pub(super) fn of_still(still: &Still, name: &str, stream: &Stream) -> Reason {
 /// A fit by which a device has more left than without: its folds are of this log, the next log is no easier.
 pub(super) fn of_gain(statistics: &FitStatistics, name: &str, stream: &Stream) -> Option<Reason> {
     let (deployed, uncorrected) = (statistics.deployed?.rms, statistics.uncorrected?.rms);
-    if deployed <= WORSE * uncorrected {
+    if deployed <= TELLING * uncorrected {
         return None;
     }
     let text = format!(

@@ -9,13 +9,10 @@ use super::thinned::Thinned;
 use super::{Made, Prepared, in_recording, predict};
 use crate::boot::take_zero_off;
 use crate::drift_fit::{HeldOut, StaticCubic};
-use crate::folds::{FOLDS, rows_of_fold};
+use crate::folds::{FOLDS, TELLING, rows_of_fold};
 use crate::predict::Start;
 use crate::residual::ResidualStatistics;
 use crate::series::Series;
-
-/// A choice is worse than the cubic from so many times its error on: a twentieth is no more than eight folds tell.
-const WORSE: f64 = 1.05;
 
 /// The residuals of the outer folds, a group each; NaN for one that is not used, or in a fold's first half minute
 /// where a zero is taken off.
@@ -42,7 +39,7 @@ impl Outer {
     /// Whether what was chosen predicts new data worse than the static cubic, as deployed.
     pub(super) fn is_worse_than_the_cubic(&self) -> bool {
         let figures = self.figures();
-        figures.deployed_warm.zip(figures.cubic_deployed).is_some_and(|(chosen, cubic)| chosen > WORSE * cubic)
+        figures.deployed_warm.zip(figures.cubic_deployed).is_some_and(|(chosen, cubic)| chosen > TELLING * cubic)
     }
 
     /// What a deployed device has left over whole logs like these.

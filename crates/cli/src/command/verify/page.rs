@@ -2,6 +2,7 @@
 
 use console::Style;
 use zerorate_apply::verify::{Verified, VerifiedAxis};
+use zerorate_cal::log_fit::zero_taken_in;
 use zerorate_cal::units::{RateUnit, WrittenRate};
 
 use crate::screen::{Grid, Page, RateScale, aligned, style};
@@ -90,10 +91,11 @@ fn grid(axes: &[&VerifiedAxis], scale: RateScale) -> Grid {
 }
 
 fn terms(verified: &Verified) -> String {
-    let (averages, zero_taken_in) = match verified.averaged_over_s {
-        Some(period) => (format!("Averages over {period:.1} s."), "first half minute"),
-        None => ("Averages over successive rows: the log has no times.".to_owned(), "first average"),
+    let averages = match verified.averaged_over_s {
+        Some(period) => format!("Averages over {period:.1} s."),
+        None => "Averages over successive rows: the log has no times.".to_owned(),
     };
+    let zero_taken_in = zero_taken_in(verified.averaged_over_s);
     format!(
         "{averages} Recorded and corrected: rms about the mean, which the start of another run sets anew; the mean that is \
          left stands under mean. Times smaller: recorded rms over corrected rms, so below 1 the correction is worse than \
