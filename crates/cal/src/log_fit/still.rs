@@ -14,8 +14,10 @@ const SHARE: f64 = 1.0 / 8.0;
 pub(super) struct Still {
     /// The number.
     pub rate: f64,
-    /// The first row, and the first one after it.
+    /// The first row of the log, and the first one after the last.
     pub rows: (u64, u64),
+    /// How many of them have the number; between them may be some that have none.
+    count: u64,
     /// The times of the first and the last of them, seconds; NaN without a time column.
     pub time_s: (f64, f64),
     /// The least and the greatest temperature.
@@ -36,26 +38,26 @@ impl Stillness {
     pub(super) fn push_rows(&mut self, rows: &Rows<'_>, axis: usize) {
         for (place, (&rate, &temperature)) in rows.values[axis].iter().zip(rows.temperature).enumerate() {
             if rate.is_finite() && temperature.is_finite() {
-                self.push(rate, temperature, rows.time_s.get(place).copied().unwrap_or(f64::NAN));
+                let time_s = rows.time_s.get(place).copied().unwrap_or(f64::NAN);
+                self.push(rows.first_row + place as u64, rate, temperature, time_s);
             }
         }
     }
 
-    fn push(&mut self, rate: f64, temperature: f64, time_s: f64) {
-        let row = self.rows;
+    fn push(&mut self, row: u64, rate: f64, temperature: f64, time_s: f64) {
         self.rows += 1;
         let one = (temperature, temperature);
         self.temperature = Some(widened(self.temperature.unwrap_or(one), temperature));
         match &mut self.now {
             Some(now) if now.rate.to_bits() == rate.to_bits() => {
                 now.rows.1 = row + 1;
+                now.count += 1;
                 now.time_s.1 = time_s;
                 now.temperature = widened(now.temperature, temperature);
             }
             now => {
-                let ended =
-                    now.replace(Still { rate, rows: (row, row + 1), time_s: (time_s, time_s), temperature: one });
-                self.longest = longer(self.longest, ended);
+                let first = Still { rate, rows: (row, row + 1), count: 1, time_s: (time_s, time_s), temperature: one };
+                self.longest = longer(self.longest, now.replace(first));
             }
         }
     }
@@ -63,23 +65,19 @@ impl Stillness {
     /// Where the axis was stuck, if it was.
     pub(super) fn found(&self) -> Option<Still> {
         let longest = longer(self.longest, self.now)?;
-        let long = longest.count() >= LEAST_ROWS && longest.count() as f64 >= SHARE * self.rows as f64;
+        let long = longest.count >= LEAST_ROWS && longest.count as f64 >= SHARE * self.rows as f64;
         (long && longest.span() >= SHARE * length(self.temperature?)).then_some(longest)
     }
 }
 
 impl Still {
-    fn count(&self) -> u64 {
-        self.rows.1 - self.rows.0
-    }
-
     fn span(&self) -> f64 {
         length(self.temperature)
     }
 }
 
 fn longer(one: Option<Still>, other: Option<Still>) -> Option<Still> {
-    let long = |still: &Still| still.count() >= LEAST_ROWS;
+    let long = |still: &Still| still.count >= LEAST_ROWS;
     one.into_iter().chain(other).filter(long).max_by(|a, b| a.span().total_cmp(&b.span()))
 }
 
@@ -98,7 +96,7 @@ mod tests {
     /// A ramp from 0 to 50 degrees in 1000 rows.
     fn found(rate: impl Fn(u32) -> f64) -> Option<Still> {
         let mut stillness = Stillness::default();
-        (0..1000).for_each(|row| stillness.push(rate(row), 0.05 * f64::from(row), f64::from(row)));
+        (0..1000).for_each(|row| stillness.push(row.into(), rate(row), 0.05 * f64::from(row), f64::from(row)));
         stillness.found()
     }
 
@@ -115,11 +113,36 @@ mod tests {
     }
 
     #[test]
+    fn rows_without_a_number_are_numbered_and_not_counted() {
+        // 1000 rows of a ramp; in the first half every other rate is missing, in the second all are one.
+        let half = |row: u32| if row % 2 == 0 { f64::NAN } else { f64::from(row * 7919 % 100) };
+        let rates: Vec<f64> = (0..1000).map(|row| if row < 500 { half(row) } else { 0.125 }).collect();
+        let temperatures: Vec<f64> = (0..1000).map(|row| 0.05 * f64::from(row)).collect();
+        let mut stillness = Stillness::default();
+        for (first_row, part) in [(0, 0..300), (300, 300..1000)] {
+            stillness.push_rows(
+                &Rows {
+                    sensor: 0,
+                    part: 0,
+                    first_row,
+                    time_s: &temperatures[part.clone()],
+                    temperature: &temperatures[part.clone()],
+                    values: &[rates[part].to_vec()],
+                },
+                0,
+            );
+        }
+        let found = stillness.found().unwrap();
+        assert_eq!((found.rows, found.count), ((500, 1000), 500));
+    }
+
+    #[test]
     fn a_gyro_that_rests_within_its_resolution_in_a_soak_is_not_stuck() {
         let mut stillness = Stillness::default();
         (0..1000).for_each(|row| {
             let soak = row > 400;
-            stillness.push(if soak { 1.0 } else { f64::from(row % 3) }, 0.05 * f64::from(row.min(400)), f64::from(row));
+            let rate = if soak { 1.0 } else { f64::from(row % 3) };
+            stillness.push(row.into(), rate, 0.05 * f64::from(row.min(400)), f64::from(row));
         });
         assert_eq!(stillness.found(), None);
     }
