@@ -50,7 +50,7 @@ pub struct Applied {
     pub without_temperature: u64,
     /// Rows with a temperature outside a curve's valid range, at which the curve was held.
     pub outside: u64,
-    /// Rows at which a history was not known yet: the prediction leans on the static curve.
+    /// Rows at which a history was not known yet: the prediction is uncertain by up to the hysteresis.
     pub uncertain: u64,
     /// The file's last line, where it was cut and left out.
     pub cut_line: Option<u64>,

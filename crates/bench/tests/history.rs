@@ -56,7 +56,8 @@ fn a_history_survives_hysteresis_where_a_static_curve_does_not() {
         remembering += usize::from(record.law.history.is_some());
         assert_eq!(record.law.history.is_some(), measured.axes[0].drift.calibration.fit.model.history.is_some());
     }
-    // 1.5 and 1.4 floors against 2.2 and 2.2. While it heats the board has just started, and leans on its static curve.
+    // 1.6 and 1.4 floors against 2.2 and 2.2. While it heats the board has just started.
     assert!(auto[0] < 0.8 * cubic[0] && auto[1] < 0.7 * cubic[1], "{auto:?} {cubic:?}");
-    assert!(remembering >= 6, "{remembering}");
+    // What moves less than its own error is left out: of some of these units that is all of it.
+    assert!(remembering >= 5, "{remembering}");
 }

@@ -183,7 +183,7 @@ fn fit(name: &str, means: &RampMeans, options: &FitOptions, judgement: &mut Judg
     }
 }
 
-/// The fit by `auto`: robust, its order and terms chosen by held-out error, with a history where the recording holds both
+/// The fit by `auto`: robust, as strong as the data say, with a history where the recording holds both
 /// directions of the ramp.
 fn fit_chosen(name: &str, means: &RampMeans) -> Result<(AxisFit, Vec<f64>), DriftFitError> {
     let (_, measured) = span(&means.temperatures, &means.readings, Model::Auto)?;

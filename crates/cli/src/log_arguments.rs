@@ -100,8 +100,8 @@ pub struct LogArguments {
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
 
-    /// The drift model: poly:1 to poly:5, table:1 to table:32 (straight pieces), or auto: the simplest of curve,
-    /// history (hysteresis, lag) and slow drift in time that predicts unseen data as well as the best
+    /// The drift model: poly:1 to poly:5, table:1 to table:32 (straight pieces), or auto: curve,
+    /// history (hysteresis, lag) and drift in time, each as strong as the data say; the cubic where that predicts better
     #[arg(long, value_name = "MODEL", default_value = "auto")]
     model: Model,
 

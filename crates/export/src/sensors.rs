@@ -192,7 +192,7 @@ impl ExportedAxis {
                         self.model
                     )
                 };
-                // A history leans on the cubic itself: there is no distance to speak of.
+                // The cubic is the chosen curve.
                 if furthest < 1e-6 * cubic {
                     return costs;
                 }

@@ -104,7 +104,7 @@ static inline void zr_advance(const zr_axis *axis, zr_state *state, zr_real temp
     state->last = now;
 }
 
-/* How far the history is believed by what was seen of it, 0 to 1. */
+/* How much of the history was seen, 0 to 1: below 0.95 the bias is uncertain by up to the hysteresis. */
 static inline zr_real zr_known_share(const zr_axis *axis, const zr_state *state)
 {
     zr_real sum = 0;
@@ -127,15 +127,13 @@ static inline zr_real zr_known_share(const zr_axis *axis, const zr_state *state)
 /* The bias of an axis by what zr_advance took in last. */
 static inline zr_real zr_bias_with_history(const zr_axis *axis, const zr_state *state)
 {
-    zr_real fixed = zr_curve_at(&axis->fixed, state->last);
+    zr_real bias;
     if (axis->terms == 0)
-        return fixed;
-    zr_real known = zr_known_share(axis, state);
-    zr_real lean = known * known * known;
-    zr_real full = zr_curve_at(&axis->known, state->last);
+        return zr_curve_at(&axis->fixed, state->last);
+    bias = zr_curve_at(&axis->known, state->last);
     for (int i = 0; i < axis->terms; i++)
-        full += axis->term[i].weight * state->ahead[i];
-    return fixed + lean * (full - fixed);
+        bias += axis->term[i].weight * state->ahead[i];
+    return bias;
 }
 
 #endif /* ZERORATE_NO_FLOAT */
@@ -247,7 +245,7 @@ static inline void zr_int_advance(const zr_int_axis *axis, zr_int_state *state, 
     state->last = now;
 }
 
-/* How far the history is believed by what was seen of it, in 2^-30. */
+/* How much of the history was seen, in 2^-30: below 0.95 the bias is uncertain by up to the hysteresis. */
 static inline int64_t zr_int_known_share(const zr_int_axis *axis, const zr_int_state *state)
 {
     int64_t sum = 0;
@@ -271,14 +269,11 @@ static inline int64_t zr_int_known_share(const zr_int_axis *axis, const zr_int_s
 /* The bias by what zr_int_advance took in last. */
 static inline int32_t zr_int_bias_with_history(const zr_int_axis *axis, const zr_int_state *state)
 {
-    int32_t fixed = zr_int_curve_at(&axis->fixed, state->last);
     if (axis->terms == 0)
-        return fixed;
-    int64_t known = zr_int_known_share(axis, state);
-    int64_t lean = zr_shift(zr_shift(known * known, 30) * known, 30);
-    int64_t full = zr_int_curve_at(&axis->known, state->last), added = 0;
+        return zr_int_curve_at(&axis->fixed, state->last);
+    int64_t bias = zr_int_curve_at(&axis->known, state->last), added = 0;
     for (int32_t i = 0; i < axis->terms; i++)
         added += zr_shift(state->ahead[i] * axis->term[i].weight, 20);
-    full += axis->weight_bits ? zr_shift(added, (int)axis->weight_bits) : added;
-    return (int32_t)(fixed + zr_shift(lean * (full - fixed), 30));
+    bias += axis->weight_bits ? zr_shift(added, (int)axis->weight_bits) : added;
+    return (int32_t)bias;
 }

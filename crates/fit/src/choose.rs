@@ -124,7 +124,6 @@ impl FoldFits {
             deployed_rms: None,
             ends_rms: None,
             by_direction_rms: None,
-            shrinkage_weight: None,
             chosen: false,
         };
         let without = without.iter().map(|solution| solution.as_ref()?.shape()).collect();

@@ -35,6 +35,31 @@ pub fn warming(temperatures: &[f64]) -> Vec<bool> {
     warming
 }
 
+/// Both directions must travel this share of the span for a history, or a drift in time, to be told from the curve.
+const TRAVEL: f64 = 1.0 / 3.0;
+
+/// A turn back by less than this share of the span is noise.
+const NOISE: f64 = 0.05;
+
+/// Whether the temperatures, in order of time, go up and down by a third of their span or more, turns of noise not counted.
+pub(crate) fn goes_both_ways(temperatures: &[f64]) -> bool {
+    let mut finite = temperatures.iter().copied().filter(|t| t.is_finite());
+    let (least, most) = finite.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
+    let margin = NOISE * (most - least);
+    let (mut up, mut down) = (0.0, 0.0);
+    let Some(mut follower) = finite.next() else { return false };
+    for t in finite {
+        let next = follower.clamp(t - margin, t + margin);
+        if next > follower {
+            up += next - follower;
+        } else {
+            down += follower - next;
+        }
+        follower = next;
+    }
+    up.min(down) >= TRAVEL * (most - least)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

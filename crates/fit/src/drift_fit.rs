@@ -181,9 +181,6 @@ pub struct Candidate {
     /// The held-out groups taken while it was heating, and while it was cooling.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub by_direction_rms: Option<[Option<f64>; 2]>,
-    /// The weight that shrinks the terms beside the curve, as a fraction of the data's own weight.
-    #[serde(default, alias = "ridge", skip_serializing_if = "Option::is_none")]
-    pub shrinkage_weight: Option<f64>,
     /// Whether it is the one chosen.
     #[serde(default)]
     pub chosen: bool,
@@ -199,8 +196,7 @@ impl DriftFit {
     /// The model that was chosen, terms beside the curve included: `poly:3`, or `poly:3 + 3 plays + time`.
     #[must_use]
     pub fn chosen_model(&self) -> String {
-        let chosen = self.statistics.candidates.iter().find(|candidate| candidate.chosen);
-        chosen.map_or_else(|| crate::model::Model::of_shape(&self.model.drift.shape).to_string(), |it| it.model.clone())
+        self.model.to_string()
     }
 }
 

@@ -1,7 +1,11 @@
 //! The one way in which a drift model predicts: for a corrected log, a verification, a fit's own residuals, a bench.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 use zerorate_core::drift::{Coverage, Drift, History, HistoryState, Knowledge, Memory, evaluate_dynamic};
+
+use crate::model::Model;
 
 /// A model of the drift.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,20 +18,57 @@ pub struct DriftModel {
     pub time_drift: Option<TimeDrift>,
 }
 
-/// A slow drift in time of a recording: it adds `per_second (t - origin_s)`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// A recording's own drift in time: it adds `per_second (t - origin_s)`, and what follows switching on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TimeDrift {
     /// Rate units per second.
     pub per_second: f64,
-    /// The time at which it adds nothing, seconds from the recording's first row.
+    /// The time at which that adds nothing, seconds from the recording's first row.
     pub origin_s: f64,
+    /// What dies away after each log's start; none in most.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub start_up: Vec<StartUp>,
+}
+
+/// A part of a rate that dies away after switching on: it adds `rate exp(-t / time_constant_s)`, t from the log's start.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StartUp {
+    /// At the log's start, rate units.
+    pub rate: f64,
+    /// Seconds.
+    pub time_constant_s: f64,
 }
 
 impl TimeDrift {
-    /// What it adds at a time in seconds from the recording's first row, rate units.
+    /// A straight one.
     #[must_use]
-    pub fn at(&self, time_s: f64) -> f64 {
-        self.per_second * (time_s - self.origin_s)
+    pub fn straight(per_second: f64, origin_s: f64) -> Self {
+        Self { per_second, origin_s, start_up: Vec::new() }
+    }
+
+    /// What it adds at a time in seconds from the recording's first row, `since_start_s` after the log's start: rate units.
+    #[must_use]
+    pub fn at(&self, time_s: f64, since_start_s: f64) -> f64 {
+        let dying = |part: &StartUp| part.rate * (-since_start_s / part.time_constant_s).exp();
+        self.per_second * (time_s - self.origin_s) + self.start_up.iter().map(dying).sum::<f64>()
+    }
+}
+
+impl fmt::Display for DriftModel {
+    /// The model with the terms beside its curve: `poly:3`, or `table:32 + 3 plays + time`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let curve = self.history.as_ref().map_or(&self.drift.shape, History::curve);
+        write!(f, "{}", Model::of_shape(curve))?;
+        let memories = || self.history.iter().flat_map(|history| history.terms()).map(|term| term.memory);
+        let plays = memories().filter(|memory| matches!(memory, Memory::Play { .. })).count();
+        for (count, what) in [(plays, "play"), (memories().count() - plays, "lag")] {
+            match count {
+                0 => {}
+                1 => write!(f, " + {what}")?,
+                _ => write!(f, " + {count} {what}s")?,
+            }
+        }
+        if self.time_drift.is_some() { f.write_str(" + time") } else { Ok(()) }
     }
 }
 
@@ -57,8 +98,8 @@ impl DriftModel {
 /// What is known where predictions begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Start {
-    /// Nothing of the temperatures before: a device that is switched on. The history starts with the first row, and leans
-    /// on the curve until it is known; a drift in time is left out.
+    /// Nothing of the temperatures before: a device that is switched on. The history starts with the first row, and is
+    /// uncertain until enough was seen; a drift in time is left out.
     Unknown,
     /// It is the very recording that the model was fitted to: the history is believed from its start, for the fit took
     /// that start as it is taken here, and its drift in time is added.
@@ -82,6 +123,7 @@ pub struct Predictor<'a> {
     model: &'a DriftModel,
     start: Start,
     state: HistoryState,
+    began_s: f64,
     before_s: f64,
 }
 
@@ -89,7 +131,7 @@ impl<'a> Predictor<'a> {
     /// Before the first row.
     #[must_use]
     pub fn new(model: &'a DriftModel, start: Start) -> Self {
-        Self { model, start, state: HistoryState::default(), before_s: f64::NAN }
+        Self { model, start, state: HistoryState::default(), began_s: f64::NAN, before_s: f64::NAN }
     }
 
     /// The prediction of the next row. A row without a time (NaN) leaves its step to the next one; one without a
@@ -101,16 +143,13 @@ impl<'a> Predictor<'a> {
         }
         if time_s.is_finite() {
             self.before_s = time_s;
+            self.began_s = if self.began_s.is_nan() { time_s } else { self.began_s };
         }
         let (bias, coverage, knowledge) = evaluate_dynamic(drift, history.as_ref(), &self.state, temperature);
         if self.start == Start::Unknown {
             return Prediction { bias, coverage, knowledge };
         }
-        let known = match history {
-            Some(history) if !temperature.is_nan() => history.evaluate_as_known(&self.state),
-            _ => bias,
-        };
-        let bias = known + time_drift.map_or(0.0, |drift| drift.at(time_s));
+        let bias = bias + time_drift.as_ref().map_or(0.0, |drift| drift.at(time_s, time_s - self.began_s));
         Prediction { bias, coverage, knowledge: Knowledge::Known }
     }
 }

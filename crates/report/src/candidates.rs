@@ -30,8 +30,7 @@ pub(super) fn table(axis: &str, candidates: &[Candidate], scale: RateScale) -> M
         ]
     };
     let caption = html! {
-        b { (axis) } ": models compared by blocked cross-validation; the simplest within one standard error of the best is "
-        "taken (✓), or the best plain curve where that one predicts new data worse than a cubic. In " (scale.unit()) "."
+        b { (axis) } ": models compared by blocked cross-validation; ✓ the one taken. In " (scale.unit()) "."
         @if all > candidates.len() { " The " (candidates.len()) " of " (all) " that predict best." }
     };
     Table { caption, heads: &heads, rows: candidates.into_iter().map(row).collect(), numbers_from: 1 }.markup()

@@ -12,9 +12,10 @@ use zerorate_cal::calibration::{CREATED_BY, Origin};
 use zerorate_cal::condition::{Excluded, Rejected};
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::units::{TemperatureUnit, WrittenRate};
-use zerorate_core::drift::Shape;
+use zerorate_core::drift::{Drift, Shape};
 use zerorate_export::{ExportedAxis, Format};
 use zerorate_fit::least_squares::raw_coefficients;
+use zerorate_fit::model::Model;
 
 use super::candidates;
 use super::number::{fixed, polynomial, whole};
@@ -150,7 +151,7 @@ fn coefficients(fit: &LogFit) -> Markup {
             "the measured range, the curve was tested a little beyond what it was fitted to, and is believed so far."
         }
         div.pair { @for (place, axis) in fit.axes.iter().enumerate() { div {
-            @let shape = &axis.calibration.drift().shape;
+            @let shape = &copied(axis).shape;
             h3 { (axis.name) ", " (axis.calibration.rate_unit) }
             @if let Some(cost) = cost(axis) {
                 p.small { "Of " (axis.calibration.fit.chosen_model()) " this is the static cubic alone: " (cost) "." }
@@ -163,17 +164,25 @@ fn coefficients(fit: &LogFit) -> Markup {
     }
 }
 
-/// What the static cubic costs, beside which a model with a history was chosen; `None` of another model.
+/// The curve to copy: the model's own, or of a model that was chosen and is more than a polynomial the static cubic.
+fn copied(axis: &AxisFit) -> &Drift {
+    let fit = &axis.calibration.fit;
+    let plain = fit.model.history.is_none() && matches!(fit.model.drift.shape, Shape::Polynomial(_));
+    let cubic = fit.static_cubic.as_ref().filter(|_| !plain && fit.statistics.candidates.len() > 1);
+    cubic.map_or(&fit.model.drift, |cubic| &cubic.drift)
+}
+
+/// What the static cubic costs, where it is the curve to copy.
 fn cost(axis: &AxisFit) -> Option<String> {
     let calibration = &axis.calibration;
-    let history = calibration.fit.model.history.as_ref();
-    history.map(|_| ExportedAxis::of(&axis.name, calibration).cost(&calibration.rate_unit.to_string()))
+    let is_cubic = !std::ptr::eq(copied(axis), &calibration.fit.model.drift);
+    is_cubic.then(|| ExportedAxis::of(&axis.name, calibration).cost(&calibration.rate_unit.to_string()))
 }
 
 /// What the coefficients are of: the model chosen, or what four numbers can hold of it.
 fn of_what(axis: &AxisFit) -> String {
-    let (model, chosen) = (axis.calibration.model(), axis.calibration.fit.chosen_model());
-    match (cost(axis), axis.calibration.fit.model.time_drift) {
+    let (model, chosen) = (Model::of_shape(&copied(axis).shape), axis.calibration.fit.chosen_model());
+    match (cost(axis), &axis.calibration.fit.model.time_drift) {
         (Some(cost), _) => format!("{model}, the static cubic beside {chosen}\n# {cost}\n# "),
         (None, Some(_)) => format!("{model}, of {chosen} without the log's own drift in time: "),
         (None, None) => format!("{chosen}: "),
@@ -182,7 +191,7 @@ fn of_what(axis: &AxisFit) -> String {
 
 /// Coefficients in full, as most languages read them: the shortest text that gives back the same double.
 fn in_full(axis: &AxisFit) -> String {
-    let drift = axis.calibration.drift();
+    let drift = copied(axis);
     let numbers: Vec<String> = raw_coefficients(&drift.shape).iter().map(|number| format!("{number:e}")).collect();
     let what = match drift.shape {
         Shape::Polynomial(_) => "lowest power first",

@@ -26,8 +26,6 @@ FOLDS = 8
 NOISE = 0.02
 # How near a chamber is held to its set point, K; the paper's set-up has so many counts in one.
 HELD_TO_K, COUNTS_PER_CELSIUS = 0.5, 34.0
-# `auto` compares its candidates on 400 averages at most: on those of two groups where there are 600.
-GROUPS_OF_THE_CHOICE = 2
 
 
 class Differences:
@@ -221,7 +219,7 @@ def logs(differences, zerorate, folder):
         hold("fit in_sample.rms", own["in_sample"]["rms"], noise, 0.1)
         hold("fit held_out.rms", own["held_out"]["rms"], noise, 0.15)
         cubic = next(candidate for candidate in own["candidates"] if candidate["model"] == "poly:3")
-        ways = noise_of_ways / np.sqrt(GROUPS_OF_THE_CHOICE)
+        ways = noise_of_ways 
         hold("fit candidates[].by_direction_rms", cubic["by_direction_rms"], ways, 0.25)
         # The zero is the mean of two of these averages, and has their noise.
         hold("fit candidates[].deployed_rms", cubic["deployed_rms"], rms(ways) * np.sqrt(1 + 1 / 2), 0.15)

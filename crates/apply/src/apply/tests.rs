@@ -79,7 +79,7 @@ fn with_history(column: &str) -> AppliedModel {
     let mut own = model(column);
     let term = Term { memory: Memory::Play { half_width: 2.0 }, weight: 0.5, share: 1.0 };
     own.model.history = History::new(own.model.drift.shape.clone(), &[term]);
-    own.model.time_drift = Some(TimeDrift { per_second: 1e-3, origin_s: 100.0 });
+    own.model.time_drift = Some(TimeDrift::straight(1e-3, 100.0));
     own
 }
 

@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn rows_without_a_number_are_numbered_and_not_counted() {
         // 1000 rows of a ramp; in the first half every other rate is missing, in the second all are one.
-        let half = |row: u32| if row % 2 == 0 { f64::NAN } else { f64::from(row * 7919 % 100) };
+        let half = |row: u32| if row.is_multiple_of(2) { f64::NAN } else { f64::from(row * 7919 % 100) };
         let rates: Vec<f64> = (0..1000).map(|row| if row < 500 { half(row) } else { 0.125 }).collect();
         let temperatures: Vec<f64> = (0..1000).map(|row| 0.05 * f64::from(row)).collect();
         let mut stillness = Stillness::default();
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn a_gyro_that_rests_within_its_resolution_in_a_soak_is_not_stuck() {
         let mut stillness = Stillness::default();
-        (0..1000).for_each(|row| {
+        (0..1000_u32).for_each(|row| {
             let soak = row > 400;
             let rate = if soak { 1.0 } else { f64::from(row % 3) };
             stillness.push(row.into(), rate, 0.05 * f64::from(row.min(400)), f64::from(row));

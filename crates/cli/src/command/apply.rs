@@ -31,8 +31,8 @@ use crate::{output, screen};
 /// Of an autopilot's log the rows of every calibrated sensor are written, one table for all: sensor, rate_unit, time_s,
 /// temperature_c, x, y, z, and predicted_ and corrected_ of each. Its axes are matched as verify matches them.
 ///
-/// It predicts as a device would that started with the log's first row: a model with a history (hysteresis, lag) leans on
-/// its static curve until enough of the history was seen.
+/// It predicts as a device would that started with the log's first row: the history of a model that has
+/// one (hysteresis, lag) begins there, and what is predicted is uncertain until enough of it was seen.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Apply {
@@ -213,7 +213,7 @@ impl Apply {
         if applied.uncertain > 0 {
             let rows = thousands(applied.uncertain);
             let text = format!(
-                "{rows} rows come before enough of the temperature's history was seen: there the prediction leans on the static curve"
+                "{rows} rows come before enough of the temperature's history was seen: there the prediction is uncertain by up to the hysteresis"
             );
             page.sentence("  - ", &text);
         }

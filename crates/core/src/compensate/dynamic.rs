@@ -109,8 +109,7 @@ impl FixedHistory {
         seen.last = now;
     }
 
-    /// The drift by what was taken in last, from the static drift there, and how far it is known. The static drift
-    /// itself before the first temperature.
+    /// The drift by what was taken in last, and how far it is known; the static drift `fixed` before the first temperature.
     pub(super) fn drift(&self, state: &FixedHistoryState, fixed: Q16) -> (Q16, Knowledge) {
         let Some(seen) = &state.seen else {
             return (fixed, Knowledge::Uncertain);
@@ -123,8 +122,7 @@ impl FixedHistory {
             .fold(0, i64::saturating_add);
         let curve = i64::from(self.curve.evaluate(TemperatureCode(seen.last)).0);
         let known = self.known_share(seen);
-        let by_history = curve + (added >> (WEIGHT_BITS + CODE_BITS - 16)) - i64::from(fixed.0);
-        let drift = i64::from(fixed.0) + ((by_history * i64::from(lean_q16(known))) >> 16);
+        let drift = curve + (added >> (WEIGHT_BITS + CODE_BITS - 16));
         let knowledge = if known >= KNOWN_FROM_Q16 { Knowledge::Known } else { Knowledge::Uncertain };
         (Q16(saturate(drift)), knowledge)
     }
@@ -220,12 +218,6 @@ fn belief_q16(known: u64) -> u64 {
     let unknown = u64::from(ONE_Q16) - known;
     let signal = known * known;
     (signal << 16) / (signal + unknown * unknown)
-}
-
-/// How far the history has its say, as in the f64 form, in Q16.
-fn lean_q16(known: u32) -> u32 {
-    let known = u64::from(known);
-    narrow((((known * known) >> 16) * known) >> 16)
 }
 
 fn narrow(value: u64) -> u32 {

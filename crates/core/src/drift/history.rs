@@ -9,8 +9,8 @@
 //! What is not known at start-up is data here. A board that has just started has seen one temperature; what its sensor
 //! went through before, nobody told it. Until the temperature has travelled 2r the state of a play can be anything
 //! between two bounds, and the middle of them is taken; a lag forgets its start as `exp(-t / tau)`. [`known_share`] says
-//! how much of the history's weight rests on what was seen, and the less it is, the more the answer leans on the static
-//! curve, which is the best one without a history.
+//! how much of the history's weight rests on what was seen: until it is nearly all, the answer is flagged. It is given all the
+//! same, for the model was fitted to recordings that began as unknown.
 //!
 //! [`known_share`]: History::known_share
 
@@ -22,7 +22,7 @@ use super::range::Coverage;
 /// The most terms of a history: three plays and three lags, or six plays.
 pub const MAX_HISTORY_TERMS: usize = 6;
 
-/// From this known share on the history counts as known: [`lean`] then leaves out less than 15 % of its effect.
+/// From this known share on the history counts as known.
 pub(crate) const KNOWN_FROM: f64 = 0.95;
 
 /// What a term remembers.
@@ -51,7 +51,7 @@ pub struct Term {
     pub share: f64,
 }
 
-/// The part of a drift that remembers: the curve once the history is known, and what is added to it.
+/// The part of a drift that remembers: a curve, and what is added to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
     curve: Shape,
@@ -64,8 +64,7 @@ pub enum Knowledge {
     /// There is no history in the model, or it was seen.
     #[default]
     Known,
-    /// Too little of it was seen since start-up: the correction leans on the static curve and is uncertain by up to the
-    /// hysteresis.
+    /// Too little of it was seen since start-up: the correction is uncertain by up to the hysteresis.
     Uncertain,
 }
 
@@ -76,18 +75,8 @@ fn belief(known_share: f64) -> f64 {
     known / (known + unknown)
 }
 
-/// How far the history has its say at a [known share](History::known_share) of it, 0 to 1: its cube.
-///
-/// A gyro's user takes off a zero at start-up, when nothing of the history was known; what is then believed of it moves
-/// the reading away from that zero, so the history has to earn its say. The exponent is the smallest whole one at which
-/// held-out cold starts are nowhere more than a tenth worse than the static cubic; the README of zerorate-cal has the
-/// figures of 1 to 4.
-fn lean(known_share: f64) -> f64 {
-    known_share * known_share * known_share
-}
-
 impl History {
-    /// A history. `curve` is the static part once the history is known. `None` unless there are 1 to 6 terms whose
+    /// A history. `curve` is its static part. `None` unless there are 1 to 6 terms whose
     /// half-widths and time constants are above zero, whose weights are finite, and whose shares are 0 to 1 and add up
     /// to 1 (to 1e-6).
     #[must_use]
@@ -103,7 +92,7 @@ impl History {
         Some(Self { curve, terms: Vec::from_slice(terms).ok()? })
     }
 
-    /// The static part once the history is known, in the reading's unit.
+    /// The static part, in the reading's unit.
     #[must_use]
     pub const fn curve(&self) -> &Shape {
         &self.curve
@@ -142,29 +131,20 @@ impl History {
         seen.last = now;
     }
 
-    /// The reading by what was taken in last, as if all of the history were known: for the recording that the model was
-    /// fitted to, whose start the fit has taken as it is taken here. NaN before the first temperature.
-    #[must_use]
-    pub fn evaluate_as_known(&self, state: &HistoryState) -> f64 {
-        state.seen.as_ref().map_or(f64::NAN, |seen| self.by_history(seen))
-    }
-
     fn by_history(&self, seen: &Seen) -> f64 {
         let added: f64 = self.terms.iter().zip(&seen.ahead).map(|(term, ahead)| term.weight * ahead).sum();
         self.curve.evaluate(seen.last) + added
     }
 
-    /// The reading by what was taken in last: the static drift where nothing of the history is known, the curve and its
-    /// terms where all is. NaN and [`Coverage::Invalid`] before the first temperature.
+    /// The reading by what was taken in last, the curve and what is remembered. NaN and [`Knowledge::Uncertain`] before the
+    /// first temperature.
     #[must_use]
-    pub fn evaluate(&self, drift: &Drift, state: &HistoryState) -> (f64, Knowledge) {
+    pub fn evaluate(&self, state: &HistoryState) -> (f64, Knowledge) {
         let Some(seen) = &state.seen else {
             return (f64::NAN, Knowledge::Uncertain);
         };
-        let (fixed, _) = drift.evaluate(seen.last);
-        let known = self.known_share(state);
-        let knowledge = if known >= KNOWN_FROM { Knowledge::Known } else { Knowledge::Uncertain };
-        (fixed + lean(known) * (self.by_history(seen) - fixed), knowledge)
+        let known = self.known_share(state) >= KNOWN_FROM;
+        (self.by_history(seen), if known { Knowledge::Known } else { Knowledge::Uncertain })
     }
 
     /// How much of the history's weight rests on what was seen, 0 to 1: the belief in each term by its own known share,
@@ -248,7 +228,7 @@ pub fn evaluate_dynamic(
     let (fixed, coverage) = drift.evaluate(temperature);
     match history {
         Some(history) if coverage != Coverage::Invalid => {
-            let (reading, knowledge) = history.evaluate(drift, state);
+            let (reading, knowledge) = history.evaluate(state);
             (reading, coverage, knowledge)
         }
         Some(_) => (fixed, coverage, Knowledge::Uncertain),

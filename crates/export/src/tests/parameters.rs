@@ -207,7 +207,7 @@ fn another_autopilots_log_is_told_of_in_the_file() {
 fn a_model_is_named_as_its_fit_names_it_and_what_no_format_holds_is_told() {
     let mut own = three_axes();
     let fit = &mut own.axes.get_mut("gyro0.y").unwrap().fit;
-    fit.model.time_drift = Some(TimeDrift { per_second: 1e-7, origin_s: 2000.0 });
+    fit.model.time_drift = Some(TimeDrift::straight(1e-7, 2000.0));
     let candidate = r#"{"model": "poly:3 + time", "in_sample_rms": 1e-4, "chosen": true}"#;
     fit.statistics.candidates = vec![serde_json::from_str(candidate).unwrap()];
     for format in Format::ALL {

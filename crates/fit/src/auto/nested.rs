@@ -1,21 +1,21 @@
-//! The number that is reported: each fold predicted by a choice and a fit that never saw it.
+//! The numbers that are reported: each fold predicted by a fit that never saw it.
 
 use std::ops::Range;
 
-use zerorate_core::drift::Drift;
+use zerorate_core::drift::{Drift, ValidRange};
 
-use super::candidates::Among;
-use super::thinned::Thinned;
-use super::{Made, Prepared, in_recording, predict};
+use super::{in_recording, predict};
 use crate::boot::take_zero_off;
-use crate::drift_fit::{HeldOut, StaticCubic};
-use crate::folds::{FOLDS, TELLING, rows_of_fold};
+use crate::choose::standard_error;
+use crate::drift_fit::{Candidate, HeldOut, StaticCubic, finite};
+use crate::folds::{FOLDS, rows_of_fold};
+use crate::model_fit::ModelFit;
 use crate::predict::Start;
 use crate::residual::ResidualStatistics;
 use crate::series::Series;
 
-/// The residuals of the outer folds, a group each; NaN for one that is not used, or in a fold's first half minute
-/// where a zero is taken off.
+/// The residuals of the folds, a group each; NaN for one that is not used, or in a fold's first half minute where a zero is
+/// taken off.
 pub(super) struct Outer {
     /// Within the recording: with the drift in time.
     pub residuals: Vec<f64>,
@@ -28,18 +28,72 @@ pub(super) struct Outer {
     cubic_deployed: Vec<f64>,
     /// The static cubics of the folds.
     cubics: Vec<Option<Drift>>,
+    /// With the cold and the hot end held out, root mean squares; NaN where the rest does not settle it.
+    ends: [f64; 2],
     failed: bool,
 }
 
 impl Outer {
+    /// Predicts every fold, and each end of temperature, by what `make` fits to the groups that are kept.
+    pub(super) fn new(series: &Series<'_>, make: impl Fn(&dyn Fn(usize) -> bool) -> Option<ModelFit>) -> Self {
+        let groups = series.rate.len();
+        let nothing = || vec![f64::NAN; groups];
+        let mut outer = Self {
+            residuals: nothing(),
+            deployed: nothing(),
+            warm: nothing(),
+            cold: nothing(),
+            cubic: nothing(),
+            cubic_deployed: nothing(),
+            cubics: Vec::new(),
+            ends: ends(series).map(|end| {
+                let made = make(&|group| !end.contains(&group));
+                made.map_or(f64::NAN, |made| {
+                    let left = in_recording(&made.model, series);
+                    ResidualStatistics::of(end.iter().map(|&group| left[group])).rms
+                })
+            }),
+            failed: false,
+        };
+        for fold in 0..FOLDS {
+            let out = rows_of_fold(fold, groups);
+            let used: Vec<usize> = out.clone().filter(|&group| series.is_used(group)).collect();
+            let made = if used.is_empty() { None } else { make(&|group| !out.contains(&group)) };
+            outer.failed |= made.is_none() && !used.is_empty();
+            if let Some(made) = &made {
+                outer.predict(series, made, &out, &used);
+            }
+            outer.cubics.push(made.and_then(|made| made.cubic));
+        }
+        outer
+    }
+
+    fn predict(&mut self, series: &Series<'_>, made: &ModelFit, out: &Range<usize>, used: &[usize]) {
+        let known = in_recording(&made.model, series);
+        let warm = predict(&made.model, Start::Unknown, series, 0..out.end);
+        let cold = predict(&made.model, Start::Unknown, series, out.clone());
+        for &group in used {
+            self.residuals[group] = known[group];
+            self.deployed[group] = warm[group];
+            self.warm[group] = warm[group];
+            self.cold[group] = cold[group - out.start];
+            if let Some(cubic) = &made.cubic {
+                self.cubic[group] = series.rate[group] - cubic.evaluate(series.temperature[group]).0;
+            }
+        }
+        self.cubic_deployed[out.clone()].copy_from_slice(&self.cubic[out.clone()]);
+        for residuals in [&mut self.warm, &mut self.cold, &mut self.cubic_deployed] {
+            take_zero_off(residuals, series.time_s, used);
+        }
+    }
+
     pub(super) fn complete(&self) -> bool {
         !self.failed && self.residuals.iter().any(|residual| residual.is_finite())
     }
 
-    /// Whether what was chosen predicts new data worse than the static cubic, as deployed.
-    pub(super) fn is_worse_than_the_cubic(&self) -> bool {
-        let figures = self.figures();
-        figures.deployed_warm.zip(figures.cubic_deployed).is_some_and(|(chosen, cubic)| chosen > TELLING * cubic)
+    /// The rms as deployed, by which models are compared; infinite where a fold could not be predicted.
+    pub(super) fn error(&self) -> f64 {
+        self.figures().deployed_warm.unwrap_or(f64::INFINITY)
     }
 
     /// What a deployed device has left over whole logs like these.
@@ -83,74 +137,49 @@ impl Outer {
             cubic_deployed: rms(&self.cubic_deployed),
         }
     }
-}
 
-/// Predicts every fold.
-pub(super) fn outer(whole: &Prepared<'_>, coarse: &Prepared<'_>, thinned: &Thinned, among: Among) -> Outer {
-    let series = whole.series;
-    let groups = series.rate.len();
-    let nothing = || vec![f64::NAN; groups];
-    let mut outer = Outer {
-        residuals: nothing(),
-        deployed: nothing(),
-        warm: nothing(),
-        cold: nothing(),
-        cubic: nothing(),
-        cubic_deployed: nothing(),
-        cubics: Vec::new(),
-        failed: false,
-    };
-    for fold in 0..FOLDS {
-        let out = rows_of_fold(fold, groups);
-        let used: Vec<usize> = out.clone().filter(|&group| series.is_used(group)).collect();
-        if used.is_empty() {
-            outer.cubics.push(None);
-            continue;
-        }
-        // A coarse group that holds any group of the fold is no part of the choice.
-        let made = coarse
-            .choose(among, |group| !thinned.holds_any(group, &out))
-            .and_then(|chosen| whole.fit(&chosen.spec, |group| !out.contains(&group)));
-        let Some(made) = made else {
-            outer.failed = true;
-            outer.cubics.push(None);
-            continue;
+    /// How it stands among the others, `best` the one that predicts the recording best.
+    pub(super) fn candidate(&self, model: String, in_sample: f64, series: &Series<'_>, best: &Self) -> Candidate {
+        let (own, least) = (self.figures(), best.figures().in_recording);
+        let excess: Vec<f64> = self.squares().iter().zip(best.squares()).map(|(own, best)| own - best).collect();
+        // a - b = (a^2 - b^2) / (a + b)
+        let error = standard_error(&excess) / (own.in_recording.zip(least).map_or(f64::NAN, |(a, b)| a + b));
+        let directions = directions(series.temperature);
+        let in_direction = |wanted: usize| {
+            let all = self.residuals.iter().zip(&directions);
+            ResidualStatistics::of(all.filter(|(_, own)| **own == Some(wanted)).map(|(residual, _)| *residual)).rms
         };
-        outer.predict(series, &made, &out, &used);
-        outer.cubics.push(made.cubic);
+        Candidate {
+            model,
+            in_sample_rms: in_sample,
+            held_out_rms: own.in_recording,
+            held_out_excess_standard_error: finite(error),
+            deployed_rms: own.deployed_warm,
+            ends_rms: Some(self.ends).filter(|ends| ends.iter().all(|end| end.is_finite())),
+            by_direction_rms: Some([0, 1].map(|direction| finite(in_direction(direction)))),
+            chosen: false,
+        }
     }
-    outer
-}
 
-impl Outer {
-    fn predict(&mut self, series: &Series<'_>, made: &Made, out: &Range<usize>, used: &[usize]) {
-        let known = in_recording(&made.model, series);
-        let warm = predict(&made.model, Start::Unknown, series, 0..out.end);
-        let cold = predict(&made.model, Start::Unknown, series, out.clone());
-        for &group in used {
-            self.residuals[group] = known[group];
-            self.deployed[group] = warm[group];
-            self.warm[group] = warm[group];
-            self.cold[group] = cold[group - out.start];
-            if let Some(cubic) = &made.cubic {
-                self.cubic[group] = series.rate[group] - cubic.evaluate(series.temperature[group]).0;
-            }
-        }
-        self.cubic_deployed[out.clone()].copy_from_slice(&self.cubic[out.clone()]);
-        for residuals in [&mut self.warm, &mut self.cold, &mut self.cubic_deployed] {
-            take_zero_off(residuals, series.time_s, used);
-        }
+    /// The mean square of each fold within the recording.
+    fn squares(&self) -> Vec<f64> {
+        let groups = self.residuals.len();
+        let of = |fold| ResidualStatistics::of(self.residuals[rows_of_fold(fold, groups)].iter().copied()).rms.powi(2);
+        (0..FOLDS).map(of).filter(|square| square.is_finite()).collect()
     }
 }
 
-/// The static cubic of everything, with what it leaves of the rates less the recording's drift in time.
-pub(super) fn static_cubic(prepared: &Prepared<'_>, made: &Made, outer: &Outer) -> Option<StaticCubic> {
-    let (series, drift) = (prepared.series, made.cubic.clone()?);
+/// The static cubic of everything, with what it leaves of the rates less the recording's own drift in time.
+pub(super) fn static_cubic(
+    series: &Series<'_>,
+    measured: ValidRange,
+    made: &ModelFit,
+    outer: &Outer,
+) -> Option<StaticCubic> {
+    let drift = made.cubic.clone()?;
     let groups = series.rate.len();
-    let residual = |cubic: &Drift, group: usize| {
-        let timeless = series.rate[group] - made.model.time_drift.map_or(0.0, |drift| drift.at(series.time_s[group]));
-        timeless - cubic.evaluate(series.temperature[group]).0
-    };
+    let timeless = super::timeless(&made.model, series);
+    let residual = |cubic: &Drift, group: usize| timeless[group] - cubic.evaluate(series.temperature[group]).0;
     let used = |range: Range<usize>| range.filter(|&group| series.is_used(group));
     let in_sample = ResidualStatistics::of(used(0..groups).map(|group| residual(&drift, group)));
     let mut held_out = Vec::new();
@@ -163,6 +192,35 @@ pub(super) fn static_cubic(prepared: &Prepared<'_>, made: &Made, outer: &Outer) 
     let whole = held_out.iter().all(|residual| residual.is_finite()) && !held_out.is_empty();
     let held_out = whole.then(|| ResidualStatistics::of(held_out));
     // Autopilots hold a curve at the ends of what was measured.
-    let drift = Drift { valid: prepared.features.measured, ..drift };
+    let drift = Drift { valid: measured, ..drift };
     Some(StaticCubic { drift, in_sample, held_out })
+}
+
+/// The used groups at the cold and at the hot end, as many each as a fold.
+fn ends(series: &Series<'_>) -> [Vec<usize>; 2] {
+    let mut used: Vec<usize> = (0..series.rate.len()).filter(|&group| series.is_used(group)).collect();
+    used.sort_by(|&a, &b| series.temperature[a].total_cmp(&series.temperature[b]));
+    let end = used.len() / FOLDS;
+    [used[..end].to_vec(), used[used.len() - end..].to_vec()].map(|mut end| {
+        end.sort_unstable();
+        end
+    })
+}
+
+/// Which way the temperature goes at each group: 0 heating, 1 cooling, by the change over a few groups on either side.
+fn directions(temperature: &[f64]) -> Vec<Option<usize>> {
+    /// Groups to either side.
+    const REACH: usize = 3;
+    /// A change smaller than this share of the span over them is a soak.
+    const STILL: f64 = 0.002;
+    let finite = || temperature.iter().copied().filter(|t| t.is_finite());
+    let span = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
+    (0..temperature.len())
+        .map(|group| {
+            let before = temperature[group.saturating_sub(REACH)];
+            let after = temperature[(group + REACH).min(temperature.len() - 1)];
+            let change = after - before;
+            (change.abs() > STILL * span).then(|| usize::from(change < 0.0))
+        })
+        .collect()
 }

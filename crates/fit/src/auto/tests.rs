@@ -79,9 +79,9 @@ fn bouc_wen(temperature: &[f64]) -> Vec<f64> {
 }
 
 #[test]
-fn a_static_unit_gets_its_cubic_and_nothing_beside_it() {
+fn a_static_unit_gets_its_curve_and_nothing_beside_it() {
     let fit = Made::new(cycle(), |_, t| cubic(t)).fit(Model::Auto);
-    assert_eq!((chosen(&fit).as_str(), &fit.fit.model.history), ("poly:3", &None));
+    assert!(!chosen(&fit).contains('+'), "{}", chosen(&fit));
     for t in [-30.0, 0.0, 40.0, 65.0] {
         assert!((fit.fit.model.drift.evaluate(t).0 - cubic(t)).abs() < 5e-5, "at {t}");
     }
@@ -91,7 +91,8 @@ fn a_static_unit_gets_its_cubic_and_nothing_beside_it() {
         "{:?}",
         fit.fit.statistics.nested
     );
-    assert!(fit.fit.statistics.covariance[3][3] > 0.0 && fit.fit.statistics.covariance[3][3].sqrt() < 1e-4);
+    // A knot in the middle, a few groups to either side of it.
+    assert!((1e-6..1e-4).contains(&fit.fit.statistics.covariance[16][16].sqrt()));
     // 95 of 100 within 1.96e-4.
     assert!(fit.fit.band.iter().all(|point| (1.5e-4..3.0e-4).contains(&point.half_width)), "{:?}", fit.fit.band);
 }
@@ -125,7 +126,8 @@ fn a_lag_and_a_drift_in_time_are_told_apart() {
     assert!(chosen(&fit).contains("lag"), "{}", chosen(&fit));
     let drift = fit.fit.model.time_drift.expect("a drift in time");
     assert!((drift.per_second - 1e-6).abs() < 5e-8, "{drift:?}");
-    assert!(fit.fit.statistics.held_out.unwrap().rms < 2.5e-4, "{:?}", fit.fit.statistics.held_out);
+    let nested = fit.fit.statistics.nested.unwrap();
+    assert!(nested.in_recording.unwrap() < 0.1 * nested.cubic_in_recording.unwrap(), "{nested:?}");
 }
 
 #[test]
@@ -133,13 +135,11 @@ fn a_ramp_in_one_direction_has_neither_history_nor_drift_in_time() {
     let ramp = (0..400).map(|group| -30.0 + 0.25 * f64::from(group)).collect();
     let fit = Made::new(ramp, |group, t| cubic(t) + 1e-6 * group as f64).fit(Model::Auto);
     assert!(fit.fit.model.history.is_none() && fit.fit.model.time_drift.is_none());
-    assert!(fit.fit.statistics.candidates.iter().all(|candidate| !candidate.model.contains('+')));
 }
 
-/// The cold end of a bent curve on a heating ramp is held out: the choice is as good there as the better of a line and a
-/// cubic, for one was looked at with that end away.
+/// An end of a heating ramp is held out: going on along its tangent is nearer there than a cubic that is held.
 #[test]
-fn at_either_end_it_is_no_worse_than_the_better_of_a_line_and_a_cubic() {
+fn at_either_end_it_is_better_than_a_cubic_that_is_held() {
     for curve in [cubic as fn(f64) -> f64, |t| 0.01 + 3e-4 * t, |t| 0.01 * (-(t + 30.0) / 30.0).exp()] {
         let ramp: Vec<f64> = (0..400).map(|group| -30.0 + 0.25 * f64::from(group)).collect();
         let mut made = Made::new(ramp, |_, t| curve(t));
@@ -147,24 +147,14 @@ fn at_either_end_it_is_no_worse_than_the_better_of_a_line_and_a_cubic() {
         for end in [0..40, 360..400] {
             made.rate = truth.clone();
             made.rate[end.clone()].fill(f64::NAN);
-            let rms = |fit: &GroupFit, model: Model| {
-                let other;
-                let drift = if model == Model::Auto {
-                    &fit.fit.model.drift
-                } else {
-                    // Drawn on past its data, as a line or a cubic would be.
-                    other = made.fit(model).fit.model.drift;
-                    &other
-                };
-                let error = |group: usize| (truth[group] - drift.shape.evaluate(made.temperature[group])).powi(2);
-                (end.clone().map(error).sum::<f64>() / end.len() as f64).sqrt()
+            let rms = |model: Model| {
+                let fit = made.fit(model);
+                let left = |group: usize| truth[group] - fit.fit.model.drift.evaluate(made.temperature[group]).0;
+                (end.clone().map(|group| left(group).powi(2)).sum::<f64>() / end.len() as f64).sqrt()
             };
-            let fit = made.fit(Model::Auto);
-            let own = end.clone().map(|group| truth[group] - fit.fit.model.drift.evaluate(made.temperature[group]).0);
-            let own = (own.map(|error| error * error).sum::<f64>() / end.len() as f64).sqrt();
-            let allowed = rms(&fit, Model::Poly(1)).min(rms(&fit, Model::Poly(3)));
-            // Noise of 1e-4 a group is in both.
-            assert!(own < 1.1 * allowed + 5e-5, "{end:?}: {own} against {allowed}, {}", chosen(&fit));
+            let (own, held) = (rms(Model::Auto), rms(Model::Poly(3)));
+            // Where the curve is level there is nothing to gain, and the slope has an error.
+            assert!(own < 0.5 * held + 2e-4, "{end:?}: {own} against {held}");
         }
     }
 }

@@ -154,7 +154,7 @@ fn what_fits(board: &Board) -> Markup {
                     }
                     "."
                     @if axis.calibration.fit.model.history.is_some() {
-                        " It remembers its temperatures: the equation is what it leans on until it has seen enough of them."
+                        " It remembers its temperatures: the curve is what is left of it once they have stood still."
                     }
                 }
             }

@@ -40,7 +40,7 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
     for axis in &fit.axes {
         let candidates = &axis.calibration.fit.statistics.candidates;
         let scale = RateScale::of_fit(fit, axis.calibration.rate_unit, asked);
-        page.heading(&format!("Candidates of {}, simplest first (rms, {})", axis.name, scale.unit()));
+        page.heading(&format!("Candidates of {} (rms, {})", axis.name, scale.unit()));
         let mut grid = Grid::new("llrrrrrr");
         grid.head(["", "", "in-", "held", "std.", "de-", "cold", "hot"]);
         grid.head(["", "model", "sample", "out", "error", "ployed", "end", "end"]);
@@ -57,9 +57,8 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
         &format!(
             "Held out: each fold of the log, predicted by a fit of the others. Deployed: the same without drift in time, less \
              the mean of its {}. Cold and hot end: the coldest and the hottest groups held out, as many as a fold. Taken (*) is \
-             the simplest model whose held-out and deployed squares are within one standard error of the best. It must be at \
-             neither end worse than the better of a straight line and a cubic, and in neither direction of the ramp worse than \
-             the cubic. Where what is so taken predicts new data worse than the cubic, the best plain curve is taken.",
+             the last one, whose curve and memories are as strong as the data say; or the cubic, where that one predicts folds \
+             worse, as deployed.",
             fit.zero_taken_in()
         ),
     );

@@ -74,7 +74,7 @@ fn largest_difference(walk: impl Iterator<Item = Option<u16>>) -> f64 {
             continue;
         };
         fixed.advance(&mut fixed_state, code);
-        let (by_f64, _) = history.evaluate(&law.drift, &state);
+        let (by_f64, _) = history.evaluate(&state);
         let (by_integers, _) = fixed.drift(&fixed_state, fixed_drift.evaluate(code));
         largest = largest.max((by_f64 - by_integers.to_counts()).abs());
     }
@@ -159,7 +159,7 @@ fn an_axis_subtracts_the_dynamic_drift_and_says_when_it_is_known() {
         let code = code / 4 * 4;
         history.advance(&static_law.drift, &mut state, f64::from(code) / 4.0, PERIOD_S);
         let outcome = axis.close_group(Some(&law), &group(code));
-        let (drift, knowledge) = history.evaluate(&static_law.drift, &state);
+        let (drift, knowledge) = history.evaluate(&state);
         let expected = 8300.0 - (drift - 8200.0);
         assert!((outcome.corrected.to_counts() - expected).abs() < 0.1, "at {code}: {outcome:?} {expected}");
         assert_eq!(outcome.move_to, None);
@@ -196,7 +196,7 @@ fn a_hybrid_axis_moves_its_wiper_by_the_dynamic_drift_and_a_trimmed_one_by_the_s
                 axis.wiper_written(Some(&law), tap);
             }
         }
-        let (dynamic, _) = history.evaluate(&static_law.drift, &state);
+        let (dynamic, _) = history.evaluate(&state);
         let (fixed, _) = static_law.drift(TemperatureCode(code));
         let [hybrid, trim] = [0, 1].map(|axis: usize| f64::from(axes[axis].tap().get()));
         assert!((hybrid - static_law.trim.position(Counts(dynamic))).abs() < 0.56);

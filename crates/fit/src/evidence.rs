@@ -1,0 +1,86 @@
+//! One model whose strength the data settle: a curve, memories, and what belongs to the recording alone.
+//!
+//! A group's rate is a sum of columns ([`columns`]) plus noise that is white and besides wanders ([`noise`]). Level and slope
+//! are free; the coefficients of every other kind are drawn from a normal distribution about zero with a spread of their
+//! kind. The spreads, and those of the noise, are the ones that make the data likeliest ([`marginal`], [`search`]), weak priors
+//! on their logarithms with them: what the data do not tell shrinks to nothing by itself, without folds and without
+//! thresholds. A group that is far off counts as one with more noise (Huber).
+
+mod averages;
+mod columns;
+mod deployed;
+mod marginal;
+mod noise;
+mod search;
+
+use zerorate_core::drift::ValidRange;
+
+use crate::model_fit::ModelFit;
+use crate::series::Series;
+use averages::Averages;
+use columns::Columns;
+use marginal::Evaluated;
+use noise::Whitened;
+pub(crate) use search::Found;
+
+/// A row's noise is taken for larger in so far as it is this many standard deviations off (Huber, 1964).
+const HUBER: f64 = 2.0;
+
+/// How often the noise of rows is looked at again; after the second time nothing moves.
+const ROUNDS: usize = 2;
+
+/// A series with its columns.
+pub(crate) struct Evidence<'a> {
+    series: &'a Series<'a>,
+    columns: Columns,
+}
+
+impl<'a> Evidence<'a> {
+    /// The columns of a series whose used rates span `measured`, the curve believed over `valid`.
+    pub(crate) fn new(series: &'a Series<'a>, measured: ValidRange, valid: ValidRange) -> Option<Self> {
+        Some(Self { series, columns: Columns::new(series, measured, valid)? })
+    }
+
+    /// Whether a drift in time can be told from the rest.
+    pub(crate) fn tells_time(&self) -> bool {
+        self.columns.time.is_some()
+    }
+
+    /// Fits the groups that `keep` keeps. What was `found` of nearly the same data is where the search begins. `None`
+    /// where there is nothing to be fitted.
+    pub(crate) fn fit(&self, found: Option<&Found>, keep: impl Fn(usize) -> bool) -> Option<(ModelFit, Found)> {
+        let mut averages = Averages::new(self.series, &self.columns, keep)?;
+        let (mut found, mut evaluated) = match found {
+            Some(near) => near.search_nearby(&self.columns, &averages)?,
+            None => Found::search(&self.columns, &averages)?,
+        };
+        let white = averages.variance.clone();
+        for _ in 0..ROUNDS {
+            if !self.doubt_outliers(&mut averages, &white, &found, &evaluated) {
+                break;
+            }
+            (found, evaluated) = found.search_nearby(&self.columns, &averages)?;
+        }
+        Some((deployed::model(&self.columns, &averages, &evaluated)?, found))
+    }
+
+    /// Gives rows that are far off the variance that makes them less so; whether any changed.
+    fn doubt_outliers(&self, averages: &mut Averages, white: &[f64], found: &Found, evaluated: &Evaluated) -> bool {
+        /// A change of a variance that is not worth another search.
+        const SAME: f64 = 0.1;
+        let whitened = Whitened::new(averages, found.wander);
+        let width = self.columns.kinds.len();
+        let sigma = found.spreads.white.exp();
+        let mut changed = false;
+        for (place, row) in whitened.rows.column_iter().enumerate() {
+            let off = (row[width] - row.rows(0, width).dot(&evaluated.coefficients)).abs() / sigma;
+            let variance = white[place] * (off / HUBER).max(1.0);
+            changed |= (variance / averages.variance[place] - 1.0).abs() > SAME;
+            averages.variance[place] = variance;
+        }
+        changed
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,193 @@
+//! What a drift is made of, a column each: a curve by its knots, memories, and what belongs to one recording alone.
+
+use nalgebra::DMatrix;
+use zerorate_core::drift::{
+    Drift, History, HistoryState, MAX_KNOTS, Memory, Polynomial, Scale, Shape, Term, ValidRange,
+};
+
+use crate::direction::goes_both_ways;
+use crate::series::Series;
+
+/// The intervals of the curve's table: as many as a device holds.
+const INTERVALS: usize = MAX_KNOTS - 1;
+
+/// Half-widths of the plays as shares of the span of temperature: the smallest still stands clear of a sensor's noise, the
+/// largest is known once the temperature has gone over six tenths of the span.
+const PLAY_SHARES: [f64; 3] = [0.03, 0.1, 0.3];
+
+/// Time constants of the lags, seconds, a factor of four apart: a package against its board, a board in its box, a box in
+/// its room.
+const LAG_SECONDS: [f64; 3] = [30.0, 120.0, 480.0];
+
+/// Time constants of what a gyro does after it is switched on, seconds, the shortest first.
+pub(super) const START_SECONDS: [f64; 2] = [150.0, 600.0];
+
+/// How many of them a ramp of one direction tells from the curve: there time and temperature go together.
+const STARTS_ONE_WAY: usize = 1;
+
+/// What a column belongs to. Columns of a kind have one spread.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Kind {
+    /// Level and slope: whatever the data say.
+    Free,
+    /// The curve's second and third order.
+    Powers,
+    /// The bends of the curve at its knots.
+    Bends,
+    Plays,
+    Lags,
+    /// What follows switching on.
+    Start,
+    /// A slow drift in time.
+    Time,
+    /// The offsets of several logs.
+    Logs,
+}
+
+/// The columns of a series, all of the order of one: the curve's first, then the memories', then the recording's own.
+#[derive(Debug, Clone)]
+pub(super) struct Columns {
+    /// The temperatures of the curve's knots.
+    pub table: Scale,
+    pub measured: ValidRange,
+    /// What each column of the curve is at each knot.
+    pub shapes: DMatrix<f64>,
+    pub memories: Vec<Memory>,
+    /// Time at -1 and at 1, seconds; `None` where there is no drift in time to be told.
+    pub time: Option<(f64, f64)>,
+    /// A column each.
+    pub kinds: Vec<Kind>,
+    /// A column of the matrix a group.
+    pub rows: DMatrix<f64>,
+}
+
+impl Columns {
+    /// The columns of a series whose used rates span `measured`; the table's knots span `valid`.
+    pub(super) fn new(series: &Series<'_>, measured: ValidRange, valid: ValidRange) -> Option<Self> {
+        let scale = Scale::spanning(measured.min(), measured.max())?;
+        let table = Scale::spanning(valid.min(), valid.max())?;
+        let (shapes, bends) = curve(scale, table);
+        let mut kinds = vec![Kind::Free, Kind::Free, Kind::Powers, Kind::Powers];
+        kinds.extend(vec![Kind::Bends; bends]);
+        let timed = series.time_s.iter().all(|time| time.is_finite());
+        let both = goes_both_ways(series.temperature);
+        let mut memories = Vec::new();
+        if both {
+            let span = measured.max() - measured.min();
+            memories.extend(PLAY_SHARES.map(|share| Memory::Play { half_width: share * span }));
+        }
+        if both && timed {
+            memories.extend(LAG_SECONDS.map(|time_constant_s| Memory::Lag { time_constant_s }));
+        }
+        kinds.extend(memories.iter().map(|memory| Kind::of(*memory)));
+        let starts = if both { START_SECONDS.len() } else { STARTS_ONE_WAY };
+        kinds.extend(vec![Kind::Start; if timed && series.drifts_in_time { starts } else { 0 }]);
+        // Between logs a rate may jump for reasons of its own.
+        let one_log = series.log.first() == series.log.last();
+        let ends = series.time_s.first().copied().zip(series.time_s.last().copied()).filter(|_| timed);
+        let time = ends.filter(|(first, last)| both && one_log && series.drifts_in_time && last > first);
+        kinds.extend(time.map(|_| Kind::Time));
+        let logs = if one_log { 0 } else { series.log.chunk_by(|a, b| a == b).count() };
+        kinds.extend(vec![Kind::Logs; logs]);
+        let rows = DMatrix::zeros(kinds.len(), series.rate.len());
+        let mut columns = Self { table, measured, shapes, memories, time, kinds, rows };
+        columns.fill(series);
+        Some(columns)
+    }
+
+    /// How many columns the curve has.
+    pub(super) fn curve(&self) -> usize {
+        self.shapes.ncols()
+    }
+
+    /// How many columns are of a kind.
+    fn count(&self, kind: Kind) -> usize {
+        self.kinds.iter().filter(|own| **own == kind).count()
+    }
+
+    /// What a memory's `m - T` is divided by.
+    pub(super) fn amplitude(&self) -> f64 {
+        0.5 * (self.measured.max() - self.measured.min())
+    }
+
+    fn fill(&mut self, series: &Series<'_>) {
+        // A history whose weights are all nothing, for its memories alone.
+        let share = 1.0 / self.memories.len() as f64;
+        let terms: Vec<Term> = self.memories.iter().map(|&memory| Term { memory, weight: 0.0, share }).collect();
+        let flat = Polynomial::new(self.table, &[0.0, 0.0]).map(Shape::Polynomial);
+        let history = flat.clone().and_then(|shape| History::new(shape, &terms));
+        let valid = ValidRange::new(self.table.temperature(-1.0), self.table.temperature(1.0));
+        let drift = flat.zip(valid).map(|(shape, valid)| Drift { shape, valid });
+        let (starts, logs) = (self.count(Kind::Start), self.count(Kind::Logs));
+        let (mut state, mut before, mut began, mut log) = (HistoryState::default(), f64::NAN, f64::NAN, 0);
+        for (group, (&time, &temperature)) in series.time_s.iter().zip(series.temperature).enumerate() {
+            if series.begins(group) {
+                (state, began, log) = (HistoryState::default(), time, log + 1);
+            }
+            let mut values = self.curve_at(temperature);
+            if let Some((history, drift)) = history.as_ref().zip(drift.as_ref()) {
+                history.advance(drift, &mut state, temperature, time - before);
+                let ahead = history.ahead(&state);
+                values.extend(ahead[..self.memories.len()].iter().map(|ahead| ahead / self.amplitude()));
+            }
+            before = time;
+            values.extend(START_SECONDS[..starts].iter().map(|constant| (-(time - began) / constant).exp()));
+            values.extend(self.time.map(|(first, last)| 2.0 * (time - first) / (last - first) - 1.0));
+            values.extend((1..=logs).map(|own| f64::from(u8::from(own == log))));
+            self.rows.column_mut(group).copy_from_slice(&values);
+        }
+    }
+
+    /// The curve's columns at a temperature: on the straight line between two knots, as a device has it.
+    fn curve_at(&self, temperature: f64) -> Vec<f64> {
+        let place = 0.5 * (self.table.x(temperature).clamp(-1.0, 1.0) + 1.0) * INTERVALS as f64;
+        if place.is_nan() {
+            return vec![0.0; self.curve()];
+        }
+        // A place between 0 and the number of intervals.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let knot = (place as usize).min(INTERVALS - 1);
+        let past = place - knot as f64;
+        let value = |column| self.shapes[(knot, column)] * (1.0 - past) + self.shapes[(knot + 1, column)] * past;
+        (0..self.curve()).map(value).collect()
+    }
+}
+
+impl Kind {
+    fn of(memory: Memory) -> Self {
+        match memory {
+            Memory::Play { .. } => Self::Plays,
+            Memory::Lag { .. } => Self::Lags,
+        }
+    }
+}
+
+/// The curve's columns at the knots of `table`, and how many of them are bends: level, slope, second and third order of
+/// what was measured, continued along their tangents, and a bend at every knot inside of it.
+fn curve(measured: Scale, table: Scale) -> (DMatrix<f64>, usize) {
+    let at = |knot: usize| measured.x(table.temperature(2.0 * knot as f64 / INTERVALS as f64 - 1.0));
+    let knots: Vec<f64> = (0..=INTERVALS).map(at).collect();
+    let inner: Vec<f64> = knots.iter().copied().filter(|knot| knot.abs() < 1.0).collect();
+    let shapes = DMatrix::from_fn(knots.len(), 4 + inner.len(), |knot, column| match column {
+        0 => 1.0,
+        1 => knots[knot],
+        2 | 3 => continued(column, knots[knot]),
+        bend => bent(knots[knot], inner[bend - 4]),
+    });
+    (shapes, inner.len())
+}
+
+/// A Legendre polynomial between -1 and 1, and its tangents beyond, smaller the higher its order.
+fn continued(order: usize, x: f64) -> f64 {
+    let inside = x.clamp(-1.0, 1.0);
+    let (value, slope) = match order {
+        2 => (1.5 * inside * inside - 0.5, 3.0 * inside),
+        _ => (2.5 * inside.powi(3) - 1.5 * inside, 7.5 * inside * inside - 1.5),
+    };
+    (value + slope * (x - inside)) / (order as f64).powf(1.5)
+}
+
+/// A line that is bent at a knot, and nothing at either end of what was measured.
+fn bent(x: f64, knot: f64) -> f64 {
+    (x - knot).max(0.0) - (x + 1.0) * (1.0 - knot) / 2.0
+}

@@ -1,0 +1,60 @@
+//! Noise that is white plus a part that wanders, and rows from which both are taken by their own law.
+
+use nalgebra::DMatrix;
+
+use super::averages::Averages;
+
+/// A rate's noise is white, and besides wanders: an Ornstein-Uhlenbeck process, whose covariance falls off as
+/// `exp(-t / tau)`. So what wanders is not mistaken for drift.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Wander {
+    /// Natural logarithm of its standard deviation over that of the white part.
+    pub log_ratio: f64,
+    /// Natural logarithm of tau, seconds.
+    pub log_seconds: f64,
+}
+
+/// Rows, the rate the last of their columns, once each was divided by its noise and freed of what the rows before it tell of
+/// that: the innovations of a Kalman filter (Harvey, *Forecasting, structural time series models and the Kalman filter*,
+/// 1989, 3.4).
+pub(super) struct Whitened {
+    /// A row of the recording a column.
+    pub rows: DMatrix<f64>,
+    /// Each column times each.
+    pub products: DMatrix<f64>,
+    /// Of the noise's covariance, the white part's variance being 1.
+    pub log_determinant: f64,
+}
+
+impl Whitened {
+    pub(super) fn new(averages: &Averages, wander: Wander) -> Self {
+        let (power, tau) = ((2.0 * wander.log_ratio).exp(), wander.log_seconds.exp());
+        let mut rows = averages.rows.clone();
+        let mut told = vec![0.0; rows.nrows()];
+        let (mut variance, mut log_determinant, mut before) = (power, 0.0, f64::NAN);
+        for (place, mut row) in rows.column_iter_mut().enumerate() {
+            let now = averages.time_s[place];
+            if averages.begins[place] {
+                told.fill(0.0);
+                variance = power;
+            } else {
+                let kept = (-(now - before).max(0.0) / tau).exp();
+                told.iter_mut().for_each(|told| *told *= kept);
+                variance = variance * kept * kept + power * (1.0 - kept * kept);
+            }
+            before = now;
+            let whole = variance + averages.variance[place];
+            let gain = variance / whole;
+            let scale = 1.0 / whole.sqrt();
+            for (value, told) in row.iter_mut().zip(&mut told) {
+                let new = *value - *told;
+                *told += gain * new;
+                *value = new * scale;
+            }
+            variance *= 1.0 - gain;
+            log_determinant += whole.ln();
+        }
+        let products = &rows * rows.transpose();
+        Self { rows, products, log_determinant }
+    }
+}
