@@ -126,7 +126,7 @@ pub struct TrimExperiment {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
 pub struct DriftChoice {
-    /// poly:1 to poly:5, table:1 to table:32, or auto: what predicts held-out folds, with a history where
+    /// poly:1 to poly:5, table:1 to table:32, or auto: as strong as the data say, with a history where
     /// chamber.cooling_ramp records both directions.
     pub model: String,
 }
@@ -167,7 +167,7 @@ impl SetUp {
         }
     }
 
-    /// The same bench for units whose drift is not known beforehand: the model is chosen by held-out error.
+    /// The same bench for units whose drift is not known beforehand: the model is `auto`.
     #[must_use]
     pub fn typical() -> Self {
         Self { drift: DriftChoice { model: "auto".into() }, ..Self::paper() }

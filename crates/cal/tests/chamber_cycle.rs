@@ -83,12 +83,13 @@ fn units_are_guessed_and_the_start_up_row_is_left_out() {
 
 /// What every claim about this recording is held to, by the outer split that the fit reports of itself: each fold by a
 /// model chosen and fitted on the other seven. The protocol is that of `../shared/tools/held_out.py`. A model that was chosen
-/// among many by folds of this recording left less of X (1.28 warm) and of Y (0.93 cold), and more of second runs of others.
+/// among many by folds of this recording left less of X (1.32 warm) and of Y (0.93 cold), and more of second runs of others;
+/// the bars are a fifth above what this one leaves.
 #[test]
 fn the_model_chosen_predicts_folds_that_it_has_not_seen() {
     let Some(path) = recording() else { return };
     let fit = fit_one(path, &FitOptions::default());
-    let bars = [[1.0e-3, 1.6e-3, 1.1 * 4.05e-3], [1.1e-3, 0.78e-3, 1.2e-3], [1.5e-3, 1.4e-3, 1.1 * 1.57e-3]];
+    let bars = [[1.2e-3, 1.7e-3, 3.3e-3], [1.0e-3, 0.8e-3, 1.4e-3], [1.4e-3, 1.4e-3, 1.4e-3]];
     for (axis, bars) in fit.axes.iter().zip(bars) {
         let nested = axis.calibration.fit.statistics.nested.unwrap();
         let figures = [nested.in_recording, nested.deployed_warm, nested.deployed_cold].map(Option::unwrap);

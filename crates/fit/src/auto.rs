@@ -77,7 +77,8 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
         .and_then(|(_, found)| Attempt::new(series, |keep| evidence.fit(Some(&found), keep).map(|(made, _)| made)));
     let Some(own) = own else { return Ok(finish(&tried, tried.len() - 1, &groups)) };
     let cubic = tried.len() - 1;
-    let is_worse = own.outer.error() > TELLING * tried[cubic].outer.error();
+    let exported = own.outer.figures().cubic_deployed.unwrap_or(f64::INFINITY);
+    let is_worse = own.outer.error() > TELLING * exported.min(tried[cubic].outer.error());
     // A drift in time is no part of what is deployed, but a curve fitted as if there were none is bent by it.
     let told = own.made.model.time_drift.is_some() && evidence.tells_time();
     tried.extend(plain(Model::Poly(PLAINEST), true).filter(|_| told));

@@ -125,7 +125,8 @@ fn a_lag_and_a_drift_in_time_are_told_apart() {
     let fit = fit.fit(Model::Auto);
     assert!(chosen(&fit).contains("lag"), "{}", chosen(&fit));
     let drift = fit.fit.model.time_drift.expect("a drift in time");
-    assert!((drift.per_second - 1e-6).abs() < 5e-8, "{drift:?}");
+    // Two lags stand for a third: what they leave wanders, and a slope is known the less for it.
+    assert!((drift.per_second - 1e-6).abs() < 2e-7, "{drift:?}");
     let nested = fit.fit.statistics.nested.unwrap();
     assert!(nested.in_recording.unwrap() < 0.1 * nested.cubic_in_recording.unwrap(), "{nested:?}");
 }

@@ -1,6 +1,6 @@
 //! From the coefficients, given the data, to the model that is deployed.
 
-use nalgebra::{DMatrix, DVector, DVectorView};
+use nalgebra::{Cholesky, DMatrix, DVector};
 use zerorate_core::drift::{Drift, History, Memory, Scale, Shape, Table, Term, ValidRange};
 
 use super::averages::Averages;
@@ -13,15 +13,17 @@ use crate::predict::{DriftModel, StartUp, TimeDrift};
 /// Points between the ends of what was measured at which the cubic follows the curve.
 const POINTS: usize = 200;
 
-/// The model of some coefficients. A memory, or a drift in time, that moves what is predicted by less than its own standard
-/// error is left out.
+/// The model of some coefficients. Memories, or a drift in time, whose effect is less than its own standard error are left
+/// out, and the others are what they are without them.
 pub(super) fn model(columns: &Columns, averages: &Averages, evaluated: &Evaluated) -> Option<ModelFit> {
     let curve = columns.curve();
-    let beta = &evaluated.coefficients * averages.spread;
+    let spare = spare(columns, averages, evaluated);
+    let counts = |kind: Kind| !spare.contains(&kind);
+    let (coefficients, covariance) = without(columns, &spare, evaluated)?;
+    let beta = coefficients * averages.spread;
     let knots = &columns.shapes * beta.rows(0, curve);
     let knots: Vec<f64> = knots.iter().map(|knot| knot + averages.level).collect();
     let shape = Table::new(columns.table, &knots).map(Shape::Table)?;
-    let counts = counting(columns, averages, evaluated);
     let kept = (columns.memories.iter().zip(curve..)).filter(|(_, place)| counts(columns.kinds[*place])).map(
         |(&memory, place)| Kept {
             memory,
@@ -42,7 +44,7 @@ pub(super) fn model(columns: &Columns, averages: &Averages, evaluated: &Evaluate
     let valid = ValidRange::new(columns.table.temperature(-1.0), columns.table.temperature(1.0))?;
     let model = DriftModel { drift: Drift { shape, valid }, history, time_drift };
     let covariance: DMatrix<f64> = &columns.shapes
-        * evaluated.covariance.view((0, 0), (curve, curve))
+        * covariance.view((0, 0), (curve, curve))
         * columns.shapes.transpose()
         * averages.spread.powi(2);
     let covariance = covariance.row_iter().map(|row| row.iter().copied().collect()).collect();
@@ -74,25 +76,37 @@ fn time_drift(columns: &Columns, beta: &DVector<f64>, counts: &impl Fn(Kind) -> 
     Some(TimeDrift { start_up, ..straight.unwrap_or(TimeDrift::straight(0.0, 0.0)) })
 }
 
-/// Whether a kind of column moves what is predicted by more than its standard error, both root mean square over the rows.
-fn counting(columns: &Columns, averages: &Averages, evaluated: &Evaluated) -> impl Fn(Kind) -> bool {
-    let width = columns.kinds.len();
-    let rows = averages.rows.rows(0, width);
-    // The prediction is of the curve and the memories; the recording's own is no part of it.
-    let told = columns.curve() + columns.memories.len();
-    let predicting = rows.rows(0, told);
-    let spread = evaluated.covariance.view((0, 0), (told, told)) * predicting;
-    let square = predicting.component_mul(&spread).sum();
-    let moved: Vec<(Kind, f64)> = [Kind::Plays, Kind::Lags, Kind::Time, Kind::Start]
-        .map(|kind| {
-            let own = |i: usize, row: DVectorView<'_, f64>| {
-                if columns.kinds[i] == kind { evaluated.coefficients[i] * row[i] } else { 0.0 }
-            };
-            let by = |row: DVectorView<'_, f64>| (0..width).map(|i| own(i, row)).sum::<f64>().powi(2);
-            (kind, (0..rows.ncols()).map(|row| by(averages.rows.column(row))).sum::<f64>())
-        })
-        .into();
-    move |kind| moved.iter().any(|(own, moved)| *own == kind && *moved > square)
+/// The kinds that may be left out.
+const SPARE: [Kind; 4] = [Kind::Plays, Kind::Lags, Kind::Time, Kind::Start];
+
+/// The kinds whose effect over the rows is less than its own standard error, both root mean square.
+fn spare(columns: &Columns, averages: &Averages, evaluated: &Evaluated) -> Vec<Kind> {
+    let is_spare = |kind: &Kind| {
+        let own = places(columns, |other| other == *kind);
+        let rows = averages.rows.select_rows(&own);
+        let effect = rows.tr_mul(&evaluated.coefficients.select_rows(&own));
+        let covariance = evaluated.covariance.select_rows(&own).select_columns(&own);
+        effect.norm_squared() < rows.component_mul(&(covariance * &rows)).sum()
+    };
+    SPARE.into_iter().filter(is_spare).collect()
+}
+
+/// The places of the columns of some kinds.
+fn places(columns: &Columns, wanted: impl Fn(Kind) -> bool) -> Vec<usize> {
+    (0..columns.kinds.len()).filter(|&place| wanted(columns.kinds[place])).collect()
+}
+
+/// Coefficients and covariance where those of some kinds are known to be nothing.
+fn without(columns: &Columns, kinds: &[Kind], evaluated: &Evaluated) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let (mut coefficients, mut covariance) = (evaluated.coefficients.clone(), evaluated.covariance.clone());
+    let out = places(columns, |kind| kinds.contains(&kind));
+    if !out.is_empty() {
+        let across = covariance.select_columns(&out);
+        let gain = Cholesky::new(across.select_rows(&out))?.solve(&across.transpose());
+        coefficients -= gain.tr_mul(&coefficients.select_rows(&out));
+        covariance -= &across * gain;
+    }
+    Some((coefficients, covariance))
 }
 
 /// The cubic that is nearest to a curve over what was measured, every temperature alike: of a next run nobody knows how long
