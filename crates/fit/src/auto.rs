@@ -2,9 +2,9 @@
 //! fitted.
 //!
 //! A fit is a function of groups (time, temperature, rate, weight) and of nothing else. The model is by evidence
-//! ([`crate::evidence`]); a line, a quadratic and a cubic stand beside it (`curve`), each alone and with a drift in time where
-//! one can be told. The numbers that are reported come from folds (`nested`): for each of eight the model is fitted anew
-//! to the other seven. A model that does worse there than the cubic is dropped for it.
+//! (`evidence`); a line, a quadratic and a cubic stand beside it (`curve`), and where a drift in time was found a cubic with
+//! one. The numbers that are reported come from folds (`nested`): for each of eight the model is fitted anew to the other
+//! seven. A model that does worse there than the cubic is dropped for it.
 
 mod band;
 mod curve;
