@@ -3,16 +3,15 @@
 use serde::Serialize;
 use zerorate_core::drift::{Drift, Scale, Shape};
 
-use zerorate_fit::least_squares::{Basis, Fit};
 use zerorate_fit::model::Model;
+use zerorate_fit::nearest::nearest;
 
 use zerorate_cal::calibration::AxisCalibration;
 
 /// The order of the autopilots' curves.
 pub(super) const ORDER: usize = 3;
 
-/// Points of a curve at which it is sampled: a cubic of so many equally spaced points is that of the curve, to 1e-4 of
-/// what is left.
+/// Points of a range at which a cubic is held against a curve.
 const POINTS: u32 = 1001;
 
 /// A cubic of temperature, and the range over which it holds. Beyond it the temperature is clamped.
@@ -48,15 +47,13 @@ impl Cubic {
     fn of_drift(drift: &Drift) -> Self {
         let range = [drift.valid.min(), drift.valid.max()];
         let middle = f64::midpoint(range[0], range[1]);
-        let raw = match &drift.shape {
-            Shape::Polynomial(polynomial) if polynomial.order() <= ORDER => {
-                let scale = polynomial.scale();
-                shifted(polynomial.coefficients(), scale, middle)
-            }
-            _ => nearest(drift, middle),
+        let polynomial = match &drift.shape {
+            Shape::Polynomial(polynomial) if polynomial.order() <= ORDER => Some(polynomial.clone()),
+            _ => nearest(|temperature| drift.evaluate(temperature).0, drift.valid, ORDER),
         };
+        let raw = polynomial.map(|polynomial| shifted(polynomial.coefficients(), polynomial.scale(), middle));
         let mut coefficients = [0.0; ORDER + 1];
-        coefficients.iter_mut().zip(&raw).for_each(|(place, value)| *place = *value);
+        coefficients.iter_mut().zip(raw.iter().flatten()).for_each(|(place, value)| *place = *value);
         Self { reference: middle, coefficients, range }
     }
 
@@ -105,17 +102,6 @@ fn shifted(coefficients: &[f64], scale: Scale, reference: f64) -> Vec<f64> {
         result[0] += c;
     }
     result
-}
-
-/// The cubic nearest to a curve over its range.
-fn nearest(drift: &Drift, reference: f64) -> Vec<f64> {
-    let (min, max) = (drift.valid.min(), drift.valid.max());
-    let Some(scale) = Scale::spanning(min, max) else { return Vec::new() };
-    let mut fit = Fit::new(scale, Basis::Powers(ORDER));
-    for temperature in temperatures(min, max) {
-        fit.push(temperature, drift.evaluate(temperature).0);
-    }
-    fit.finish().map_or_else(|_| Vec::new(), |solution| shifted(&solution.coefficients, scale, reference))
 }
 
 fn temperatures(min: f64, max: f64) -> impl Iterator<Item = f64> {

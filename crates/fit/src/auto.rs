@@ -19,7 +19,7 @@ use crate::evidence::Evidence;
 use crate::folds::TELLING;
 use crate::least_squares::FitError;
 use crate::model::Model;
-use crate::model_fit::ModelFit;
+use crate::model_fit::{CUBIC, ModelFit};
 use crate::predict::{DriftModel, Predictor, Start};
 use crate::residual::ResidualStatistics;
 use crate::series::Series;
@@ -33,7 +33,7 @@ use nested::Outer;
 const BEYOND: f64 = 1.0 / 8.0;
 
 /// The highest order of the plain curves.
-const PLAINEST: usize = 3;
+const PLAINEST: usize = CUBIC;
 
 /// What came of a fit.
 #[derive(Debug, Clone, PartialEq)]

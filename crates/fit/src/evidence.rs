@@ -16,15 +16,13 @@ mod search;
 use zerorate_core::drift::ValidRange;
 
 use crate::model_fit::ModelFit;
+use crate::robust::HUBER;
 use crate::series::Series;
 use averages::Averages;
 use columns::Columns;
 use marginal::Evaluated;
 use noise::Whitened;
 pub(crate) use search::Found;
-
-/// A row's noise is taken for larger in so far as it is this many standard deviations off (Huber, 1964).
-const HUBER: f64 = 2.0;
 
 /// How often the noise of rows is looked at again; after the second time nothing moves.
 const ROUNDS: usize = 2;

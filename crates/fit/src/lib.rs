@@ -11,6 +11,7 @@ pub mod folds;
 pub mod least_squares;
 pub mod model;
 mod model_fit;
+pub mod nearest;
 pub mod predict;
 pub mod ramp;
 pub mod residual;

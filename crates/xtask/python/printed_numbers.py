@@ -219,10 +219,9 @@ def logs(differences, zerorate, folder):
         hold("fit in_sample.rms", own["in_sample"]["rms"], noise, 0.1)
         hold("fit held_out.rms", own["held_out"]["rms"], noise, 0.15)
         cubic = next(candidate for candidate in own["candidates"] if candidate["model"] == "poly:3")
-        ways = noise_of_ways 
-        hold("fit candidates[].by_direction_rms", cubic["by_direction_rms"], ways, 0.25)
+        hold("fit candidates[].by_direction_rms", cubic["by_direction_rms"], noise_of_ways, 0.25)
         # The zero is the mean of two of these averages, and has their noise.
-        hold("fit candidates[].deployed_rms", cubic["deployed_rms"], rms(ways) * np.sqrt(1 + 1 / 2), 0.15)
+        hold("fit candidates[].deployed_rms", cubic["deployed_rms"], noise * np.sqrt(1 + 1 / 2), 0.15)
         # About the mean of the first half minute, which is left out.
         zeroed = lambda values: values[3:] - values[:3].mean()
         hold("verify uncorrected.rms", axis["uncorrected"]["rms"], rms(zeroed(raw)), 0.02)

@@ -3,15 +3,12 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 use zerorate_core::drift::{Drift, MAX_ORDER, Polynomial, Scale, Shape, Table, ValidRange};
 
+use super::timeless;
 use crate::model::Model;
-use crate::model_fit::ModelFit;
+use crate::model_fit::{CUBIC, ModelFit, rows};
 use crate::predict::{DriftModel, TimeDrift};
-use crate::robust::{MAD_TO_SIGMA, median};
+use crate::robust::{HUBER, MAD_TO_SIGMA, median};
 use crate::series::Series;
-
-/// A residual of more than this many standard deviations counts less (Huber, 1964): 1.345 would lose 5 % on clean data; 2
-/// loses 1 %, and conditioning has already taken out the outliers.
-const HUBER: f64 = 2.0;
 
 /// Rounds of reweighting; after the fourth nothing moves by a hundredth of its error.
 const ROUNDS: usize = 5;
@@ -55,18 +52,16 @@ impl Curve {
         let series = groups.series;
         let (first, last) = series.time_s.first().copied().zip(series.time_s.last().copied())?;
         let straight = |along: f64| TimeDrift::straight(2.0 * along / (last - first), f64::midpoint(first, last));
-        let time_drift = along.map(straight);
-        let cubic = if self.model == Model::Poly(3) {
-            Some(drift.clone())
+        let model = DriftModel { drift, history: None, time_drift: along.map(straight) };
+        let cubic = if self.model == Model::Poly(CUBIC) {
+            Some(model.drift.clone())
         } else {
-            let off = |time_s: f64| time_drift.as_ref().map_or(0.0, |drift| drift.at(time_s, 0.0));
-            let timeless: Vec<f64> =
-                series.rate.iter().zip(series.time_s).map(|(rate, time)| rate - off(*time)).collect();
+            let timeless = timeless(&model, series);
             let timeless = Groups { series: &Series { rate: &timeless, ..*series }, ..groups };
             let alone = |order| Self { model: Model::Poly(order), in_time: false }.fitted(timeless, &keep);
-            (1..=3).rev().find_map(alone).map(|fitted| fitted.drift)
+            (1..=CUBIC).rev().find_map(alone).map(|fitted| fitted.drift)
         };
-        Some(ModelFit { model: DriftModel { drift, history: None, time_drift }, cubic, covariance })
+        Some(ModelFit { model, cubic, covariance })
     }
 
     fn fitted(self, groups: Groups<'_>, keep: impl Fn(usize) -> bool) -> Option<Fitted> {
@@ -75,18 +70,18 @@ impl Curve {
         let used: Vec<usize> = (0..series.rate.len()).filter(|&group| series.is_used(group) && keep(group)).collect();
         let level = used.iter().map(|&group| series.rate[group]).sum::<f64>() / used.len().max(1) as f64;
         let (first, last) = (*series.time_s.first()?, *series.time_s.last()?);
-        let rows: Vec<Vec<f64>> = (used.iter())
+        let of_groups: Vec<Vec<f64>> = (used.iter())
             .map(|&group| {
                 let mut row = self.columns(scale.x(series.temperature[group].clamp(valid.min(), valid.max())));
                 row.extend(self.in_time.then(|| 2.0 * (series.time_s[group] - first) / (last - first) - 1.0));
                 row
             })
             .collect();
-        let width = rows.first()?.len();
-        let rows = DMatrix::from_fn(width, rows.len(), |column, row| rows[row][column]);
+        let width = of_groups.first()?.len();
+        let columns = DMatrix::from_fn(width, of_groups.len(), |column, row| of_groups[row][column]);
         let rates = DVector::from_iterator(used.len(), used.iter().map(|&group| series.rate[group] - level));
         let weights: Vec<f64> = used.iter().map(|&group| series.weight[group]).collect();
-        let (beta, covariance) = self.solve_robustly(&rows, &rates, &weights)?;
+        let (beta, covariance) = self.solve_robustly(&columns, &rates, &weights)?;
 
         let deployed = self.deployed();
         let curve = deployed.nrows();
@@ -99,8 +94,8 @@ impl Curve {
             coefficients[0] += level;
             (Polynomial::new(scale, coefficients.as_slice()).map(Shape::Polynomial)?, valid)
         };
-        let covariance = covariance.row_iter().map(|row| row.iter().copied().collect()).collect();
-        Some(Fitted { drift: Drift { shape, valid }, covariance, along: self.in_time.then(|| beta[curve]) })
+        let drift = Drift { shape, valid };
+        Some(Fitted { drift, covariance: rows(&covariance), along: self.in_time.then(|| beta[curve]) })
     }
 
     /// The columns of the curve, all of the order of one: Legendre polynomials, or hats about a table's knots.

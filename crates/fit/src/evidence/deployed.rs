@@ -1,17 +1,14 @@
 //! From the coefficients, given the data, to the model that is deployed.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
-use zerorate_core::drift::{Drift, History, Memory, Scale, Shape, Table, Term, ValidRange};
+use zerorate_core::drift::{Drift, History, Memory, Shape, Table, Term, ValidRange};
 
 use super::averages::Averages;
 use super::columns::{Columns, Kind, START_SECONDS};
 use super::marginal::Evaluated;
-use crate::least_squares::{Basis, Fit};
-use crate::model_fit::ModelFit;
+use crate::model_fit::{CUBIC, ModelFit, rows};
+use crate::nearest::nearest;
 use crate::predict::{DriftModel, StartUp, TimeDrift};
-
-/// Points between the ends of what was measured at which the cubic follows the curve.
-const POINTS: usize = 200;
 
 /// The model of some coefficients. Memories, or a drift in time, whose effect is less than its own standard error are left
 /// out, and the others are what they are without them.
@@ -40,15 +37,15 @@ pub(super) fn model(columns: &Columns, averages: &Averages, evaluated: &Evaluate
     };
     let history = History::new(shape.clone(), &kept.iter().map(term).collect::<Vec<Term>>());
     let time_drift = time_drift(columns, &beta, &counts);
-    let cubic = cubic(&shape, columns.measured);
+    let cubic = nearest(|temperature| shape.evaluate(temperature), columns.measured, CUBIC)
+        .map(|cubic| Drift { shape: Shape::Polynomial(cubic), valid: columns.measured });
     let valid = ValidRange::new(columns.table.temperature(-1.0), columns.table.temperature(1.0))?;
     let model = DriftModel { drift: Drift { shape, valid }, history, time_drift };
     let covariance: DMatrix<f64> = &columns.shapes
         * covariance.view((0, 0), (curve, curve))
         * columns.shapes.transpose()
         * averages.spread.powi(2);
-    let covariance = covariance.row_iter().map(|row| row.iter().copied().collect()).collect();
-    Some(ModelFit { model, cubic, covariance })
+    Some(ModelFit { model, cubic, covariance: rows(&covariance) })
 }
 
 /// A memory that is deployed.
@@ -107,16 +104,4 @@ fn without(columns: &Columns, kinds: &[Kind], evaluated: &Evaluated) -> Option<(
         covariance -= &across * gain;
     }
     Some((coefficients, covariance))
-}
-
-/// The cubic that is nearest to a curve over what was measured, every temperature alike: of a next run nobody knows how long
-/// it stays where, and the rows of this one are uneven.
-fn cubic(shape: &Shape, measured: ValidRange) -> Option<Drift> {
-    let scale = Scale::spanning(measured.min(), measured.max())?;
-    let mut fit = Fit::new(scale, Basis::Powers(3));
-    for point in 0..=POINTS {
-        let temperature = scale.temperature(2.0 * point as f64 / POINTS as f64 - 1.0);
-        fit.push(temperature, shape.evaluate(temperature));
-    }
-    Some(Drift { shape: fit.finish().ok()?.shape()?, valid: measured })
 }
