@@ -14,6 +14,7 @@ use std::ops::Range;
 
 use zerorate_core::drift::ValidRange;
 
+use crate::direction::goes_both_ways;
 use crate::drift_fit::{Candidate, DriftFit, FitStatistics, ResidualOver};
 use crate::evidence::Evidence;
 use crate::folds::TELLING;
@@ -80,7 +81,8 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
     let exported = own.outer.figures().cubic_deployed.unwrap_or(f64::INFINITY);
     let is_worse = own.outer.error() > TELLING * exported.min(tried[cubic].outer.error());
     // A drift in time is no part of what is deployed, but a curve fitted as if there were none is bent by it.
-    let told = own.made.model.time_drift.is_some() && evidence.tells_time();
+    let one_log = series.log.first() == series.log.last();
+    let told = own.made.model.time_drift.is_some() && one_log && goes_both_ways(series.temperature);
     tried.extend(plain(Model::Poly(PLAINEST), true).filter(|_| told));
     let plainest = tried.len() - 1;
     tried.push(own);
@@ -125,7 +127,8 @@ impl Attempt {
             true => ResidualStatistics::by_folds(&outer.residuals),
             false => ResidualStatistics::NONE,
         };
-        let band = band::band(series, measured, outer.complete().then_some(&outer.deployed[..]), &deployed);
+        let held_out_deployed = outer.complete().then(|| nested::zeroed(series, &outer.deployed));
+        let band = band::band(series, measured, held_out_deployed.as_deref(), &nested::zeroed(series, &deployed));
         let used = (0..series.rate.len()).filter(|&group| series.is_used(group)).count() as u64;
         let statistics = FitStatistics {
             candidates,

@@ -39,11 +39,6 @@ impl<'a> Evidence<'a> {
         Some(Self { series, columns: Columns::new(series, measured, valid)? })
     }
 
-    /// Whether a drift in time can be told from the rest.
-    pub(crate) fn tells_time(&self) -> bool {
-        self.columns.time.is_some()
-    }
-
     /// Fits the groups that `keep` keeps. What was `found` of nearly the same data is where the search begins. `None`
     /// where there is nothing to be fitted.
     pub(crate) fn fit(&self, found: Option<&Found>, keep: impl Fn(usize) -> bool) -> Option<(ModelFit, Found)> {

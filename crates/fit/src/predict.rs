@@ -18,19 +18,21 @@ pub struct DriftModel {
     pub time_drift: Option<TimeDrift>,
 }
 
-/// A recording's own drift in time: it adds `per_second (t - origin_s)`, and what follows switching on.
+/// A recording's own drift in time: it adds `per_second (t - origin_s)`, and what follows switching on. At its origin, the
+/// middle of a log, it adds nothing: the curve's level is that of the middle, which a next run has too if it drifts alike.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TimeDrift {
     /// Rate units per second.
     pub per_second: f64,
-    /// The time at which that adds nothing, seconds from the recording's first row.
+    /// The time at which it adds nothing, seconds from the recording's first row; of several logs from each one's.
     pub origin_s: f64,
     /// What dies away after each log's start; none in most.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub start_up: Vec<StartUp>,
 }
 
-/// A part of a rate that dies away after switching on: it adds `rate exp(-t / time_constant_s)`, t from the log's start.
+/// A part of a rate that dies away after switching on: `rate exp(-t / time_constant_s)`, t from the log's start, less what it
+/// is at the origin.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StartUp {
     /// At the log's start, rate units.
@@ -49,13 +51,14 @@ impl TimeDrift {
     /// What it adds at a time in seconds from the recording's first row, `since_start_s` after the log's start: rate units.
     #[must_use]
     pub fn at(&self, time_s: f64, since_start_s: f64) -> f64 {
-        let dying = |part: &StartUp| part.rate * (-since_start_s / part.time_constant_s).exp();
+        let left = |since_s: f64, part: &StartUp| part.rate * (-since_s / part.time_constant_s).exp();
+        let dying = |part: &StartUp| left(since_start_s, part) - left(self.origin_s, part);
         self.per_second * (time_s - self.origin_s) + self.start_up.iter().map(dying).sum::<f64>()
     }
 }
 
 impl fmt::Display for DriftModel {
-    /// The model with the terms beside its curve: `poly:3`, or `table:32 + 3 plays + time`.
+    /// The model with the terms beside its curve: `poly:3`, or `table:32 + 3 plays + start-up`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let curve = self.history.as_ref().map_or(&self.drift.shape, History::curve);
         write!(f, "{}", Model::of_shape(curve))?;
@@ -68,7 +71,11 @@ impl fmt::Display for DriftModel {
                 _ => write!(f, " + {count} {what}s")?,
             }
         }
-        if self.time_drift.is_some() { f.write_str(" + time") } else { Ok(()) }
+        let Some(TimeDrift { per_second, start_up, .. }) = &self.time_drift else { return Ok(()) };
+        if *per_second != 0.0 {
+            f.write_str(" + time")?;
+        }
+        if start_up.is_empty() { Ok(()) } else { f.write_str(" + start-up") }
     }
 }
 

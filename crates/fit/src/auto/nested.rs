@@ -109,18 +109,7 @@ impl Outer {
     /// What is left of the predicted groups where the zero is taken once, where each log begins, and not anew with each
     /// fold: a device is switched on once a log.
     fn of_whole_logs(&self, series: &Series<'_>, left: &[f64]) -> Option<ResidualStatistics> {
-        let predicted: Vec<usize> = (0..left.len()).filter(|&group| self.deployed[group].is_finite()).collect();
-        let mut zeroed = left.to_vec();
-        for log in predicted.chunk_by(|&a, &b| series.log[a] == series.log[b]) {
-            take_zero_off(&mut zeroed, series.time_s, log);
-        }
-        // A group that was not predicted is none of a device's.
-        zeroed
-            .iter_mut()
-            .zip(&self.deployed)
-            .filter(|(_, own)| !own.is_finite())
-            .for_each(|(left, _)| *left = f64::NAN);
-        let left = ResidualStatistics::by_folds(&zeroed);
+        let left = ResidualStatistics::by_folds(&zeroed(series, &predicted(left, &self.deployed)));
         (self.complete() && left.rms.is_finite()).then_some(left)
     }
 
@@ -167,6 +156,21 @@ impl Outer {
         let of = |fold| ResidualStatistics::of(self.residuals[rows_of_fold(fold, groups)].iter().copied()).rms.powi(2);
         (0..FOLDS).map(of).filter(|square| square.is_finite()).collect()
     }
+}
+
+/// What is left of the groups that were predicted; NaN of the others, which are none of a device's.
+fn predicted(left: &[f64], deployed: &[f64]) -> Vec<f64> {
+    left.iter().zip(deployed).map(|(left, own)| if own.is_finite() { *left } else { f64::NAN }).collect()
+}
+
+/// What is left once a zero was taken where each log begins; NaN while it is taken.
+pub(super) fn zeroed(series: &Series<'_>, left: &[f64]) -> Vec<f64> {
+    let known: Vec<usize> = (0..left.len()).filter(|&group| left[group].is_finite()).collect();
+    let mut zeroed = left.to_vec();
+    for log in known.chunk_by(|&a, &b| series.log[a] == series.log[b]) {
+        take_zero_off(&mut zeroed, series.time_s, log);
+    }
+    zeroed
 }
 
 /// The static cubic of everything, with what it leaves of the rates less the recording's own drift in time.

@@ -5,7 +5,7 @@ use zerorate_core::drift::{
     Drift, History, HistoryState, MAX_KNOTS, Memory, Polynomial, Scale, Shape, Term, ValidRange,
 };
 
-use crate::direction::goes_both_ways;
+use crate::direction::{goes_both_ways, goes_both_ways_again};
 use crate::series::Series;
 
 /// The intervals of the curve's table: as many as a device holds.
@@ -19,8 +19,9 @@ const PLAY_SHARES: [f64; 3] = [0.03, 0.1, 0.3];
 /// its room.
 const LAG_SECONDS: [f64; 3] = [30.0, 120.0, 480.0];
 
-/// Time constants of what a gyro does after it is switched on, seconds, the shortest first.
-pub(super) const START_SECONDS: [f64; 2] = [150.0, 600.0];
+/// Time constants of what a gyro does after it is switched on, seconds, the shortest first, a factor of four apart. The longest
+/// is a slow drift to an hour's log.
+pub(super) const START_SECONDS: [f64; 3] = [150.0, 600.0, 2400.0];
 
 /// How many of them a ramp of one direction tells from the curve: there time and temperature go together.
 const STARTS_ONE_WAY: usize = 1;
@@ -53,8 +54,8 @@ pub(super) struct Columns {
     /// What each column of the curve is at each knot.
     pub shapes: DMatrix<f64>,
     pub memories: Vec<Memory>,
-    /// Time at -1 and at 1, seconds; `None` where there is no drift in time to be told.
-    pub time: Option<(f64, f64)>,
+    /// The middle of a log, seconds from its start: what follows switching on is told from there.
+    pub middle_s: f64,
     /// A column each.
     pub kinds: Vec<Kind>,
     /// A column of the matrix a group.
@@ -84,13 +85,12 @@ impl Columns {
         kinds.extend(vec![Kind::Start; if timed && series.drifts_in_time { starts } else { 0 }]);
         // Between logs a rate may jump for reasons of its own.
         let one_log = series.log.first() == series.log.last();
-        let ends = series.time_s.first().copied().zip(series.time_s.last().copied()).filter(|_| timed);
-        let time = ends.filter(|(first, last)| both && one_log && series.drifts_in_time && last > first);
-        kinds.extend(time.map(|_| Kind::Time));
+        let time = timed && one_log && series.drifts_in_time && goes_both_ways_again(series.temperature);
+        kinds.extend(time.then_some(Kind::Time));
         let logs = if one_log { 0 } else { series.log.chunk_by(|a, b| a == b).count() };
         kinds.extend(vec![Kind::Logs; logs]);
         let rows = DMatrix::zeros(kinds.len(), series.rate.len());
-        let mut columns = Self { table, measured, shapes, memories, time, kinds, rows };
+        let mut columns = Self { table, measured, shapes, memories, middle_s: middle(series), kinds, rows };
         columns.fill(series);
         Some(columns)
     }
@@ -131,8 +131,12 @@ impl Columns {
                 values.extend(ahead[..self.memories.len()].iter().map(|ahead| ahead / self.amplitude()));
             }
             before = time;
-            values.extend(START_SECONDS[..starts].iter().map(|constant| (-(time - began) / constant).exp()));
-            values.extend(self.time.map(|(first, last)| 2.0 * (time - first) / (last - first) - 1.0));
+            values.extend(START_SECONDS[..starts].iter().map(|constant| {
+                let left = |since_s: f64| (-since_s / constant).exp();
+                left(time - began) - left(self.middle_s)
+            }));
+            let along = (time - began) / self.middle_s - 1.0;
+            values.extend(self.kinds.contains(&Kind::Time).then_some(along));
             values.extend((1..=logs).map(|own| f64::from(u8::from(own == log))));
             self.rows.column_mut(group).copy_from_slice(&values);
         }
@@ -160,6 +164,14 @@ impl Kind {
             Memory::Lag { .. } => Self::Lags,
         }
     }
+}
+
+/// The middle of a log, of several on average, seconds from its start.
+fn middle(series: &Series<'_>) -> f64 {
+    let begins: Vec<usize> = (0..series.rate.len()).filter(|&group| series.begins(group)).collect();
+    let ends = begins.iter().skip(1).copied().chain([series.rate.len()]);
+    let length = |(begin, end): (&usize, usize)| series.time_s[end - 1] - series.time_s[*begin];
+    0.5 * begins.iter().zip(ends).map(length).sum::<f64>() / begins.len() as f64
 }
 
 /// The curve's columns at the knots of `table`, and how many of them are bends: level, slope, second and third order of

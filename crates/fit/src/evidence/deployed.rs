@@ -10,7 +10,7 @@ use crate::model_fit::{CUBIC, ModelFit, rows};
 use crate::nearest::nearest;
 use crate::predict::{DriftModel, StartUp, TimeDrift};
 
-/// The model of some coefficients. Memories, or a drift in time, whose effect is less than its own standard error are left
+/// The model of some coefficients. Memories, a start-up or a drift in time whose effect is less than its own standard error are left
 /// out, and the others are what they are without them.
 pub(super) fn model(columns: &Columns, averages: &Averages, evaluated: &Evaluated) -> Option<ModelFit> {
     let curve = columns.curve();
@@ -59,22 +59,19 @@ struct Kept {
 
 /// What belongs to the recording alone; `None` where it is nothing.
 fn time_drift(columns: &Columns, beta: &DVector<f64>, counts: &impl Fn(Kind) -> bool) -> Option<TimeDrift> {
-    let of_kind =
-        |kind: Kind| columns.kinds.iter().zip(beta).filter(move |(own, _)| **own == kind).map(|(_, beta)| *beta);
-    let straight = columns.time.filter(|_| counts(Kind::Time)).map(|(first, last)| {
-        let along: f64 = of_kind(Kind::Time).sum();
-        TimeDrift::straight(2.0 * along / (last - first), f64::midpoint(first, last))
-    });
+    let of_kind = |kind: Kind| {
+        let own = columns.kinds.iter().zip(beta).filter(move |(own, _)| **own == kind && counts(kind));
+        own.map(|(_, beta)| *beta)
+    };
     let part = |(rate, time_constant_s): (f64, &f64)| StartUp { rate, time_constant_s: *time_constant_s };
     let start_up: Vec<StartUp> = of_kind(Kind::Start).zip(&START_SECONDS).map(part).collect();
-    if start_up.is_empty() || !counts(Kind::Start) {
-        return straight;
-    }
-    Some(TimeDrift { start_up, ..straight.unwrap_or(TimeDrift::straight(0.0, 0.0)) })
+    let per_second = of_kind(Kind::Time).next().map(|along| along / columns.middle_s);
+    let drift = TimeDrift { start_up, ..TimeDrift::straight(per_second.unwrap_or(0.0), columns.middle_s) };
+    (per_second.is_some() || !drift.start_up.is_empty()).then_some(drift)
 }
 
 /// The kinds that may be left out.
-const SPARE: [Kind; 4] = [Kind::Plays, Kind::Lags, Kind::Time, Kind::Start];
+const SPARE: [Kind; 4] = [Kind::Plays, Kind::Lags, Kind::Start, Kind::Time];
 
 /// The kinds whose effect over the rows is less than its own standard error, both root mean square.
 fn spare(columns: &Columns, averages: &Averages, evaluated: &Evaluated) -> Vec<Kind> {

@@ -119,7 +119,7 @@ fn what_follows_switching_on_is_the_recordings_own() {
         let (made, _) = evidence.fit(None, |_| true).unwrap();
         let drift = made.model.time_drift.expect("what follows switching on");
         let start: Vec<(f64, f64)> = drift.start_up.iter().map(|part| (part.rate, part.time_constant_s)).collect();
-        assert!(start.len() == 2 && (start[1].1 - 600.0).abs() < 1e-9, "{start:?}");
+        assert!(start.len() == 3 && (start[1].1 - 600.0).abs() < 1e-9, "{start:?}");
         assert!(start[0].0.abs() < 0.05 && (start[1].0 - 0.5).abs() < 0.05, "{start:?}");
         let fallen = drift.at(0.0, 0.0) - drift.at(1200.0, 1200.0);
         assert!((fallen - 0.5 * (1.0 - (-2.0_f64).exp())).abs() < 0.03, "{fallen}");
