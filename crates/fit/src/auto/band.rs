@@ -19,7 +19,8 @@ const COVERED: f64 = 0.95;
 /// that is deployed, and a residual of what was fitted is smaller than one to come.
 const HELD_OUT_SHARE: f64 = 0.5;
 
-/// The band from residuals of the model as it is deployed, one a group (NaN for none), held out and in-sample. Its shape is
+/// The band from residuals of the model as it is deployed, after a zero at each log's start, one a group (NaN for none), held
+/// out and in-sample. Its shape is
 /// their root mean square nearby, by a normal window; its size is what 95 of 100 of them do not exceed (normalised
 /// conformal prediction: Papadopoulos et al. 2008; Lei et al. 2018), whatever their distribution: a loop of hysteresis has
 /// two values and no tails, a few jumps have tails and no width. They hold the model's error, the coefficients' and what the

@@ -111,7 +111,11 @@ pub(crate) fn figure(fit: &LogFit, axis: &AxisFit, units: Option<WrittenRate>, p
     }
     key.push((Ink::Curve, Sample::Line, "fitted curve"));
     if !axis.calibration.fit.band.is_empty() {
-        key.push((Ink::Aim, Sample::Line, "95 of 100 averages of a device lie between, but for its zero of the day"));
+        key.push((
+            Ink::Aim,
+            Sample::Line,
+            "95 of 100 averages of a run like this one lie between, after a zero at its start",
+        ));
     }
     if !fit.excluded.is_empty() && time.unit_s.is_some() {
         key.push((Ink::Excluded, Sample::Patch, "excluded"));
