@@ -22,6 +22,7 @@ pub use overlap::LogRows;
 
 use thiserror::Error;
 use zerorate_core::drift::{Scale, ValidRange};
+use zerorate_fit::drift_fit::LogLeft;
 use zerorate_fit::model::Model;
 
 use crate::calibration::{AxisCalibration, Calibration, CalibrationFault, Kind, Origin, sha256};
@@ -194,6 +195,17 @@ impl LogFit {
     #[must_use]
     pub fn source(&self) -> String {
         self.sources.iter().map(|log| log.name.as_str()).collect::<Vec<_>>().join(" + ")
+    }
+
+    /// What is left of each of several logs, of every axis of which it is known: the log, and its axes. Nothing of one log,
+    /// and of an axis that a log has in parts, or not at all.
+    pub fn by_log(&self) -> impl Iterator<Item = (&FittedLog, &AxisFit, LogLeft)> {
+        let of_log = move |place: usize| {
+            let known = |axis: &AxisFit| axis.calibration.fit.statistics.by_log.len() == self.sources.len();
+            let axes = self.axes.iter().filter(move |axis| known(axis));
+            axes.map(move |axis| (&self.sources[place], axis, axis.calibration.fit.statistics.by_log[place]))
+        };
+        (0..self.sources.len()).filter(|_| self.sources.len() > 1).flat_map(of_log)
     }
 
     /// Every reason, a sentence each.

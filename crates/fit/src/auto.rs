@@ -135,6 +135,7 @@ impl Attempt {
             nested: Some(outer.figures()),
             deployed: outer.deployed(series),
             uncorrected: outer.uncorrected(series),
+            by_log: outer.by_log(series, &deployed),
             trends: trends(&deployed, series),
             ..FitStatistics::new(ResidualOver::Groups, used, in_sample, held_out, made.covariance.clone())
         };

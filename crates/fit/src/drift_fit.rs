@@ -122,6 +122,9 @@ pub struct FitStatistics {
     /// The same without any model: what a device has left that takes its zero and corrects nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncorrected: Option<ResidualStatistics>,
+    /// Of several logs, what is left of each; nothing of one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub by_log: Vec<LogLeft>,
     /// Trends in what the model leaves of the recording, its drift in time not taken off; none in most.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub trends: Vec<Trend>,
@@ -155,9 +158,23 @@ impl FitStatistics {
             nested: None,
             deployed: None,
             uncorrected: None,
+            by_log: Vec::new(),
             trends: Vec::new(),
         }
     }
+}
+
+/// What is left of one of several logs, as a device has it that takes its zero in the log's first half minute: root mean
+/// squares over groups, rate units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LogLeft {
+    /// Without a model.
+    pub uncorrected: f64,
+    /// By a fit of the other logs, which has not seen this one: of two logs, what the one alone leaves of the other. `None`
+    /// where the others do not settle a model.
+    pub by_the_others: Option<f64>,
+    /// By the fit of all, this one among them.
+    pub by_all: f64,
 }
 
 /// A model that was tried, and its errors, rate units.

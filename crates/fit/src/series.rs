@@ -1,5 +1,7 @@
 //! What a fit is of: groups in order of time.
 
+use std::ops::Range;
+
 /// Groups of one rate column, in order of time: one entry of each slice a group.
 #[derive(Debug, Clone, Copy)]
 pub struct Series<'a> {
@@ -22,6 +24,14 @@ impl Series<'_> {
     #[must_use]
     pub fn is_used(&self, group: usize) -> bool {
         self.rate[group].is_finite() && self.temperature[group].is_finite() && self.weight[group] > 0.0
+    }
+
+    /// The groups of each log.
+    #[must_use]
+    pub fn logs(&self) -> Vec<Range<usize>> {
+        let begins: Vec<usize> = (0..self.rate.len()).filter(|&group| self.begins(group)).collect();
+        let ends = begins.iter().skip(1).copied().chain([self.rate.len()]);
+        begins.iter().copied().zip(ends).map(|(begin, end)| begin..end).collect()
     }
 
     /// Whether a group is the first of its log.

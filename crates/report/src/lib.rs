@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod board_page;
+mod by_log;
 mod candidates;
 mod figure;
 mod log_page;
@@ -13,6 +14,7 @@ mod rate;
 mod trend;
 
 pub use board_page::board_page;
+pub use by_log::by_log_sentence;
 pub use log_page::LogPage;
 pub use lot::{LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
 pub use rate::RateScale;

@@ -17,6 +17,7 @@ use zerorate_export::{ExportedAxis, Format};
 use zerorate_fit::least_squares::raw_coefficients;
 use zerorate_fit::model::Model;
 
+use super::by_log;
 use super::candidates;
 use super::number::{fixed, polynomial, whole};
 use super::page::{self, Chapter, Table, told};
@@ -80,7 +81,10 @@ impl LogPage<'_> {
 
     fn before_and_after(&self) -> Markup {
         html! {
-            @for unit in headline::units(self.fit) { (self.within_the_recording(unit)) }
+            @for unit in headline::units(self.fit) {
+                (by_log::table(self.fit, unit, RateScale::of_fit(self.fit, unit, self.units)))
+                (self.within_the_recording(unit))
+            }
             @for (place, axis) in self.fit.axes.iter().enumerate() {
                 h3 { (axis.name) }
                 (axis::figure(self.fit, axis, self.units, place).markup())

@@ -56,7 +56,7 @@ impl Serialize for AxisFit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let axis = &self.calibration;
         let (model, statistics) = (&axis.fit.model, &axis.fit.statistics);
-        let mut fields = serializer.serialize_struct("AxisFit", 19)?;
+        let mut fields = serializer.serialize_struct("AxisFit", 20)?;
         if let Some(sensor) = &axis.sensor {
             fields.serialize_field("sensor", sensor)?;
         }
@@ -78,6 +78,9 @@ impl Serialize for AxisFit {
         }
         if let Some(uncorrected) = &statistics.uncorrected {
             fields.serialize_field("uncorrected", uncorrected)?;
+        }
+        if !statistics.by_log.is_empty() {
+            fields.serialize_field("by_log", &statistics.by_log)?;
         }
         if !statistics.trends.is_empty() {
             fields.serialize_field("trends", &statistics.trends)?;

@@ -3,13 +3,13 @@
 mod page;
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde::Serialize;
 use zerorate_apply::verify::{Limit, Limits, Verified, VerifyOptions, verify};
-use zerorate_cal::calibration::{Calibration, Kind};
+use zerorate_cal::calibration::{Calibration, Kind, Origin};
 use zerorate_cal::log::SensorChoice;
 use zerorate_cal::source::{Source, in_quotes};
 use zerorate_cal::table::Table;
@@ -18,7 +18,7 @@ use zerorate_cal::units::WrittenRate;
 use super::Outcome;
 use crate::log_arguments::{ColumnArguments, ShownUnits};
 use crate::progress::Busy;
-use crate::screen;
+use crate::{output, screen};
 
 /// See what a calibration leaves of a log that it has not seen
 ///
@@ -122,9 +122,24 @@ impl Verify {
             verified.notes.iter().for_each(|note| screen::note(note));
             screen::print_json(&Found { schema: 1, verified: &verified })?;
         } else {
-            page::page(&verified, units).print()?;
+            page::page(&verified, units, self.join(&calibration, &verified).as_deref()).print()?;
         }
         Ok(if verified.passed == Some(false) { Outcome::Rejected } else { Outcome::Done })
+    }
+
+    /// The command that fits this run and those of the calibration as one, where they are logs of the same axes.
+    fn join(&self, calibration: &Calibration, verified: &Verified) -> Option<String> {
+        let same = verified.axes.iter().all(|axis| axis.name == axis.log_axis) && verified.missing.is_empty();
+        if !same || verified.in_sample || calibration.kind != Kind::Log {
+            return None;
+        }
+        // A calibration knows its logs by name; most lie beside it.
+        let folder = self.calibration.parent().unwrap_or(Path::new(""));
+        let place = |name: &str| [folder.join(name), PathBuf::from(name)].into_iter().find(|path| path.is_file());
+        let place = |source: &Origin| place(&source.file).unwrap_or_else(|| PathBuf::from(&source.file));
+        let logs = calibration.sources.iter().map(place).chain([self.log.clone()]);
+        let logs: Vec<String> = logs.map(|log| output::argument(&log)).collect();
+        Some(format!("zerorate fit {} --out both.calibration.json --report both.report.html", logs.join(" ")))
     }
 
     fn limits(&self) -> Result<Limits> {

@@ -104,7 +104,12 @@ fn logs_of_one_unit_make_one_fit_and_of_two_units_none() {
     fs::write(folder.path().join("warm.ulg"), whole.rows(4000..8400).ulg()).unwrap();
     let ran = zerorate(folder.path(), &["fit", "cold.ulg", "warm.ulg", "--out", "both.json"]);
     assert_eq!(ran.code, 0, "{}", ran.err);
-    ran.says(&["cold.ulg + warm.ulg: good", "Drift over -17.0 to 73.0 C"]);
+    ran.says(&[
+        "cold.ulg + warm.ulg: good",
+        "Drift over -17.0 to 73.0 C",
+        "Each log as the others predict it",
+        "by a fit of the other logs, which has not seen this one",
+    ]);
     let calibration: serde_json::Value =
         serde_json::from_slice(&fs::read(folder.path().join("both.json")).unwrap()).unwrap();
     schema::hold("calibration.json", &calibration);

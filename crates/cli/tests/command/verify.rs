@@ -23,6 +23,7 @@ fn a_second_run_passes_or_fails_by_its_limits() {
     let ran = zerorate(folder.path(), &verify);
     assert_eq!((ran.code, ran.err.as_str()), (0, ""));
     ran.says(&["second.csv: measured: no limits were given", "x_rad_s", "mrad/s"]);
+    ran.says(&["zerorate fit log.csv second.csv --out both.calibration.json --report both.report.html"]);
     let passed = zerorate(folder.path(), &[&verify[..], &["--max-rms", "0.5mrad/s", "--max-pp", "2 mrad/s"]].concat());
     assert_eq!(passed.code, 0, "{}", passed.out);
     passed.says(&["passed: all axes are within"]);
@@ -42,6 +43,7 @@ fn the_log_that_was_fitted_is_refused_as_no_test() {
     let looked = zerorate(folder.path(), &[&verify[..], &["--in-sample"]].concat());
     assert_eq!(looked.code, 0);
     looked.says(&["in-sample, and no test"]);
+    assert!(!looked.out.contains("zerorate fit"), "one log is not two: {}", looked.out);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use zerorate_core::drift::{Drift, ValidRange};
 use super::{in_recording, predict};
 use crate::boot::take_zero_off;
 use crate::choose::standard_error;
-use crate::drift_fit::{Candidate, HeldOut, StaticCubic, finite};
+use crate::drift_fit::{Candidate, HeldOut, LogLeft, StaticCubic, finite};
 use crate::folds::{FOLDS, rows_of_fold};
 use crate::model_fit::ModelFit;
 use crate::predict::Start;
@@ -28,6 +28,8 @@ pub(super) struct Outer {
     cubic_deployed: Vec<f64>,
     /// The static cubics of the folds.
     cubics: Vec<Option<Drift>>,
+    /// Each of several logs as a fit of the others leaves it, as deployed and a zero taken off; nothing of one log.
+    by_the_others: Vec<f64>,
     /// With the cold and the hot end held out, root mean squares; NaN where the rest does not settle it.
     ends: [f64; 2],
     failed: bool,
@@ -46,6 +48,7 @@ impl Outer {
             cubic: nothing(),
             cubic_deployed: nothing(),
             cubics: Vec::new(),
+            by_the_others: by_the_others(series, &make),
             ends: ends(series).map(|end| {
                 let made = make(&|group| !end.contains(&group));
                 made.map_or(f64::NAN, |made| {
@@ -113,6 +116,23 @@ impl Outer {
         (self.complete() && left.rms.is_finite()).then_some(left)
     }
 
+    /// What is left of each of several logs; `all` is what the fit of all leaves, as deployed.
+    pub(super) fn by_log(&self, series: &Series<'_>, all: &[f64]) -> Vec<LogLeft> {
+        if self.by_the_others.is_empty() {
+            return Vec::new();
+        }
+        let (uncorrected, all) = (zeroed(series, &predicted(series.rate, all)), zeroed(series, all));
+        let left = |log: Range<usize>| {
+            let rms = |left: &[f64]| ResidualStatistics::of(left[log.clone()].iter().copied()).rms;
+            LogLeft {
+                uncorrected: rms(&uncorrected),
+                by_the_others: finite(rms(&self.by_the_others)),
+                by_all: rms(&all),
+            }
+        };
+        series.logs().into_iter().map(left).collect()
+    }
+
     pub(super) fn figures(&self) -> HeldOut {
         let rms = |values: &[f64]| {
             Some(ResidualStatistics::of(values.iter().copied()).rms).filter(|rms| rms.is_finite() && self.complete())
@@ -156,6 +176,19 @@ impl Outer {
         let of = |fold| ResidualStatistics::of(self.residuals[rows_of_fold(fold, groups)].iter().copied()).rms.powi(2);
         (0..FOLDS).map(of).filter(|square| square.is_finite()).collect()
     }
+}
+
+/// What fits of all logs but one leave of that one, as deployed and a zero taken off; nothing of one log.
+fn by_the_others(series: &Series<'_>, make: impl Fn(&dyn Fn(usize) -> bool) -> Option<ModelFit>) -> Vec<f64> {
+    let logs = series.logs();
+    if logs.len() < 2 {
+        return Vec::new();
+    }
+    let of_log = |log: Range<usize>| match make(&|group| !log.contains(&group)) {
+        Some(made) => predict(&made.model, Start::Unknown, series, log),
+        None => vec![f64::NAN; log.len()],
+    };
+    zeroed(series, &logs.into_iter().flat_map(of_log).collect::<Vec<_>>())
 }
 
 /// What is left of the groups that were predicted; NaN of the others, which are none of a device's.

@@ -194,6 +194,29 @@ fn several_logs_have_a_history_each_and_no_drift_in_time() {
     assert!(fit.fit.statistics.held_out.unwrap().rms < 4e-4, "{:?}", fit.fit.statistics.held_out);
 }
 
+/// Two ramps of 400 groups, 0.25 C apart: one drifts by 0.01 a degree, the other by 0.02 from 5 on. Of the second the first
+/// alone leaves 0.01 a degree, a line through both 0.005.
+#[test]
+fn of_two_logs_each_is_predicted_by_the_other() {
+    let ramp = |group: usize| -30.0 + 0.25 * (group % 400) as f64;
+    let log: Vec<u32> = (0..800).map(|group| u32::from(group >= 400)).collect();
+    let rate = |group: usize, t: f64| if group < 400 { 0.01 * t } else { 0.02 * t + 5.0 };
+    let made = Made::new((0..800).map(ramp).collect(), rate);
+    let left = made.fit_of_logs(Model::Poly(1), &log).fit.statistics.by_log;
+    // The zero is the mean of the first three groups: the others are 0.25 C times 2 to 398 above it.
+    let squares = (398.0 * 399.0 * 797.0 / 6.0 - 1.0) / 397.0;
+    let span = 0.25 * f64::sqrt(squares);
+    assert_eq!(left.len(), 2);
+    for (left, own) in left.iter().zip([0.01, 0.02]) {
+        let others = left.by_the_others.expect("the other log settles a line");
+        for (told, slope) in [(left.uncorrected, own), (others, 0.01), (left.by_all, 0.005)] {
+            assert!((told / (slope * span) - 1.0).abs() < 1e-3, "{left:?}");
+        }
+    }
+    let alone = Made::new((0..400).map(ramp).collect(), |_, t| 0.01 * t).fit(Model::Poly(1));
+    assert!(alone.fit.statistics.by_log.is_empty());
+}
+
 #[test]
 fn the_static_cubic_is_of_the_same_data_without_their_drift_in_time() {
     let fit = Made::new(cycles(), |group, t| cubic(t) + 1e-6 * 10.0 * group as f64).fit(Model::Auto);

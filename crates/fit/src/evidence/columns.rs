@@ -1,5 +1,7 @@
 //! What a drift is made of, a column each: a curve by its knots, memories, and what belongs to one recording alone.
 
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 use zerorate_core::drift::{
     Drift, History, HistoryState, MAX_KNOTS, Memory, Polynomial, Scale, Shape, Term, ValidRange,
@@ -168,10 +170,9 @@ impl Kind {
 
 /// The middle of a log, of several on average, seconds from its start.
 fn middle(series: &Series<'_>) -> f64 {
-    let begins: Vec<usize> = (0..series.rate.len()).filter(|&group| series.begins(group)).collect();
-    let ends = begins.iter().skip(1).copied().chain([series.rate.len()]);
-    let length = |(begin, end): (&usize, usize)| series.time_s[end - 1] - series.time_s[*begin];
-    0.5 * begins.iter().zip(ends).map(length).sum::<f64>() / begins.len() as f64
+    let logs = series.logs();
+    let length = |log: &Range<usize>| series.time_s[log.end - 1] - series.time_s[log.start];
+    0.5 * logs.iter().map(length).sum::<f64>() / logs.len() as f64
 }
 
 /// The curve's columns at the knots of `table`, and how many of them are bends: level, slope, second and third order of

@@ -7,9 +7,9 @@ use zerorate_cal::condition::Rejected;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::units::{RateUnit, WrittenRate};
-use zerorate_fit::drift_fit::{FitStatistics, ResidualOver};
+use zerorate_fit::drift_fit::{FitStatistics, LogLeft, ResidualOver};
 use zerorate_fit::residual::ResidualStatistics;
-use zerorate_report::trend_sentences;
+use zerorate_report::{by_log_sentence, trend_sentences};
 
 use super::models;
 use crate::screen::{Grid, Page, RateScale, aligned, style, thousands};
@@ -39,6 +39,7 @@ pub fn page(
             page.gap();
             page.sentence("  ", &trend);
         }
+        units.iter().for_each(|unit| by_log(&mut page, fit, RateScale::of_fit(fit, *unit, asked), *unit));
         units.iter().for_each(|unit| in_recording(&mut page, fit, RateScale::of_fit(fit, *unit, asked), *unit));
         terms_in_recording(&mut page, fit, over);
         models::models(&mut page, fit, asked);
@@ -107,9 +108,8 @@ fn curves(page: &mut Page, fit: &LogFit, scale: RateScale, unit: RateUnit) {
     let [rms, error, pp] = figures(&axes, scale, left);
     let drifts = aligned(&drifts.iter().map(|drift| scale.of_rate(*drift)).collect::<Vec<_>>());
     let mut grid = Grid::new("lllrrrrrrr");
-    let what = if axes[0].calibration.sensor.is_some() { "axis" } else { "rate column" };
     grid.head(["", "", "", "drift", left_head, "", "", "uncorrected", "", "rows"]);
-    grid.head([what, "verdict", "model", "pp", "rms", "±", "pp", "rms", "pp", "used"]);
+    grid.head([axis_or_column(axes[0]), "verdict", "model", "pp", "rms", "±", "pp", "rms", "pp", "used"]);
     for (place, axis) in axes.iter().enumerate() {
         let model = axis.calibration.fit.chosen_model();
         let used = thousands(axis.calibration.fit.statistics.samples_used);
@@ -124,6 +124,38 @@ fn curves(page: &mut Page, fit: &LogFit, scale: RateScale, unit: RateUnit) {
         );
         page.sentence("  ", &held);
     }
+}
+
+/// What an axis is called: of a table it is a column.
+fn axis_or_column(axis: &AxisFit) -> &'static str {
+    if axis.calibration.sensor.is_some() { "axis" } else { "rate column" }
+}
+
+/// What is left of each of several logs: what the others know of it, and what it brought.
+fn by_log(page: &mut Page, fit: &LogFit, scale: RateScale, unit: RateUnit) {
+    let left: Vec<_> = fit.by_log().filter(|(_, axis, _)| axis.calibration.rate_unit == unit).collect();
+    if left.is_empty() {
+        return;
+    }
+    page.heading(&format!("Each log as the others predict it, rms in {}", scale.unit()));
+    let column = |of: &dyn Fn(&LogLeft) -> f64| -> Vec<f64> {
+        left.iter().map(|(_, _, left)| scale.of_rate(of(left))).collect()
+    };
+    let columns = [
+        aligned(&column(&|left| left.uncorrected)),
+        aligned(&column(&|left| left.by_the_others.unwrap_or(f64::NAN))),
+        aligned(&column(&|left| left.by_all)),
+    ];
+    let mut grid = Grid::new("llrrr");
+    grid.head(["", "", "", "by a fit of", "by the fit"]);
+    grid.head(["log", axis_or_column(left[0].1), "uncorrected", "the others", "of all"]);
+    for (place, (log, axis, _)) in left.iter().enumerate() {
+        let name = if place > 0 && left[place - 1].0.name == log.name { String::new() } else { log.name.clone() };
+        grid.row([name, axis.name.clone()].into_iter().chain(columns.iter().map(|column| column[place].clone())));
+    }
+    page.grid(&grid);
+    page.gap();
+    page.sentence("  ", &by_log_sentence(fit));
 }
 
 /// What is left within the recording: smaller than what a device gets, and below it.

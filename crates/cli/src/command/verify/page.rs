@@ -7,8 +7,8 @@ use zerorate_cal::units::{RateUnit, WrittenRate};
 
 use crate::screen::{Grid, Page, RateScale, aligned, style};
 
-/// The page: verdict, why, and what is left of each axis.
-pub fn page(verified: &Verified, asked: Option<WrittenRate>) -> Page {
+/// The page: verdict, why, what is left of each axis, and the command that fits the runs as one.
+pub fn page(verified: &Verified, asked: Option<WrittenRate>, join: Option<&str>) -> Page {
     let mut page = Page::default();
     verdict(&mut page, verified);
     let mut units: Vec<RateUnit> = Vec::new();
@@ -38,6 +38,11 @@ pub fn page(verified: &Verified, asked: Option<WrittenRate>) -> Page {
     if !verified.notes.is_empty() {
         page.heading("What was guessed");
         verified.notes.iter().for_each(|note| page.sentence("  - ", note));
+    }
+    if let Some(command) = join {
+        page.gap();
+        page.line("Two runs say more of a unit than one. To fit them as one:");
+        page.line(format!("  {command}"));
     }
     page
 }
