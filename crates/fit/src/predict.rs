@@ -29,6 +29,9 @@ pub struct TimeDrift {
     /// What dies away after each log's start; none in most.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub start_up: Vec<StartUp>,
+    /// From when on after a log's start that was seen, seconds: before, it is taken for what it was then.
+    #[serde(default)]
+    pub seen_from_s: f64,
 }
 
 /// A part of a rate that dies away after switching on: `rate exp(-t / time_constant_s)`, t from the log's start, less what it
@@ -45,14 +48,15 @@ impl TimeDrift {
     /// A straight one.
     #[must_use]
     pub fn straight(per_second: f64, origin_s: f64) -> Self {
-        Self { per_second, origin_s, start_up: Vec::new() }
+        Self { per_second, origin_s, start_up: Vec::new(), seen_from_s: 0.0 }
     }
 
     /// What it adds at a time in seconds from the recording's first row, `since_start_s` after the log's start: rate units.
     #[must_use]
     pub fn at(&self, time_s: f64, since_start_s: f64) -> f64 {
         let left = |since_s: f64, part: &StartUp| part.rate * (-since_s / part.time_constant_s).exp();
-        let dying = |part: &StartUp| left(since_start_s, part) - left(self.origin_s, part);
+        let since_s = since_start_s.max(self.seen_from_s);
+        let dying = |part: &StartUp| left(since_s, part) - left(self.origin_s, part);
         self.per_second * (time_s - self.origin_s) + self.start_up.iter().map(dying).sum::<f64>()
     }
 }

@@ -24,6 +24,8 @@ pub(super) struct Averages {
     pub variance: Vec<f64>,
     /// Whether it is the first of a log.
     pub begins: Vec<bool>,
+    /// How soon after the start of a log one was, at the soonest, seconds.
+    pub soonest_s: f64,
     pub level: f64,
     pub spread: f64,
 }
@@ -64,7 +66,12 @@ impl Averages {
         let level = rates.mean();
         let spread = rates.variance().sqrt().max(f64::MIN_POSITIVE);
         rows.row_mut(width).iter_mut().for_each(|rate| *rate = (*rate - level) / spread);
-        let mut averages = Self { rows, time_s, variance, begins, level, spread };
+        let since_start = |(part, time): (&&[usize], &f64)| {
+            let log = series.logs().into_iter().find(|log| log.contains(&part[0]))?;
+            Some(time - series.time_s[log.start])
+        };
+        let soonest_s = parts.iter().zip(&time_s).filter_map(since_start).fold(f64::INFINITY, f64::min);
+        let mut averages = Self { rows, time_s, variance, begins, soonest_s, level, spread };
         averages.leave_spikes_out();
         Some(averages)
     }

@@ -36,7 +36,7 @@ pub(super) fn model(columns: &Columns, averages: &Averages, evaluated: &Evaluate
         share: kept.effect / total,
     };
     let history = History::new(shape.clone(), &kept.iter().map(term).collect::<Vec<Term>>());
-    let time_drift = time_drift(columns, &beta, &counts);
+    let time_drift = time_drift(columns, averages, &beta, &counts);
     let cubic = nearest(|temperature| shape.evaluate(temperature), columns.measured, CUBIC)
         .map(|cubic| Drift { shape: Shape::Polynomial(cubic), valid: columns.measured });
     let valid = ValidRange::new(columns.table.temperature(-1.0), columns.table.temperature(1.0))?;
@@ -58,7 +58,12 @@ struct Kept {
 }
 
 /// What belongs to the recording alone; `None` where it is nothing.
-fn time_drift(columns: &Columns, beta: &DVector<f64>, counts: &impl Fn(Kind) -> bool) -> Option<TimeDrift> {
+fn time_drift(
+    columns: &Columns,
+    averages: &Averages,
+    beta: &DVector<f64>,
+    counts: &impl Fn(Kind) -> bool,
+) -> Option<TimeDrift> {
     let of_kind = |kind: Kind| {
         let own = columns.kinds.iter().zip(beta).filter(move |(own, _)| **own == kind && counts(kind));
         own.map(|(_, beta)| *beta)
@@ -66,7 +71,11 @@ fn time_drift(columns: &Columns, beta: &DVector<f64>, counts: &impl Fn(Kind) -> 
     let part = |(rate, time_constant_s): (f64, &f64)| StartUp { rate, time_constant_s: *time_constant_s };
     let start_up: Vec<StartUp> = of_kind(Kind::Start).zip(&START_SECONDS).map(part).collect();
     let per_second = of_kind(Kind::Time).next().map(|along| along / columns.middle_s);
-    let drift = TimeDrift { start_up, ..TimeDrift::straight(per_second.unwrap_or(0.0), columns.middle_s) };
+    let drift = TimeDrift {
+        start_up,
+        seen_from_s: averages.soonest_s,
+        ..TimeDrift::straight(per_second.unwrap_or(0.0), columns.middle_s)
+    };
     (per_second.is_some() || !drift.start_up.is_empty()).then_some(drift)
 }
 

@@ -105,6 +105,25 @@ fn the_marginal_likelihood_and_its_gradient_are_those_of_the_whole_covariance() 
     });
 }
 
+/// With the first 600 s held out, what follows switching on is told from 600 s on, and is not carried back to the start, where
+/// it would be e times as much.
+#[test]
+fn a_start_that_was_not_seen_is_not_made_up() {
+    let mut cycle = Cycle::new();
+    cycle.time_s = (0..360).map(|group| 10.0 * f64::from(group)).collect();
+    cycle.temperature = cycle.time_s.iter().map(|t| 20.0 + 30.0 * (t / 95.5).sin()).collect();
+    let noise = |group: usize| ((group * 7919) % 101) as f64 / 5000.0;
+    let rate = |(group, t): (usize, &f64)| 0.5 * (-t / 600.0).exp() + noise(group);
+    cycle.rate = cycle.time_s.iter().enumerate().map(rate).collect();
+    cycle.with(|series| {
+        let evidence = Evidence::new(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
+        let (made, _) = evidence.fit(None, |group| group >= 60).unwrap();
+        let drift = made.model.time_drift.expect("what follows switching on");
+        assert!((drift.seen_from_s - 600.0).abs() < 10.0, "{drift:?}");
+        assert!((drift.at(0.0, 0.0) - drift.at(600.0, 600.0)).abs() < 0.02, "{drift:?}");
+    });
+}
+
 #[test]
 fn what_follows_switching_on_is_the_recordings_own() {
     let mut cycle = Cycle::new();
