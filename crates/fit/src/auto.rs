@@ -72,10 +72,8 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
     // A curve that is drawn to nothing is settled by one temperature; a line is not.
     let mut tried = vec![plain(Model::Poly(1), false).ok_or(undetermined)?];
     tried.extend((2..=PLAINEST).filter_map(|order| plain(Model::Poly(order), false)));
-    let evidence = Evidence::new(series, measured, valid).ok_or(FitError::NotFinite)?;
-    let own = evidence
-        .fit(None, |_| true)
-        .and_then(|(_, found)| Attempt::new(series, |keep| evidence.fit(Some(&found), keep).map(|(made, _)| made)));
+    let own = Evidence::likeliest(series, measured, valid)
+        .and_then(|(evidence, found)| Attempt::new(series, |keep| evidence.fit(&found, keep)));
     let Some(own) = own else { return Ok(finish(&tried, tried.len() - 1, &groups)) };
     let cubic = tried.len() - 1;
     let exported = own.outer.figures().cubic_deployed.unwrap_or(f64::INFINITY);

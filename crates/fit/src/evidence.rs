@@ -19,13 +19,18 @@ use crate::model_fit::ModelFit;
 use crate::robust::HUBER;
 use crate::series::Series;
 use averages::Averages;
-use columns::Columns;
+use columns::{Columns, Slow};
 use marginal::Evaluated;
 use noise::Whitened;
 pub(crate) use search::Found;
 
 /// How often the noise of rows is looked at again; after the second time nothing moves.
 const ROUNDS: usize = 2;
+
+/// By how much a straight drift in time must be the likelier, natural logarithm: twenty to one, strong evidence (Kass and
+/// Raftery, *Bayes factors*, 1995). What follows switching on dies away in most gyros, and of one cycle a model with a straight
+/// line too easily takes hysteresis for time.
+const STRONG: f64 = 3.0;
 
 /// A series with its columns.
 pub(crate) struct Evidence<'a> {
@@ -34,14 +39,29 @@ pub(crate) struct Evidence<'a> {
 }
 
 impl<'a> Evidence<'a> {
-    /// The columns of a series whose used rates span `measured`, the curve believed over `valid`.
-    pub(crate) fn new(series: &'a Series<'a>, measured: ValidRange, valid: ValidRange) -> Option<Self> {
-        Some(Self { series, columns: Columns::new(series, measured, valid)? })
+    /// The columns of a series whose used rates span `measured`, the curve believed over `valid`, and what is found of them:
+    /// with a straight drift in time where there is strong evidence of one.
+    pub(crate) fn likeliest(series: &'a Series<'a>, measured: ValidRange, valid: ValidRange) -> Option<(Self, Found)> {
+        let fitted = |slow: Slow| {
+            let evidence = Self { series, columns: Columns::new(series, measured, valid, slow)? };
+            let (_, found, evaluated) = evidence.search(None, |_| true)?;
+            let surprise = evaluated.surprise(&found.spreads)?;
+            Some((evidence, found, surprise))
+        };
+        let (dying, straight) = (fitted(Slow::Dying)?, fitted(Slow::Straight));
+        let (evidence, found, _) = straight.filter(|straight| straight.2 < dying.2 - STRONG).unwrap_or(dying);
+        Some((evidence, found))
     }
 
-    /// Fits the groups that `keep` keeps. What was `found` of nearly the same data is where the search begins. `None`
-    /// where there is nothing to be fitted.
-    pub(crate) fn fit(&self, found: Option<&Found>, keep: impl Fn(usize) -> bool) -> Option<(ModelFit, Found)> {
+    /// Fits the groups that `keep` keeps, from what was `found` of all on. `None` where there is nothing to be fitted.
+    pub(crate) fn fit(&self, found: &Found, keep: impl Fn(usize) -> bool) -> Option<ModelFit> {
+        let (averages, _, evaluated) = self.search(Some(found), keep)?;
+        deployed::model(&self.columns, &averages, &evaluated)
+    }
+
+    /// The rows of the groups that `keep` keeps, and the likeliest noise and spreads. What was `found` of nearly the same data
+    /// is where the search begins.
+    fn search(&self, found: Option<&Found>, keep: impl Fn(usize) -> bool) -> Option<(Averages, Found, Evaluated)> {
         let mut averages = Averages::new(self.series, &self.columns, keep)?;
         let (mut found, mut evaluated) = match found {
             Some(near) => near.search_nearby(&self.columns, &averages)?,
@@ -54,7 +74,7 @@ impl<'a> Evidence<'a> {
             }
             (found, evaluated) = found.search_nearby(&self.columns, &averages)?;
         }
-        Some((deployed::model(&self.columns, &averages, &evaluated)?, found))
+        Some((averages, found, evaluated))
     }
 
     /// Gives rows that are far off the variance that makes them less so; whether any changed.

@@ -7,7 +7,7 @@ use zerorate_core::drift::{
     Drift, History, HistoryState, MAX_KNOTS, Memory, Polynomial, Scale, Shape, Term, ValidRange,
 };
 
-use crate::direction::{goes_both_ways, goes_both_ways_again};
+use crate::direction::goes_both_ways;
 use crate::series::Series;
 
 /// The intervals of the curve's table: as many as a device holds.
@@ -27,6 +27,15 @@ pub(super) const START_SECONDS: [f64; 3] = [150.0, 600.0, 2400.0];
 
 /// How many of them a ramp of one direction tells from the curve: there time and temperature go together.
 const STARTS_ONE_WAY: usize = 1;
+
+/// What a drift in time comes to at last, of a log that goes both ways.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Slow {
+    /// It dies away with the longest time constant.
+    Dying,
+    /// It goes on as a straight line, with a spread of its own.
+    Straight,
+}
 
 /// What a column belongs to. Columns of a kind have one spread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -66,7 +75,7 @@ pub(super) struct Columns {
 
 impl Columns {
     /// The columns of a series whose used rates span `measured`; the table's knots span `valid`.
-    pub(super) fn new(series: &Series<'_>, measured: ValidRange, valid: ValidRange) -> Option<Self> {
+    pub(super) fn new(series: &Series<'_>, measured: ValidRange, valid: ValidRange, slow: Slow) -> Option<Self> {
         let scale = Scale::spanning(measured.min(), measured.max())?;
         let table = Scale::spanning(valid.min(), valid.max())?;
         let (shapes, bends) = curve(scale, table);
@@ -83,12 +92,17 @@ impl Columns {
             memories.extend(LAG_SECONDS.map(|time_constant_s| Memory::Lag { time_constant_s }));
         }
         kinds.extend(memories.iter().map(|memory| Kind::of(*memory)));
-        let starts = if both { START_SECONDS.len() } else { STARTS_ONE_WAY };
-        kinds.extend(vec![Kind::Start; if timed && series.drifts_in_time { starts } else { 0 }]);
         // Between logs a rate may jump for reasons of its own.
         let one_log = series.log.first() == series.log.last();
-        let time = timed && one_log && series.drifts_in_time && goes_both_ways_again(series.temperature);
-        kinds.extend(time.then_some(Kind::Time));
+        let straight = slow == Slow::Straight && both && one_log;
+        let starts = match both {
+            true => START_SECONDS.len() - usize::from(straight),
+            false => STARTS_ONE_WAY,
+        };
+        if timed && series.drifts_in_time {
+            kinds.extend(vec![Kind::Start; starts]);
+            kinds.extend(straight.then_some(Kind::Time));
+        }
         let logs = if one_log { 0 } else { series.log.chunk_by(|a, b| a == b).count() };
         kinds.extend(vec![Kind::Logs; logs]);
         let rows = DMatrix::zeros(kinds.len(), series.rate.len());

@@ -97,6 +97,16 @@ pub(super) struct Evaluated {
     information: DMatrix<f64>,
 }
 
+impl Evaluated {
+    /// The negative logarithm of the model's evidence where these are the likeliest spreads: their marginal likelihood, over
+    /// all spreads by Laplace's approximation, less what all models have in common.
+    pub(super) fn surprise(&self, spreads: &Spreads) -> Option<f64> {
+        let widths: f64 = spreads.kinds.iter().map(|(kind, _)| prior(*kind).sigma.ln()).sum();
+        let factor = Cholesky::new(self.information.clone())?;
+        Some(self.cost + widths + factor.l_dirty().diagonal().iter().map(|own| own.ln()).sum::<f64>())
+    }
+}
+
 impl<'a> Marginal<'a> {
     pub(super) fn new(kinds: &'a [Kind], whitened: &Whitened, wander: Wander) -> Self {
         let width = kinds.len();

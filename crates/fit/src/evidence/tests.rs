@@ -34,7 +34,7 @@ fn range(min: f64, max: f64) -> ValidRange {
 #[test]
 fn whitening_is_that_of_the_covariance_written_out() {
     Cycle::new().with(|series| {
-        let columns = Columns::new(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
+        let columns = Columns::new(series, range(-10.0, 50.0), range(-17.5, 57.5), Slow::Straight).unwrap();
         let averages = Averages::new(series, &columns, |group| !(20..29).contains(&group)).unwrap();
         let wander = Wander { log_ratio: 0.7, log_seconds: 4.5 };
         let whitened = Whitened::new(&averages, wander);
@@ -56,7 +56,7 @@ fn whitening_is_that_of_the_covariance_written_out() {
 #[test]
 fn the_marginal_likelihood_and_its_gradient_are_those_of_the_whole_covariance() {
     Cycle::new().with(|series| {
-        let columns = Columns::new(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
+        let columns = Columns::new(series, range(-10.0, 50.0), range(-17.5, 57.5), Slow::Straight).unwrap();
         let averages = Averages::new(series, &columns, |_| true).unwrap();
         let wander = Wander { log_ratio: -0.5, log_seconds: 5.0 };
         let whitened = Whitened::new(&averages, wander);
@@ -116,8 +116,8 @@ fn a_start_that_was_not_seen_is_not_made_up() {
     let rate = |(group, t): (usize, &f64)| 0.5 * (-t / 600.0).exp() + noise(group);
     cycle.rate = cycle.time_s.iter().enumerate().map(rate).collect();
     cycle.with(|series| {
-        let evidence = Evidence::new(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
-        let (made, _) = evidence.fit(None, |group| group >= 60).unwrap();
+        let (evidence, found) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
+        let made = evidence.fit(&found, |group| group >= 60).unwrap();
         let drift = made.model.time_drift.expect("what follows switching on");
         assert!((drift.seen_from_s - 600.0).abs() < 10.0, "{drift:?}");
         assert!((drift.at(0.0, 0.0) - drift.at(600.0, 600.0)).abs() < 0.02, "{drift:?}");
@@ -134,8 +134,8 @@ fn what_follows_switching_on_is_the_recordings_own() {
     let rate = |(group, (t, c)): (usize, (&f64, &f64))| 0.02 * c + 0.5 * (-t / 600.0).exp() + noise(group);
     cycle.rate = cycle.time_s.iter().zip(&cycle.temperature).enumerate().map(rate).collect();
     cycle.with(|series| {
-        let evidence = Evidence::new(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
-        let (made, _) = evidence.fit(None, |_| true).unwrap();
+        let (evidence, found) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
+        let made = evidence.fit(&found, |_| true).unwrap();
         let drift = made.model.time_drift.expect("what follows switching on");
         let start: Vec<(f64, f64)> = drift.start_up.iter().map(|part| (part.rate, part.time_constant_s)).collect();
         assert!(start.len() == 3 && (start[1].1 - 600.0).abs() < 1e-9, "{start:?}");
