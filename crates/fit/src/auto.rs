@@ -33,9 +33,6 @@ use nested::Outer;
 /// start a little colder.
 const BEYOND: f64 = 1.0 / 8.0;
 
-/// The highest order of the plain curves.
-const PLAINEST: usize = CUBIC;
-
 /// What came of a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroupFit {
@@ -71,7 +68,7 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
     }
     // A curve that is drawn to nothing is settled by one temperature; a line is not.
     let mut tried = vec![plain(Model::Poly(1), false).ok_or(undetermined)?];
-    tried.extend((2..=PLAINEST).filter_map(|order| plain(Model::Poly(order), false)));
+    tried.extend((2..=CUBIC).filter_map(|order| plain(Model::Poly(order), false)));
     let own = Evidence::likeliest(series, measured, valid)
         .and_then(|(evidence, found)| Attempt::new(series, |keep| evidence.fit(&found, keep)));
     let Some(own) = own else { return Ok(finish(&tried, tried.len() - 1, &groups)) };
@@ -81,7 +78,7 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
     // A drift in time is no part of what is deployed, but a curve fitted as if there were none is bent by it.
     let one_log = series.log.first() == series.log.last();
     let told = own.made.model.time_drift.is_some() && one_log && goes_both_ways(series.temperature);
-    tried.extend(plain(Model::Poly(PLAINEST), true).filter(|_| told));
+    tried.extend(plain(Model::Poly(CUBIC), true).filter(|_| told));
     let plainest = tried.len() - 1;
     tried.push(own);
     Ok(finish(&tried, if is_worse { plainest } else { tried.len() - 1 }, &groups))

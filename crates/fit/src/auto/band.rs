@@ -20,11 +20,10 @@ const COVERED: f64 = 0.95;
 const HELD_OUT_SHARE: f64 = 0.5;
 
 /// The band from residuals of the model as it is deployed, after a zero at each log's start, one a group (NaN for none), held
-/// out and in-sample. Its shape is
-/// their root mean square nearby, by a normal window; its size is what 95 of 100 of them do not exceed (normalised
-/// conformal prediction: Papadopoulos et al. 2008; Lei et al. 2018), whatever their distribution: a loop of hysteresis has
-/// two values and no tails, a few jumps have tails and no width. They hold the model's error, the coefficients' and what the
-/// zero drifts by in time, beside the noise.
+/// out and in-sample. Its shape is their root mean square nearby, by a normal window; its size is what 95 of 100 of them do
+/// not exceed (normalised conformal prediction: Papadopoulos et al. 2008; Lei et al. 2018), whatever their distribution: a
+/// loop of hysteresis has two values and no tails, a few jumps have tails and no width. They hold the model's error, the
+/// coefficients' and what the zero drifts by in time, beside the noise.
 pub(super) fn band(
     series: &Series<'_>,
     measured: ValidRange,

@@ -66,8 +66,9 @@ impl Averages {
         let level = rates.mean();
         let spread = rates.variance().sqrt().max(f64::MIN_POSITIVE);
         rows.row_mut(width).iter_mut().for_each(|rate| *rate = (*rate - level) / spread);
+        let logs = series.logs();
         let since_start = |(part, time): (&&[usize], &f64)| {
-            let log = series.logs().into_iter().find(|log| log.contains(&part[0]))?;
+            let log = logs.iter().find(|log| log.contains(&part[0]))?;
             Some(time - series.time_s[log.start])
         };
         let soonest_s = parts.iter().zip(&time_s).filter_map(since_start).fold(f64::INFINITY, f64::min);

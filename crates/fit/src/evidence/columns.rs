@@ -74,7 +74,8 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// The columns of a series whose used rates span `measured`; the table's knots span `valid`.
+    /// The columns of a series whose used rates span `measured`; the table's knots span `valid`. `None` with a straight drift in
+    /// time where none can be told.
     pub(super) fn new(series: &Series<'_>, measured: ValidRange, valid: ValidRange, slow: Slow) -> Option<Self> {
         let scale = Scale::spanning(measured.min(), measured.max())?;
         let table = Scale::spanning(valid.min(), valid.max())?;
@@ -94,15 +95,14 @@ impl Columns {
         kinds.extend(memories.iter().map(|memory| Kind::of(*memory)));
         // Between logs a rate may jump for reasons of its own.
         let one_log = series.log.first() == series.log.last();
-        let straight = slow == Slow::Straight && both && one_log;
-        let starts = match both {
-            true => START_SECONDS.len() - usize::from(straight),
-            false => STARTS_ONE_WAY,
-        };
-        if timed && series.drifts_in_time {
-            kinds.extend(vec![Kind::Start; starts]);
-            kinds.extend(straight.then_some(Kind::Time));
+        let drifts = timed && series.drifts_in_time;
+        let straight = slow == Slow::Straight;
+        if straight && !(drifts && both && one_log) {
+            return None;
         }
+        let starts = if both { START_SECONDS.len() - usize::from(straight) } else { STARTS_ONE_WAY };
+        kinds.extend(vec![Kind::Start; if drifts { starts } else { 0 }]);
+        kinds.extend(straight.then_some(Kind::Time));
         let logs = if one_log { 0 } else { series.log.chunk_by(|a, b| a == b).count() };
         kinds.extend(vec![Kind::Logs; logs]);
         let rows = DMatrix::zeros(kinds.len(), series.rate.len());
