@@ -19,6 +19,16 @@ impl Cycle {
         Self { time_s, temperature, rate }
     }
 
+    /// Six cycles of 600 s with a slope, and 0.5 at the start that is gone with 600 s.
+    fn warming_up() -> Self {
+        let time_s: Vec<f64> = (0..360).map(|group| 10.0 * f64::from(group)).collect();
+        let temperature: Vec<f64> = time_s.iter().map(|t| 20.0 + 30.0 * (t / 95.5).sin()).collect();
+        let noise = |group: usize| ((group * 7919) % 101) as f64 / 5000.0;
+        let rate = |(group, (t, c)): (usize, (&f64, &f64))| 0.02 * c + 0.5 * (-t / 600.0).exp() + noise(group);
+        let rate = time_s.iter().zip(&temperature).enumerate().map(rate).collect();
+        Self { time_s, temperature, rate }
+    }
+
     fn with<T>(&self, f: impl FnOnce(&Series<'_>) -> T) -> T {
         let (weight, log) = (vec![1.0; self.rate.len()], vec![0; self.rate.len()]);
         let (time_s, temperature, rate) = (&self.time_s[..], &self.temperature[..], &self.rate[..]);
@@ -109,13 +119,7 @@ fn the_marginal_likelihood_and_its_gradient_are_those_of_the_whole_covariance() 
 /// it would be e times as much.
 #[test]
 fn a_start_that_was_not_seen_is_not_made_up() {
-    let mut cycle = Cycle::new();
-    cycle.time_s = (0..360).map(|group| 10.0 * f64::from(group)).collect();
-    cycle.temperature = cycle.time_s.iter().map(|t| 20.0 + 30.0 * (t / 95.5).sin()).collect();
-    let noise = |group: usize| ((group * 7919) % 101) as f64 / 5000.0;
-    let rate = |(group, t): (usize, &f64)| 0.5 * (-t / 600.0).exp() + noise(group);
-    cycle.rate = cycle.time_s.iter().enumerate().map(rate).collect();
-    cycle.with(|series| {
+    Cycle::warming_up().with(|series| {
         let (evidence, found) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
         let made = evidence.fit(&found, |group| group >= 60).unwrap();
         let drift = made.model.time_drift.expect("what follows switching on");
@@ -126,14 +130,7 @@ fn a_start_that_was_not_seen_is_not_made_up() {
 
 #[test]
 fn what_follows_switching_on_is_the_recordings_own() {
-    let mut cycle = Cycle::new();
-    // Six cycles of 600 s: 0.5 at the start, gone with 600 s.
-    cycle.time_s = (0..360).map(|group| 10.0 * f64::from(group)).collect();
-    cycle.temperature = cycle.time_s.iter().map(|t| 20.0 + 30.0 * (t / 95.5).sin()).collect();
-    let noise = |group: usize| ((group * 7919) % 101) as f64 / 5000.0;
-    let rate = |(group, (t, c)): (usize, (&f64, &f64))| 0.02 * c + 0.5 * (-t / 600.0).exp() + noise(group);
-    cycle.rate = cycle.time_s.iter().zip(&cycle.temperature).enumerate().map(rate).collect();
-    cycle.with(|series| {
+    Cycle::warming_up().with(|series| {
         let (evidence, found) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
         let made = evidence.fit(&found, |_| true).unwrap();
         let drift = made.model.time_drift.expect("what follows switching on");
