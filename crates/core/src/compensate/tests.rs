@@ -294,6 +294,17 @@ fn a_steep_table_whose_knots_lie_between_codes_is_corrected_as_closely_as_any() 
     assert_correction_is_close(&law(shape, valid, 0.0));
 }
 
+/// Found by chance: within the range every code is close, and below it the end, which lies between two codes, is not.
+#[test]
+fn a_drift_that_is_steep_where_it_is_held_is_refused() {
+    let valid = (1_449.401_306_666_164_4, 1_949.401_306_666_164_4);
+    let coefficients = [8200.0, 0.0, 0.0, -47.697_586_920_828_684, 129.687_573_568_726_6, -134.389_795_429_515_7];
+    let scale = Scale::spanning(valid.0, valid.1).unwrap();
+    let shape = Shape::Polynomial(Polynomial::new(scale, &coefficients).unwrap());
+    let refused = AxisLaw::new(&law(shape, valid, 0.0), None, LowPass::NONE).unwrap_err();
+    assert!(matches!(refused, LawRefused::Unrepresentable(Unrepresentable::TooCoarse)), "{refused}");
+}
+
 /// The codes before the first knot are passed over, those past the last one stand at its level.
 #[test]
 fn a_table_is_level_beyond_its_knots_however_far_the_range_reaches() {

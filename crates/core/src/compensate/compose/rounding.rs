@@ -82,7 +82,9 @@ impl DriftNumbers {
             let (exact, _) = drift.evaluate(scale.temperature(code));
             libm::fabs(fixed.evaluate(code).to_counts() - exact) <= ACCURACY_COUNTS
         };
-        let close = (first..=last).map(TemperatureCode).all(is_close);
+        // Beyond its codes a drift is held at the end of its range, which may lie between two of them.
+        let with_beyond = first.saturating_sub(1)..=last.saturating_add(1);
+        let close = with_beyond.map(TemperatureCode).all(is_close);
         close.then_some(numbers).ok_or(Unrepresentable::TooCoarse)
     }
 }
