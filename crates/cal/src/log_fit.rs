@@ -32,7 +32,7 @@ use crate::quality::{Judgement, Verdict};
 use crate::source::Source;
 use crate::table::Columns;
 use crate::trace::TracePoint;
-use crate::units::TemperatureUnit;
+use crate::units::{RateUnit, TemperatureUnit};
 
 /// How a log is to be fitted.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -197,15 +197,15 @@ impl LogFit {
         self.sources.iter().map(|log| log.name.as_str()).collect::<Vec<_>>().join(" + ")
     }
 
-    /// What is left of each of several logs, of every axis of which it is known: the log, and its axes. Nothing of one log,
-    /// and of an axis that a log has in parts, or not at all.
-    pub fn by_log(&self) -> impl Iterator<Item = (&FittedLog, &AxisFit, LogLeft)> {
-        let of_log = move |place: usize| {
-            let known = |axis: &AxisFit| axis.calibration.fit.statistics.by_log.len() == self.sources.len();
-            let axes = self.axes.iter().filter(move |axis| known(axis));
-            axes.map(move |axis| (&self.sources[place], axis, axis.calibration.fit.statistics.by_log[place]))
-        };
-        (0..self.sources.len()).filter(|_| self.sources.len() > 1).flat_map(of_log)
+    /// What is left of each of several logs, log by log, of every axis in a unit of which it is known. Nothing of one log, and
+    /// of an axis that a log has in parts, or not at all.
+    #[must_use]
+    pub fn by_log(&self, unit: RateUnit) -> Vec<(&FittedLog, &AxisFit, LogLeft)> {
+        let of_unit = self.axes.iter().filter(|axis| axis.calibration.rate_unit == unit);
+        let left = of_unit.map(|axis| (axis, &axis.calibration.fit.statistics.by_log));
+        let known: Vec<_> = left.filter(|(_, by_log)| by_log.len() == self.sources.len()).collect();
+        let logs = self.sources.iter().enumerate();
+        logs.flat_map(|(place, log)| known.iter().map(move |(axis, by_log)| (log, *axis, by_log[place]))).collect()
     }
 
     /// Every reason, a sentence each.

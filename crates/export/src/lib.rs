@@ -228,7 +228,7 @@ fn left_out(calibration: &Calibration) -> Option<String> {
     let names: Vec<String> = drifts.map(|(name, _)| one_line(name)).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "the drift in time ('+ time') of {} is not exported: it is that log's own, and no other run repeats it",
+            "the drift in time ('+ time', '+ start-up') of {} is not exported: it is that log's own, and no other run repeats it",
             names.join(", ")
         )
     })

@@ -14,7 +14,6 @@ use std::ops::Range;
 
 use zerorate_core::drift::ValidRange;
 
-use crate::direction::goes_both_ways;
 use crate::drift_fit::{Candidate, DriftFit, FitStatistics, ResidualOver};
 use crate::evidence::Evidence;
 use crate::folds::TELLING;
@@ -76,8 +75,7 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
     let exported = own.outer.figures().cubic_deployed.unwrap_or(f64::INFINITY);
     let is_worse = own.outer.error() > TELLING * exported.min(tried[cubic].outer.error());
     // A drift in time is no part of what is deployed, but a curve fitted as if there were none is bent by it.
-    let one_log = series.log.first() == series.log.last();
-    let told = own.made.model.time_drift.is_some() && one_log && goes_both_ways(series.temperature);
+    let told = own.made.model.time_drift.is_some() && series.tells_slope();
     tried.extend(plain(Model::Poly(CUBIC), true).filter(|_| told));
     let plainest = tried.len() - 1;
     tried.push(own);

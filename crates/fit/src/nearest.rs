@@ -1,6 +1,6 @@
 //! The polynomial nearest to a curve.
 
-use zerorate_core::drift::{Polynomial, Scale, Shape, ValidRange};
+use zerorate_core::drift::{Polynomial, Scale, ValidRange};
 
 use crate::least_squares::{Basis, Fit};
 
@@ -17,10 +17,7 @@ pub fn nearest(curve: impl Fn(f64) -> f64, range: ValidRange, order: usize) -> O
         let temperature = range.min() + (range.max() - range.min()) * point as f64 / (POINTS - 1) as f64;
         fit.push(temperature, curve(temperature));
     }
-    match fit.finish().ok()?.shape()? {
-        Shape::Polynomial(polynomial) => Some(polynomial),
-        Shape::Table(_) => None,
-    }
+    Polynomial::new(scale, &fit.finish().ok()?.coefficients)
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::direction::goes_both_ways;
+
 /// Groups of one rate column, in order of time: one entry of each slice a group.
 #[derive(Debug, Clone, Copy)]
 pub struct Series<'a> {
@@ -24,6 +26,13 @@ impl Series<'_> {
     #[must_use]
     pub fn is_used(&self, group: usize) -> bool {
         self.rate[group].is_finite() && self.temperature[group].is_finite() && self.weight[group] > 0.0
+    }
+
+    /// Whether a straight drift in time can be told from the rest: in one log, whose temperature goes both ways. Between logs a
+    /// rate may jump for reasons of its own.
+    pub(crate) fn tells_slope(&self) -> bool {
+        let timed = self.time_s.iter().all(|time| time.is_finite());
+        timed && self.drifts_in_time && self.logs().len() == 1 && goes_both_ways(self.temperature)
     }
 
     /// The groups of each log.

@@ -23,7 +23,7 @@ pub fn by_log_sentence(fit: &LogFit) -> String {
 
 /// The axes of a unit, log by log; nothing of one log.
 pub(super) fn table(fit: &LogFit, unit: RateUnit, scale: RateScale) -> Markup {
-    let left: Vec<_> = fit.by_log().filter(|(_, axis, _)| axis.calibration.rate_unit == unit).collect();
+    let left = fit.by_log(unit);
     if left.is_empty() {
         return html! {};
     }

@@ -135,8 +135,10 @@ impl Verify {
         }
         // A calibration knows its logs by name; most lie beside it.
         let folder = self.calibration.parent().unwrap_or(Path::new(""));
-        let place = |name: &str| [folder.join(name), PathBuf::from(name)].into_iter().find(|path| path.is_file());
-        let place = |source: &Origin| place(&source.file).unwrap_or_else(|| PathBuf::from(&source.file));
+        let place = |source: &Origin| {
+            let beside = folder.join(&source.file);
+            if beside.is_file() { beside } else { PathBuf::from(&source.file) }
+        };
         let logs = calibration.sources.iter().map(place).chain([self.log.clone()]);
         let logs: Vec<String> = logs.map(|log| output::argument(&log)).collect();
         Some(format!("zerorate fit {} --out both.calibration.json --report both.report.html", logs.join(" ")))

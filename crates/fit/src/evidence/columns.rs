@@ -21,8 +21,8 @@ const PLAY_SHARES: [f64; 3] = [0.03, 0.1, 0.3];
 /// its room.
 const LAG_SECONDS: [f64; 3] = [30.0, 120.0, 480.0];
 
-/// Time constants of what a gyro does after it is switched on, seconds, the shortest first, a factor of four apart. The longest
-/// is a slow drift to an hour's log.
+/// Time constants of what a gyro does after it is switched on, seconds, the shortest first, a factor of four apart. To an
+/// hour's log the longest is a slow drift.
 pub(super) const START_SECONDS: [f64; 3] = [150.0, 600.0, 2400.0];
 
 /// How many of them a ramp of one direction tells from the curve: there time and temperature go together.
@@ -74,8 +74,8 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// The columns of a series whose used rates span `measured`; the table's knots span `valid`. `None` with a straight drift in
-    /// time where none can be told.
+    /// The columns of a series whose used rates span `measured`; the table's knots span `valid`. `None` with a straight
+    /// drift in time where none can be told.
     pub(super) fn new(series: &Series<'_>, measured: ValidRange, valid: ValidRange, slow: Slow) -> Option<Self> {
         let scale = Scale::spanning(measured.min(), measured.max())?;
         let table = Scale::spanning(valid.min(), valid.max())?;
@@ -93,18 +93,15 @@ impl Columns {
             memories.extend(LAG_SECONDS.map(|time_constant_s| Memory::Lag { time_constant_s }));
         }
         kinds.extend(memories.iter().map(|memory| Kind::of(*memory)));
-        // Between logs a rate may jump for reasons of its own.
-        let one_log = series.log.first() == series.log.last();
-        let drifts = timed && series.drifts_in_time;
         let straight = slow == Slow::Straight;
-        if straight && !(drifts && both && one_log) {
+        if straight && !series.tells_slope() {
             return None;
         }
         let starts = if both { START_SECONDS.len() - usize::from(straight) } else { STARTS_ONE_WAY };
-        kinds.extend(vec![Kind::Start; if drifts { starts } else { 0 }]);
+        kinds.extend(vec![Kind::Start; if timed && series.drifts_in_time { starts } else { 0 }]);
         kinds.extend(straight.then_some(Kind::Time));
-        let logs = if one_log { 0 } else { series.log.chunk_by(|a, b| a == b).count() };
-        kinds.extend(vec![Kind::Logs; logs]);
+        let logs = series.logs().len();
+        kinds.extend(vec![Kind::Logs; if logs > 1 { logs } else { 0 }]);
         let rows = DMatrix::zeros(kinds.len(), series.rate.len());
         let mut columns = Self { table, measured, shapes, memories, middle_s: middle(series), kinds, rows };
         columns.fill(series);
@@ -135,6 +132,7 @@ impl Columns {
         let valid = ValidRange::new(self.table.temperature(-1.0), self.table.temperature(1.0));
         let drift = flat.zip(valid).map(|(shape, valid)| Drift { shape, valid });
         let (starts, logs) = (self.count(Kind::Start), self.count(Kind::Logs));
+        let is_straight = self.count(Kind::Time) > 0;
         let (mut state, mut before, mut began, mut log) = (HistoryState::default(), f64::NAN, f64::NAN, 0);
         for (group, (&time, &temperature)) in series.time_s.iter().zip(series.temperature).enumerate() {
             if series.begins(group) {
@@ -152,7 +150,7 @@ impl Columns {
                 left(time - began) - left(self.middle_s)
             }));
             let along = (time - began) / self.middle_s - 1.0;
-            values.extend(self.kinds.contains(&Kind::Time).then_some(along));
+            values.extend(is_straight.then_some(along));
             values.extend((1..=logs).map(|own| f64::from(u8::from(own == log))));
             self.rows.column_mut(group).copy_from_slice(&values);
         }

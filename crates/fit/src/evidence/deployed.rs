@@ -10,8 +10,8 @@ use crate::model_fit::{CUBIC, ModelFit, rows};
 use crate::nearest::nearest;
 use crate::predict::{DriftModel, StartUp, TimeDrift};
 
-/// The model of some coefficients. Memories, a start-up or a drift in time whose effect is less than its own standard error are left
-/// out, and the others are what they are without them.
+/// The model of some coefficients. Memories, a start-up or a drift in time whose effect is less than its own standard error
+/// are left out, and the others are what they are without them.
 pub(super) fn model(columns: &Columns, averages: &Averages, evaluated: &Evaluated) -> Option<ModelFit> {
     let curve = columns.curve();
     let spare = spare(columns, averages, evaluated);

@@ -133,7 +133,7 @@ fn axis_or_column(axis: &AxisFit) -> &'static str {
 
 /// What is left of each of several logs: what the others know of it, and what it brought.
 fn by_log(page: &mut Page, fit: &LogFit, scale: RateScale, unit: RateUnit) {
-    let left: Vec<_> = fit.by_log().filter(|(_, axis, _)| axis.calibration.rate_unit == unit).collect();
+    let left = fit.by_log(unit);
     if left.is_empty() {
         return;
     }
