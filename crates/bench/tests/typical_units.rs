@@ -143,6 +143,18 @@ fn each_direction_is_compared_with_the_plants_drift_in_the_same_direction() {
     }
 }
 
+/// Two thousand counts, of which a rule that judged a ramp's model by how it goes on past its ends left 9 to 41 floors. Now it is
+/// 3 to 10, which is what straight pieces between 33 knots leave.
+#[test]
+fn a_steep_drift_is_compensated_on_a_second_ramp() {
+    for (number, seed) in [(11, 11), (39, 17), (40, 19), (35, 31)] {
+        let unit = study::unit(number, PlantKind::Typical, seed * 1_000_003 + u64::from(number), &SetUp::typical());
+        let unit = unit.unwrap();
+        let floors = unit.hybrid_residual_pp_counts / unit.floor_pp_counts;
+        assert!(unit.drift_pp_counts > 1900.0 && floors < 12.0, "{floors:.1} floors: {unit:?}");
+    }
+}
+
 /// The plant has no wild groups: a unit that is said to have some is misjudged. Unit 11 of the first is one whose gyro
 /// settles after the chamber was switched by more than its noise.
 #[test]

@@ -16,7 +16,7 @@ use zerorate_fit::least_squares::FitError;
 use zerorate_fit::model::Model;
 use zerorate_fit::ramp::{DriftFitError, fit_drift, span};
 use zerorate_fit::residual::Residuals;
-use zerorate_fit::series::Series;
+use zerorate_fit::series::{NextRun, Series};
 
 pub use judge::judge_survey;
 pub use survey::{AxisSurvey, FoldSurvey, fold_of};
@@ -195,11 +195,9 @@ fn fit_chosen(name: &str, means: &RampMeans) -> Result<(AxisFit, Vec<f64>), Drif
         rate: &means.readings,
         weight: &weight,
         log: &log,
-        drifts_in_time: false,
+        next: NextRun::Same,
     };
-    let mut fitted = auto::fit(&series, measured, Model::Auto)?;
-    // The chamber has gone as far as the unit is to be believed.
-    fitted.fit.model.drift.valid = measured;
+    let fitted = auto::fit(&series, measured, Model::Auto)?;
     Ok((of_fit(name, means, fitted.fit, &fitted.residuals), fitted.residuals))
 }
 

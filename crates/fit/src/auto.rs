@@ -22,7 +22,7 @@ use crate::model::Model;
 use crate::model_fit::{CUBIC, ModelFit};
 use crate::predict::{DriftModel, Predictor, Start};
 use crate::residual::ResidualStatistics;
-use crate::series::Series;
+use crate::series::{NextRun, Series};
 use crate::trend::trends;
 use curve::{Curve, Groups};
 use nested::Outer;
@@ -54,7 +54,8 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
     if used < coefficients {
         return Err(FitError::TooFewRows { rows: used as u64, coefficients });
     }
-    let beyond = if asked == Model::Auto { BEYOND * (measured.max() - measured.min()) } else { 0.0 };
+    let further = asked == Model::Auto && series.next == NextRun::Another;
+    let beyond = if further { BEYOND * (measured.max() - measured.min()) } else { 0.0 };
     let valid = ValidRange::new(measured.min() - beyond, measured.max() + beyond).ok_or(FitError::NotFinite)?;
     let groups = Groups { series, measured, valid };
     let plain = |model: Model, in_time: bool| {
@@ -72,8 +73,8 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
         .and_then(|(evidence, found)| Attempt::new(series, |keep| evidence.fit(&found, keep)));
     let Some(own) = own else { return Ok(finish(&tried, tried.len() - 1, &groups)) };
     let cubic = tried.len() - 1;
-    let exported = own.outer.figures().cubic_deployed.unwrap_or(f64::INFINITY);
-    let is_worse = own.outer.error() > TELLING * exported.min(tried[cubic].outer.error());
+    let exported = own.outer.cubic_error(series);
+    let is_worse = own.outer.error(series) > TELLING * exported.min(tried[cubic].outer.error(series));
     // A drift in time is no part of what is deployed, but a curve fitted as if there were none is bent by it.
     let told = own.made.model.time_drift.is_some() && series.tells_slope();
     tried.extend(plain(Model::Poly(CUBIC), true).filter(|_| told));

@@ -4,6 +4,17 @@ use std::ops::Range;
 
 use crate::direction::goes_both_ways;
 
+/// What the run after this one will be like: what a calibration is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NextRun {
+    /// The same ramp again, as on the bench: the same temperatures. Nothing that belongs to time is told, for a board has no
+    /// term that would take it off.
+    Same,
+    /// One of its own, as a flight's: it may begin a little colder or end a little warmer, and what drifts in time is this
+    /// log's alone.
+    Another,
+}
+
 /// Groups of one rate column, in order of time: one entry of each slice a group.
 #[derive(Debug, Clone, Copy)]
 pub struct Series<'a> {
@@ -17,8 +28,8 @@ pub struct Series<'a> {
     pub weight: &'a [f64],
     /// Which uninterrupted log it belongs to: the history begins anew with each.
     pub log: &'a [u32],
-    /// Whether a drift in time may be told. Not where nobody could take it off: a board has no such term.
-    pub drifts_in_time: bool,
+    /// What the fit is for.
+    pub next: NextRun,
 }
 
 impl Series<'_> {
@@ -32,7 +43,7 @@ impl Series<'_> {
     /// rate may jump for reasons of its own.
     pub(crate) fn tells_slope(&self) -> bool {
         let timed = self.time_s.iter().all(|time| time.is_finite());
-        timed && self.drifts_in_time && self.logs().len() == 1 && goes_both_ways(self.temperature)
+        timed && self.next == NextRun::Another && self.logs().len() == 1 && goes_both_ways(self.temperature)
     }
 
     /// The groups of each log.

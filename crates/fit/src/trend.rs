@@ -170,6 +170,7 @@ fn along_time(points: &[Point], axis: usize) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::series::NextRun;
 
     /// White noise of one, evenly spread: a linear congruential generator's high bits (Knuth, volume 2, 3.3.4).
     fn noise(seed: u64, count: usize) -> Vec<f64> {
@@ -196,7 +197,7 @@ mod tests {
     fn found(temperature: &[f64], residuals: &[f64]) -> Vec<Trend> {
         let (time_s, ones, log) = (times(), [1.0; GROUPS], [0; GROUPS]);
         let series =
-            Series { time_s: &time_s, temperature, rate: residuals, weight: &ones, log: &log, drifts_in_time: true };
+            Series { time_s: &time_s, temperature, rate: residuals, weight: &ones, log: &log, next: NextRun::Another };
         trends(residuals, &series)
     }
 

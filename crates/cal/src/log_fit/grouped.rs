@@ -3,7 +3,7 @@
 use zerorate_core::drift::Scale;
 use zerorate_fit::auto;
 use zerorate_fit::least_squares::{Basis, Fit};
-use zerorate_fit::series::Series;
+use zerorate_fit::series::{NextRun, Series};
 
 use super::gather::{Gathered, gather, is_accelerometer};
 use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, one_way, words};
@@ -212,7 +212,7 @@ impl Columns {
             rate: &self.rate,
             weight: &self.weight,
             log: &self.log,
-            drifts_in_time: true,
+            next: NextRun::Another,
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::folds::{FOLDS, rows_of_fold};
 use crate::model_fit::ModelFit;
 use crate::predict::Start;
 use crate::residual::ResidualStatistics;
-use crate::series::Series;
+use crate::series::{NextRun, Series};
 
 /// The residuals of the folds, a group each; NaN for one that is not used, or in a fold's first half minute where a zero is
 /// taken off.
@@ -32,6 +32,8 @@ pub(super) struct Outer {
     by_the_others: Vec<f64>,
     /// With the cold and the hot end held out, root mean squares; NaN where the rest does not settle it.
     ends: [f64; 2],
+    /// Whether the fit that predicts a group has seen its temperature, or warmer and colder ones.
+    between: Vec<bool>,
     failed: bool,
 }
 
@@ -56,6 +58,7 @@ impl Outer {
                     ResidualStatistics::of(end.iter().map(|&group| left[group])).rms
                 })
             }),
+            between: vec![false; groups],
             failed: false,
         };
         for fold in 0..FOLDS {
@@ -63,12 +66,23 @@ impl Outer {
             let used: Vec<usize> = out.clone().filter(|&group| series.is_used(group)).collect();
             let made = if used.is_empty() { None } else { make(&|group| !out.contains(&group)) };
             outer.failed |= made.is_none() && !used.is_empty();
+            outer.see(series, &out);
             if let Some(made) = &made {
                 outer.predict(series, made, &out, &used);
             }
             outer.cubics.push(made.and_then(|made| made.cubic));
         }
         outer
+    }
+
+    /// Marks the groups of a fold that lie between the temperatures of the others.
+    fn see(&mut self, series: &Series<'_>, out: &Range<usize>) {
+        let others = (0..series.rate.len()).filter(|group| !out.contains(group) && series.is_used(*group));
+        let others = others.map(|group| series.temperature[group]);
+        let (least, most) = others.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
+        for group in out.clone() {
+            self.between[group] = (least..=most).contains(&series.temperature[group]);
+        }
     }
 
     fn predict(&mut self, series: &Series<'_>, made: &ModelFit, out: &Range<usize>, used: &[usize]) {
@@ -95,8 +109,20 @@ impl Outer {
     }
 
     /// The rms as deployed, by which models are compared; infinite where a fold could not be predicted.
-    pub(super) fn error(&self) -> f64 {
-        self.figures().deployed_warm.unwrap_or(f64::INFINITY)
+    pub(super) fn error(&self, series: &Series<'_>) -> f64 {
+        self.error_of(&self.warm, series)
+    }
+
+    /// The same of the cubic that is exported.
+    pub(super) fn cubic_error(&self, series: &Series<'_>) -> f64 {
+        self.error_of(&self.cubic_deployed, series)
+    }
+
+    /// The end of a ramp is predicted from the rest of it, which is further than the same ramp goes again.
+    fn error_of(&self, left: &[f64], series: &Series<'_>) -> f64 {
+        let counts = |group: &usize| series.next == NextRun::Another || self.between[*group];
+        let rms = ResidualStatistics::of((0..left.len()).filter(counts).map(|group| left[group])).rms;
+        if self.complete() && rms.is_finite() { rms } else { f64::INFINITY }
     }
 
     /// What a deployed device has left over whole logs like these.

@@ -47,7 +47,7 @@ impl Made {
     fn fit_of_logs(&self, asked: Model, log: &[u32]) -> GroupFit {
         let weight = vec![1.0; self.rate.len()];
         let (time_s, temperature, rate) = (&self.time_s[..], &self.temperature[..], &self.rate[..]);
-        let series = Series { time_s, temperature, rate, weight: &weight, log, drifts_in_time: true };
+        let series = Series { time_s, temperature, rate, weight: &weight, log, next: NextRun::Another };
         let used = (0..rate.len()).filter(|&group| series.is_used(group)).map(|group| temperature[group]);
         let (min, max) = used.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (min.min(t), max.max(t)));
         fit(&series, ValidRange::new(min, max).unwrap(), asked).unwrap()
@@ -239,7 +239,7 @@ fn too_few_groups_or_one_temperature_are_refused() {
             rate: &made.rate,
             weight: &weight,
             log: &log,
-            drifts_in_time: true,
+            next: NextRun::Another,
         };
         fit(&series, ValidRange::new(1.0, 30.0).unwrap(), asked).unwrap_err()
     };

@@ -8,7 +8,7 @@ use zerorate_core::drift::{
 };
 
 use crate::direction::goes_both_ways;
-use crate::series::Series;
+use crate::series::{NextRun, Series};
 
 /// The intervals of the curve's table: as many as a device holds.
 const INTERVALS: usize = MAX_KNOTS - 1;
@@ -98,7 +98,7 @@ impl Columns {
             return None;
         }
         let starts = if both { START_SECONDS.len() - usize::from(straight) } else { STARTS_ONE_WAY };
-        kinds.extend(vec![Kind::Start; if timed && series.drifts_in_time { starts } else { 0 }]);
+        kinds.extend(vec![Kind::Start; if timed && series.next == NextRun::Another { starts } else { 0 }]);
         kinds.extend(straight.then_some(Kind::Time));
         let logs = series.logs().len();
         kinds.extend(vec![Kind::Logs; if logs > 1 { logs } else { 0 }]);

@@ -2,6 +2,7 @@ use super::averages::Averages;
 use super::marginal::{Marginal, Spreads};
 use super::noise::{Wander, Whitened};
 use super::*;
+use crate::series::NextRun;
 
 /// A cycle of 60 groups with a curve, a loop and noise of no particular kind.
 struct Cycle {
@@ -32,7 +33,7 @@ impl Cycle {
     fn with<T>(&self, f: impl FnOnce(&Series<'_>) -> T) -> T {
         let (weight, log) = (vec![1.0; self.rate.len()], vec![0; self.rate.len()]);
         let (time_s, temperature, rate) = (&self.time_s[..], &self.temperature[..], &self.rate[..]);
-        f(&Series { time_s, temperature, rate, weight: &weight, log: &log, drifts_in_time: true })
+        f(&Series { time_s, temperature, rate, weight: &weight, log: &log, next: NextRun::Another })
     }
 }
 
