@@ -2,7 +2,10 @@
 
 use zerorate_cal::summary::TestResult;
 use zerorate_core::compensate::{Mode, StaticLaw};
+use zerorate_core::drift::Shape;
 use zerorate_core::units::{Axis, TemperatureCode};
+use zerorate_fit::model::Model;
+use zerorate_fit::ramp::fit_drift;
 
 use crate::procedure::compensation_test::TestRun;
 use crate::run::{Phase, Taken};
@@ -42,15 +45,34 @@ pub fn drift_pp(ramps: &[Taken], axis: Axis, direction: Phase) -> Option<f64> {
 /// full-temperature test.
 #[must_use]
 pub fn evaluate(test: &TestRun, law: &StaticLaw, full: &[Taken]) -> Vec<TestResult> {
+    let quadratic = plain_quadratic(full, test.axis);
     [(&test.heating, Phase::Heating), (&test.cooling, Phase::Cooling)]
         .into_iter()
         .filter(|(ramp, _)| !ramp.is_empty())
-        .map(|(ramp, direction)| one_direction(test, ramp, direction, law, full))
+        .map(|(ramp, direction)| one_direction(test, ramp, direction, law, full, quadratic.as_ref()))
         .collect()
 }
 
-fn one_direction(test: &TestRun, ramp: &[Taken], direction: Phase, law: &StaticLaw, full: &[Taken]) -> TestResult {
+/// The paper's own model of the ramps: a quadratic by least squares, whatever was chosen for the unit.
+fn plain_quadratic(ramps: &[Taken], axis: Axis) -> Option<Shape> {
+    let groups = ramps.iter().map(|taken| (taken.temperature(axis).0, taken.zro(axis).0));
+    let (temperatures, readings): (Vec<f64>, Vec<f64>) = groups.unzip();
+    Some(fit_drift(&temperatures, &readings, Model::Poly(2)).ok()?.model.drift.shape)
+}
+
+fn one_direction(
+    test: &TestRun,
+    ramp: &[Taken],
+    direction: Phase,
+    law: &StaticLaw,
+    full: &[Taken],
+    quadratic: Option<&Shape>,
+) -> TestResult {
     let axis = test.axis;
+    let left_by = |curve: &Shape| {
+        let left = untrimmed(ramp, axis, law).zip(ramp);
+        peak_to_peak(left.map(|(reading, taken)| reading - curve.evaluate(taken.temperature(axis).0)))
+    };
     let corrected: Vec<f64> = ramp.iter().map(|taken| taken.corrected(axis).0).collect();
     let (mean_counts, residual_rms_counts) = mean_and_rms(&corrected);
     let jumps: Vec<f64> = ramp.iter().map(|taken| taken.jumps[axis.index()]).collect();
@@ -62,7 +84,9 @@ fn one_direction(test: &TestRun, ramp: &[Taken], direction: Phase, law: &StaticL
         direction,
         residual_pp_counts: peak_to_peak(corrected.iter().copied()),
         residual_rms_counts,
-        uncompensated_pp_counts: drift_pp(full, axis, direction).unwrap_or_else(|| untrimmed_pp(ramp, axis, law)),
+        uncompensated_pp_counts: drift_pp(full, axis, direction)
+            .unwrap_or_else(|| peak_to_peak(untrimmed(ramp, axis, law))),
+        quadratic_pp_counts: quadratic.map(left_by),
         control_pp_counts: peak_to_peak(ramp.iter().map(|taken| taken.zro(axis.other()).0)),
         floor_pp_counts: floor(ramp, axis),
         wiper_writes: u32::try_from(moved.iter().filter(|&&moved| moved).count()).unwrap_or(u32::MAX),
@@ -72,10 +96,10 @@ fn one_direction(test: &TestRun, ramp: &[Taken], direction: Phase, law: &StaticL
     }
 }
 
-/// What a compensated axis would have read at the middle tap, peak to peak: the effect of its taps taken away.
-fn untrimmed_pp(ramp: &[Taken], axis: Axis, law: &StaticLaw) -> f64 {
-    let effect = |taken: &Taken| law.trim.effect(taken.report.axes[axis.index()].tap).0;
-    peak_to_peak(ramp.iter().map(|taken| taken.zro(axis).0 - effect(taken)))
+/// What a compensated axis would have read at the middle tap: the effect of its taps taken away.
+fn untrimmed(ramp: &[Taken], axis: Axis, law: &StaticLaw) -> impl Iterator<Item = f64> {
+    let effect = move |taken: &Taken| law.trim.effect(taken.report.axes[axis.index()].tap).0;
+    ramp.iter().map(move |taken| taken.zro(axis).0 - effect(taken))
 }
 
 /// Group means less the plant's own drift and wiper, peak to peak.

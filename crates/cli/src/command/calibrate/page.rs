@@ -43,14 +43,15 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
     page.grid(&grid);
 
     page.heading("Verification (a second ramp, held out; counts)");
-    let mut grid = Grid::new("lllrrrrr");
-    grid.head(["axis", "mode", "ramp", "before", "after", "floor", "mean", "writes"]);
+    let mut grid = Grid::new("lllrrrrrr");
+    grid.head(["axis", "mode", "ramp", "before", "quadratic", "after", "floor", "mean", "writes"]);
     for test in &summary.tests {
         grid.row([
             test.axis.name().to_uppercase(),
             test.mode.name().into(),
             test.direction.name().into(),
             format!("{:.1}", test.uncompensated_pp_counts),
+            test.quadratic_pp_counts.map_or_else(|| "-".into(), |left| format!("{left:.1}")),
             format!("{:.1}", test.residual_pp_counts),
             test.floor_pp_counts.map_or_else(|| "-".into(), |floor| format!("{floor:.1}")),
             format!("{:.1}", test.mean_counts),
@@ -63,8 +64,8 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
     } else {
         "no floor is known on a real bench: hybrid is held against what trim leaves"
     };
-    let told = "before, after and floor are peak to peak over the ramp's group means; before is without compensation, in \
-                the same direction";
+    let told = "before, quadratic, after and floor are peak to peak over the ramp's group means; before is without compensation, in the same \
+                direction; quadratic is what a plain quadratic of the first ramp would have left, taken off in numbers";
     page.sentence("  ", &format!("{told}; {floor}"));
 
     page.heading("Written");
