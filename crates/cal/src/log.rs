@@ -22,9 +22,20 @@ use crate::packed::unpacked;
 use crate::quality::Reason;
 use crate::recording::Recording;
 use crate::source::Source;
-use crate::table::Columns;
+use crate::table::{Columns, Resolved, Table};
 use crate::units::{RateUnit, TemperatureUnit};
 use of_table::TableLog;
+use survey::Survey;
+
+/// What is to be known of a table whose columns were found, once its numbers were seen: units that were guessed, a file that is
+/// cut.
+///
+/// # Errors
+/// When the table cannot be read, its time runs backwards, or its numbers cannot be in the units they are taken for.
+pub fn doubts(table: &Table, columns: &Resolved) -> Result<Vec<Reason>, LogError> {
+    let survey = Survey::of(table, columns)?;
+    Ok([&columns.guesses[..], &survey.reasons[..]].concat())
+}
 
 /// What one sensor of a log is, and how its rows are to be read.
 #[derive(Debug, Clone, PartialEq)]

@@ -107,7 +107,7 @@ impl Entry {
         Ok(Self { start, packed: file.compressed_size(), crc_32: file.crc32(), is_deflated })
     }
 
-    fn open(self, source: &Source) -> io::Result<Box<dyn Read>> {
+    fn open(self, source: &Source) -> io::Result<Box<dyn Read + Send>> {
         let mut raw = source.open()?;
         raw.seek(SeekFrom::Start(self.start))?;
         let raw = BufReader::new(raw.take(self.packed));
@@ -153,17 +153,17 @@ impl<R: Read> Read for Checked<R> {
 }
 
 /// How the packed bytes are read, from their beginning.
-type Open = dyn Fn() -> io::Result<Box<dyn Read>>;
+type Open = dyn Fn() -> io::Result<Box<dyn Read + Send>> + Send;
 
 /// What is inside, as something that can be sought in: back by beginning anew, on by reading over it.
 struct Unpacked {
     open: Box<Open>,
-    reader: Box<dyn Read>,
+    reader: Box<dyn Read + Send>,
     place: u64,
 }
 
 impl Unpacked {
-    fn new(open: impl Fn() -> io::Result<Box<dyn Read>> + 'static) -> io::Result<Self> {
+    fn new(open: impl Fn() -> io::Result<Box<dyn Read + Send>> + Send + 'static) -> io::Result<Self> {
         let reader = open()?;
         Ok(Self { open: Box::new(open), reader, place: 0 })
     }

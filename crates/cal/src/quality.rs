@@ -215,8 +215,9 @@ impl Judgement {
         let (span, least, name) = (max - min, unit.min_span(), unit.name());
         // A sensor's rounding is no span: a thousandth of what is needed.
         if span < 1e-3 * least {
-            let text =
-                format!("the temperature stays at {min:.2} {name}: its sensor is stuck, or the wrong column was read");
+            let text = format!(
+                "the temperature stays at {min:.2} {name}: the log was not warmed, its sensor is stuck, or the wrong column was read"
+            );
             self.add(Reason::new(ReasonKind::StuckTemperature, text));
         } else if span < least {
             let verdict = if allow_narrow { Verdict::Warning } else { Verdict::Rejected };

@@ -9,10 +9,10 @@ use std::time::SystemTime;
 
 use thiserror::Error;
 
-/// Something that reads and seeks.
-pub trait ReadSeek: Read + Seek {}
+/// Something that reads and seeks, on any thread.
+pub trait ReadSeek: Read + Seek + Send {}
 
-impl<R: Read + Seek> ReadSeek for R {}
+impl<R: Read + Seek + Send> ReadSeek for R {}
 
 /// How a source is opened, from its beginning, as often as it is asked for.
 type Open = dyn Fn() -> io::Result<Box<dyn ReadSeek>> + Send + Sync;

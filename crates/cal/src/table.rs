@@ -4,6 +4,7 @@
 //! room for them, lines of comment (`#`), a row of units below the names, ISO times. The format is recognised by content, never by name. A table is read several times rather than kept: what it holds in
 //! memory is a batch.
 
+mod ahead;
 mod cells;
 mod columns;
 mod dialect;
@@ -164,11 +165,11 @@ impl Table {
             Format::Text(dialect) => {
                 let reader = self.source.open().map_err(|error| faulty(error.into()))?;
                 let batches = text::TextBatches::new(reader, dialect, &self.names, columns, cells);
-                Ok(Box::new(batches.map(named)))
+                Ok(ahead::ahead(batches.map(named)))
             }
             Format::Parquet => {
                 let batches = parquet::ParquetBatches::open(&self.source, columns, cells).map_err(faulty)?;
-                Ok(Box::new(batches.map(named)))
+                Ok(ahead::ahead(batches.map(named)))
             }
         }
     }

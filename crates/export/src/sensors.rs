@@ -175,19 +175,19 @@ impl ExportedAxis {
         match (chosen_rms, cubic_rms) {
             (Some(chosen), Some(cubic)) if (chosen - cubic).abs() <= 1e-9 * chosen.abs() => {
                 format!(
-                    "the curve of {} is a cubic or less, nothing of it is lost; it leaves {chosen:.3e} {unit} rms held out",
+                    "the curve of {} is a cubic or less, nothing of it is lost; it leaves {chosen:.3e} {unit} rms of held-out eighths of the log, zeroed",
                     self.model
                 )
             }
             (Some(chosen), Some(cubic)) => {
                 let costs = if cubic <= chosen {
                     format!(
-                        "this cubic leaves {cubic:.3e} {unit} rms held out, no more than the chosen {} ({chosen:.3e})",
+                        "this cubic leaves {cubic:.3e} {unit} rms of held-out eighths of the log, zeroed, no more than the chosen {} ({chosen:.3e})",
                         self.model
                     )
                 } else {
                     format!(
-                        "this cubic leaves {cubic:.3e} {unit} rms held out, {:.0} % more than the chosen {} ({chosen:.3e})",
+                        "this cubic leaves {cubic:.3e} {unit} rms of held-out eighths of the log, zeroed, {:.0} % more than the chosen {} ({chosen:.3e})",
                         100.0 * (cubic / chosen - 1.0),
                         self.model
                     )

@@ -57,7 +57,8 @@ pub(super) fn write_csv(calibration: &Calibration) -> Exported {
             .collect(),
     ];
     for step in 0..=STEPS {
-        let temperature = least + (most - least) * f64::from(step) / f64::from(STEPS);
+        // The last is the end itself, not a rounding beyond it.
+        let temperature = (least + (most - least) * f64::from(step) / f64::from(STEPS)).min(most);
         let cell = |axis: &AxisCalibration| {
             let inside = axis.fit.measured.coverage(temperature) == Coverage::Inside;
             if inside { axis.drift().evaluate(temperature).0.to_string() } else { String::new() }

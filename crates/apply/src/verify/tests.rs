@@ -256,10 +256,10 @@ fn a_correction_that_is_worse_than_none_is_told_and_fails_by_limits_alone() {
 
 #[test]
 fn the_share_outside_is_of_what_was_measured_and_not_of_what_is_believed() {
-    // Measured to 50 C, and believed an eighth of 60 degrees further.
+    // Measured to 50 C less half of the last group, and believed an eighth of 60 degrees further.
     let own = calibration();
     let axis = &own.axes["gyro_x_rad_s"];
-    assert!((axis.fit.measured.max() - 50.0).abs() < 0.2 && axis.drift().valid.max() > 57.0, "{axis:?}");
+    assert!((axis.fit.measured.max() - 50.0).abs() < 0.7 && axis.drift().valid.max() > 57.0, "{axis:?}");
     // 60 degrees to 57 C: 7 of them above 50.
     let warmer: String = log(733, 0.0, 0.0)
         .lines()

@@ -103,6 +103,14 @@ impl Length {
         Self::Rows { rows: wanted.max(rows.div_ceil(most)).max(1), step_s }
     }
 
+    /// Whether a group is less than half as long.
+    fn is_short(self, group: &Group) -> bool {
+        match self {
+            Self::Rows { rows, .. } => 2 * (group.end_row - group.first_row) < rows,
+            Self::Seconds(seconds) => 2.0 * (group.times_s.1 - group.times_s.0) < seconds,
+        }
+    }
+
     /// A time between rows of so many seconds is a gap.
     fn gap_s(self) -> f64 {
         let seconds = match self {
@@ -222,8 +230,7 @@ impl Grouping {
         self.len() == 0
     }
 
-    /// The groups, and for each axis the count of rows left out. A last group shorter than half is joined to none: it
-    /// is kept as it is.
+    /// The groups, and for each axis the count of rows left out.
     #[must_use]
     pub fn finish(mut self) -> (Vec<Group>, Vec<Tally>) {
         self.close();
@@ -258,7 +265,7 @@ impl Grouping {
         }
         let kept = || self.temperatures.iter().zip(&usable).filter(|(_, usable)| **usable).map(|(t, _)| *t);
         let (least, most) = kept().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
-        self.groups.push(Group {
+        let group = Group {
             log: self.log + self.part,
             first_row: self.first_row,
             end_row: self.first_row + rows as u64,
@@ -267,7 +274,13 @@ impl Grouping {
             temperature: mean(kept()),
             temperature_range: if least <= most { most - least } else { f64::NAN },
             axes,
-        });
+        };
+        let gap_s = self.length.gap_s();
+        match self.groups.last_mut() {
+            // A few rows are no average like the others: those at the end of a log, or before a gap, belong to the group before.
+            Some(before) if self.length.is_short(&group) && group.follows(before, gap_s) => before.join(&group),
+            _ => self.groups.push(group),
+        }
         self.first_row += rows as u64;
         self.times.clear();
         self.temperatures.clear();
@@ -295,6 +308,12 @@ impl Grouping {
 }
 
 impl Group {
+    /// Whether it goes on where another ended, without a gap between them.
+    fn follows(&self, before: &Self, gap_s: f64) -> bool {
+        let is_gap = self.times_s.0 - before.times_s.1 >= gap_s;
+        self.log == before.log && !is_gap
+    }
+
     /// Takes in the group that follows.
     fn join(&mut self, next: &Self) {
         let rows = |group: &Self| (group.end_row - group.first_row) as f64;

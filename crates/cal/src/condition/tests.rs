@@ -54,6 +54,25 @@ fn groups_last_ten_seconds_and_are_neither_too_few_nor_too_many() {
 }
 
 #[test]
+fn a_few_rows_at_the_end_or_before_a_gap_belong_to_the_group_before() {
+    let ends = |count: usize, gap_after: usize, length: Length| -> Vec<(u64, u64)> {
+        let mut grouping = Grouping::new(1, length, TemperatureUnit::C, 0);
+        let time_s: Vec<f64> =
+            (0..count).map(|row| 0.1 * row as f64 + if row < gap_after { 0.0 } else { 1000.0 }).collect();
+        grouping.push_rows(&rows(&time_s, &vec![20.0; count], &[vec![0.5; count]]));
+        grouping.finish().0.iter().map(|group| (group.first_row, group.end_row)).collect()
+    };
+    let by_rows = Length::Rows { rows: 100, step_s: 0.1 };
+    for length in [by_rows, Length::Seconds(10.0)] {
+        assert_eq!(ends(203, 203, length), [(0, 100), (100, 203)]);
+        assert_eq!(ends(249, 203, length), [(0, 100), (100, 203), (203, 249)]);
+    }
+    assert_eq!(ends(260, 260, by_rows), [(0, 100), (100, 200), (200, 260)]);
+    // Alone it is what there is.
+    assert_eq!(ends(3, 3, by_rows), [(0, 3)]);
+}
+
+#[test]
 fn a_clean_cycle_is_left_as_it_is() {
     let (temperatures, rates) = cycle();
     let (groups, tallies, levels) = condition(&temperatures, &rates);

@@ -88,11 +88,14 @@ pub(super) fn of_still(still: &Still, name: &str, stream: &Stream) -> Reason {
 /// A fit by which a device has more left than without: its folds are of this log, the next log is no easier.
 pub(super) fn of_gain(statistics: &FitStatistics, name: &str, stream: &Stream) -> Option<Reason> {
     let (deployed, uncorrected) = (statistics.deployed?.rms, statistics.uncorrected?.rms);
-    if deployed <= TELLING * uncorrected {
+    if deployed < uncorrected {
         return None;
     }
+    // So little more may be chance; that it does not help is none.
+    let what =
+        if deployed <= TELLING * uncorrected { "it does not help on a log like this one" } else { "do not use it" };
     let text = format!(
-        "{name}: a device that takes this off has {deployed:.3e} {} rms left of data that were not fitted, and {uncorrected:.3e} without it: do not use it; record the whole range of temperature, both ways",
+        "{name}: a device that takes this off has {deployed:.3e} {} rms left of data that were not fitted, and {uncorrected:.3e} without it: {what}; record the whole range of temperature, both ways",
         stream.unit
     );
     Some(Reason::new(ReasonKind::WorseThanUncorrected, text))

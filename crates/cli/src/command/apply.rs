@@ -9,7 +9,8 @@ use serde::Serialize;
 use zerorate_apply::apply::{Applied, AppliedModel, AppliedSensors, AppliedTo, ApplyError, apply, apply_to_sensors};
 use zerorate_bench::whole_file::WholeFile;
 use zerorate_cal::calibration::{Calibration, Kind};
-use zerorate_cal::log::{SensorChoice, autopilot_format};
+use zerorate_cal::log::{SensorChoice, autopilot_format, doubts};
+use zerorate_cal::quality::ReasonKind;
 use zerorate_cal::source::Source;
 use zerorate_cal::table::{Columns, Table};
 use zerorate_cal::units::{TimeUnit, WrittenRate};
@@ -118,6 +119,8 @@ struct Found {
     time: Option<String>,
     time_unit: Option<TimeUnit>,
     models: Vec<AppliedModel>,
+    /// The units that were guessed.
+    notes: Vec<String>,
 }
 
 impl Apply {
@@ -168,14 +171,14 @@ impl Apply {
 
     /// A table.
     fn table(&self, calibration: &Calibration) -> Result<Told> {
-        let Found { table, time, time_unit, models } = self.columns(calibration)?;
+        let Found { table, time, time_unit, models, notes } = self.columns(calibration)?;
         let to = AppliedTo { time: time.as_deref(), time_unit, start: self.start() };
         let applied = self.written(|out| apply(&table, &to, &models, out))?;
         let valid = || models.iter().map(|own| own.model.drift.valid);
         let min = valid().map(|valid| valid.min()).fold(f64::NEG_INFINITY, f64::max);
         let calibrated_temperature = [min, valid().map(|valid| valid.max()).fold(f64::INFINITY, f64::min)];
         let columns = models.into_iter().map(|own| own.column).collect();
-        Ok(Told { columns, applied, calibrated_temperature, notes: Vec::new() })
+        Ok(Told { columns, applied, calibrated_temperature, notes })
     }
 
     fn start(&self) -> Start {
@@ -282,7 +285,10 @@ impl Apply {
             }
         }
         models.sort_by_key(|(place, _)| *place);
+        let doubts = doubts(&table, &found)?;
+        let guessed = doubts.into_iter().filter(|reason| reason.kind == ReasonKind::AssumedUnit);
         Ok(Found {
+            notes: guessed.map(|reason| reason.text).collect(),
             time: found.time.map(|place| table.names()[place].clone()),
             time_unit: found.time_unit,
             models: models.into_iter().map(|(_, model)| model).collect(),

@@ -115,7 +115,7 @@ Examples:
   zerorate setup > bench.toml; zerorate calibrate --setup bench.toml
       the limits that a unit must pass are in the set-up
   zerorate calibrate --device serial:/dev/ttyUSB0 --chamber manual --supply manual --setup bench.toml
-      a real board; soaks_c = [] in the set-up leaves the eleven hours of soaks out
+      a real board; soaks_c = [] in the set-up leaves out the soaks, which take most of it
 
 Exit codes: 0 the unit passed; 1 it was rejected, with reasons; 2 error.";
 

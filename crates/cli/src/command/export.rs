@@ -101,7 +101,7 @@ impl Export {
         page.sentence("", &format!("Wrote {out}, for {}.", self.format));
         for sensor in &exported.sensors {
             page.heading(&format!(
-                "{sensor}, {:.1} to {:.1} C: what a cubic leaves, m{} rms held out",
+                "{sensor}, {:.1} to {:.1} C: what a cubic leaves of held-out eighths of the log, zeroed, m{} rms",
                 sensor.range[0],
                 sensor.range[1],
                 sensor.unit()

@@ -84,6 +84,11 @@ fn what_cannot_be_corrected_leaves_the_earlier_output() {
             vec!["there is no column 'x_rad_s'", "gx, y_rad_s"],
         ),
         ("heat.csv", Some("t_s,heat,x_rad_s,y_rad_s\n0,20,1,2\n"), vec!["--temperature", "t_s, heat"]),
+        (
+            "kelvin.csv",
+            Some("temperature,x_rad_s,y_rad_s\n293,1,2\n294,1,2\n"),
+            vec!["column 'temperature' goes from 293 to 294", "--temperature-unit kelvin"],
+        ),
         ("counts.csv", Some("temp_counts,x_rad_s,y_rad_s\n9000,1,2\n"), vec!["'temp_counts' is in counts", "are in C"]),
         (
             "text.csv",
@@ -138,7 +143,7 @@ fn neither_the_log_nor_the_calibration_is_written_to() {
 #[test]
 fn rows_without_a_temperature_are_kept_and_counted() {
     let folder = calibrated(&Log::cycle());
-    fs::write(folder.path().join("flight.csv"), "temperature_c,x_rad_s,y_rad_s\n,1,2\n20,1,2\n500,1,2\n").unwrap();
+    fs::write(folder.path().join("flight.csv"), "temperature_c,x_rad_s,y_rad_s\n,1,2\n20,1,2\n90,1,2\n").unwrap();
     let ran = apply(folder.path(), "flight.csv");
     ran.says(&["1 rows have no temperature", "1 rows are outside -28.2 to 84.2 C, over which the curve is believed"]);
     assert!(fs::read_to_string(folder.path().join("out.csv")).unwrap().contains("\n,1,2,,,,\n"));

@@ -42,8 +42,8 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
         let scale = RateScale::of_fit(fit, axis.calibration.rate_unit, asked);
         page.heading(&format!("Candidates of {} (rms, {})", axis.name, scale.unit()));
         let mut grid = Grid::new("llrrrrrr");
-        grid.head(["", "", "in-", "held", "std.", "de-", "cold", "hot"]);
-        grid.head(["", "model", "sample", "out", "error", "ployed", "end", "end"]);
+        grid.head(["", "", "in-", "held", "± to the", "de-", "cold", "hot"]);
+        grid.head(["", "model", "sample", "out", "best", "ployed", "end", "end"]);
         for candidate in candidates {
             let mark = if candidate.chosen { "*" } else { "" };
             let cells = cells(candidate).map(|value| shown(scale, value));
@@ -55,7 +55,8 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
     page.sentence(
         "  ",
         &format!(
-            "Held out: each fold of the log, predicted by a fit of the others. Deployed: the same without drift in time, less \
+            "Held out: each fold of the log, predicted by a fit of the others; ± to the best: one standard error of how \
+             far that is from the best one's. Deployed: the same without drift in time, less \
              the mean of its {}. Cold and hot end: the coldest and the hottest groups held out, as many as a fold. Taken (*) is \
              the last one, whose curve and memories are as strong as the data say; or the cubic, where that one predicts folds \
              worse, as deployed.",
@@ -68,7 +69,9 @@ fn cells(candidate: &Candidate) -> [f64; 6] {
     let or_none = |value: Option<f64>| value.unwrap_or(f64::NAN);
     let [cold, hot] = candidate.ends_rms.unwrap_or([f64::NAN; 2]);
     let Candidate { in_sample_rms, held_out_rms, held_out_excess_standard_error, deployed_rms, .. } = candidate;
-    let errors = [*held_out_rms, *held_out_excess_standard_error, *deployed_rms].map(or_none);
+    // Of the best itself it is nothing.
+    let behind = held_out_excess_standard_error.filter(|error| *error > 0.0);
+    let errors = [*held_out_rms, behind, *deployed_rms].map(or_none);
     [*in_sample_rms, errors[0], errors[1], errors[2], cold, hot]
 }
 
