@@ -92,10 +92,13 @@ pub(super) fn of_gain(statistics: &FitStatistics, name: &str, stream: &Stream) -
         return None;
     }
     // So little more may be chance; that it does not help is none.
-    let what =
-        if deployed <= TELLING * uncorrected { "it does not help on a log like this one" } else { "do not use it" };
+    let what = if deployed <= TELLING * uncorrected {
+        "it does not help on a log like this one"
+    } else {
+        "do not use it; record the whole range of temperature, both ways"
+    };
     let text = format!(
-        "{name}: a device that takes this off has {deployed:.3e} {} rms left of data that were not fitted, and {uncorrected:.3e} without it: {what}; record the whole range of temperature, both ways",
+        "{name}: a device that takes this off has {deployed:.3e} {} rms left of data that were not fitted, and {uncorrected:.3e} without it: {what}",
         stream.unit
     );
     Some(Reason::new(ReasonKind::WorseThanUncorrected, text))
