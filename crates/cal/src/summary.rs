@@ -293,10 +293,13 @@ impl TestResult {
         }
     }
 
-    /// How many times smaller the residual is than what a plain quadratic would have left.
+    /// How many times smaller the residual is than what a plain quadratic would have left; nothing of the potentiometer alone,
+    /// whose taps are coarser than any curve.
     #[must_use]
     pub fn ratio_to_quadratic(&self) -> Option<f64> {
-        self.quadratic_pp_counts.map(|quadratic| quadratic / self.residual_pp_counts)
+        self.quadratic_pp_counts
+            .filter(|_| self.mode != Mode::Trim)
+            .map(|quadratic| quadratic / self.residual_pp_counts)
     }
 
     /// Where the compensation has made the axis worse, a sentence.
@@ -320,10 +323,12 @@ mod tests {
     #[test]
     fn a_test_is_written_by_the_names_that_recordings_have_and_reads_back() {
         let text = r#"{"mode":"hybrid","axis":"x","control":"y","direction":"cooling","residual_pp_counts":7.1,
-            "residual_rms_counts":1.0,"uncompensated_pp_counts":420.0,"control_pp_counts":400.0,"wiper_writes":13,"mean_counts":8200.1,
+            "residual_rms_counts":1.0,"uncompensated_pp_counts":420.0,"quadratic_pp_counts":14.2,"control_pp_counts":400.0,"wiper_writes":13,"mean_counts":8200.1,
             "largest_step_counts":0.5}"#;
         let result: TestResult = serde_json::from_str(text).unwrap();
         assert_eq!((result.mode, result.control, result.direction), (Mode::Hybrid, Axis::Y, Phase::Cooling));
+        assert_eq!(result.ratio_to_quadratic(), Some(2.0));
+        assert_eq!(TestResult { mode: Mode::Trim, ..result.clone() }.ratio_to_quadratic(), None);
         let again = serde_json::to_value(&result).unwrap();
         assert_eq!((&again["mode"], &again["direction"]), (&"hybrid".into(), &"cooling".into()));
         let wrong = serde_json::from_str::<TestResult>(&text.replace("hybrid", "mixed")).unwrap_err().to_string();
