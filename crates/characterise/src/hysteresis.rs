@@ -1,7 +1,9 @@
 //! Heating less cooling at equal temperature.
 
 use serde::Serialize;
+use zerorate_cal::log_fit::AxisFit;
 use zerorate_cal::trace::TracePoint;
+use zerorate_fit::robust::noise;
 
 use super::span;
 
@@ -11,11 +13,17 @@ const BINS: usize = 40;
 /// Bins that both directions must have, at least, for a hysteresis.
 const LEAST_BINS: usize = 5;
 
+/// The largest of so many differences is told from noise alone beyond so many of its standard errors: of normal noise one log
+/// in some 400 has one (Bonferroni).
+const TELLING: f64 = 4.0;
+
 /// Thermal hysteresis of the bias.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Hysteresis {
     /// Heating less cooling where it is largest, rate.
     pub largest: f64,
+    /// Its standard error, by the noise from one average to the next.
+    pub standard_error: f64,
     /// Where that is.
     pub at: f64,
     /// Root mean square over the temperatures that both directions have.
@@ -24,36 +32,72 @@ pub struct Hysteresis {
     pub share: f64,
 }
 
+/// Heating less cooling in one bin.
+struct Difference {
+    bin: usize,
+    value: f64,
+    /// For noise of one from one average to the next.
+    error: f64,
+}
+
 impl Hysteresis {
     /// The two directions, bin by bin.
-    pub(super) fn of(points: &[TracePoint], warming: &[bool], pp: f64) -> Result<Self, String> {
-        let (min, max) = span(points);
-        let mut bins = vec![[(0.0, 0.0); 2]; BINS];
-        for (point, warming) in points.iter().zip(warming) {
-            // Below 40.
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-            let bin = (((point.temperature - min) / (max - min) * BINS as f64) as usize).min(BINS - 1);
-            let (sum, count) = &mut bins[bin][usize::from(*warming)];
-            *sum += point.rate;
-            *count += 1.0;
-        }
-        let both: Vec<(usize, f64)> = bins
-            .iter()
-            .enumerate()
-            .filter(|(_, [cooling, heating])| cooling.1 > 0.0 && heating.1 > 0.0)
-            .map(|(bin, [cooling, heating])| (bin, heating.0 / heating.1 - cooling.0 / cooling.1))
-            .collect();
+    pub(super) fn of(axis: &AxisFit, points: &[TracePoint], warming: &[bool]) -> Result<Self, String> {
+        let ((min, max), excess) = (span(points), excess(axis, points));
+        let both = differences(points, warming, &excess);
         if both.len() < LEAST_BINS {
             return Err(
                 "the log holds one direction of the temperature; let it warm and cool over the same range".to_owned()
             );
         }
-        let (bin, largest) = both.iter().copied().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or((0, 0.0));
+        let residuals: Vec<f64> = points.iter().map(|point| point.residual).collect();
+        let noise = noise(&residuals);
+        let largest = both.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())).ok_or("no temperature")?;
+        let standard_error = noise * largest.error;
+        if largest.value.abs() <= TELLING * standard_error {
+            return Err(format!(
+                "heating and cooling differ nowhere by more than their noise: by {:.1e} at most, of which noise alone makes ± {standard_error:.1e} {}",
+                largest.value.abs(),
+                axis.calibration.rate_unit
+            ));
+        }
+        let squares: f64 = both.iter().map(|difference| difference.value.powi(2)).sum();
         Ok(Self {
-            largest,
-            at: min + (max - min) * (bin as f64 + 0.5) / BINS as f64,
-            rms: (both.iter().map(|(_, difference)| difference * difference).sum::<f64>() / both.len() as f64).sqrt(),
-            share: largest.abs() / pp,
+            largest: largest.value,
+            standard_error,
+            at: min + (max - min) * (largest.bin as f64 + 0.5) / BINS as f64,
+            rms: (squares / both.len() as f64).sqrt(),
+            share: largest.value.abs() / axis.calibration.measured_drift().peak_to_peak(),
         })
     }
+}
+
+/// The rates less the curve, so that a bin's width is no hysteresis, and less the log's own drift in time, so that what goes
+/// on between heating and cooling is none: what the model leaves, and what it says that the drift remembers.
+fn excess(axis: &AxisFit, points: &[TracePoint]) -> Vec<f64> {
+    let biases = axis.calibration.fit.model.biases(points.iter().map(|point| (point.time_s, point.temperature)));
+    let curve = axis.calibration.drift();
+    let excess = |(point, bias): (&TracePoint, f64)| point.residual + bias - curve.evaluate(point.temperature).0;
+    points.iter().zip(biases).map(excess).collect()
+}
+
+/// Heating less cooling in each bin that both directions have.
+fn differences(points: &[TracePoint], warming: &[bool], excess: &[f64]) -> Vec<Difference> {
+    let (min, max) = span(points);
+    let mut bins = vec![[(0.0, 0.0); 2]; BINS];
+    for ((point, warming), excess) in points.iter().zip(warming).zip(excess) {
+        // Below 40.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let bin = (((point.temperature - min) / (max - min) * BINS as f64) as usize).min(BINS - 1);
+        let (sum, count) = &mut bins[bin][usize::from(*warming)];
+        *sum += excess;
+        *count += 1.0;
+    }
+    let both = bins.iter().enumerate().filter(|(_, [cooling, heating])| cooling.1 > 0.0 && heating.1 > 0.0);
+    both.map(|(bin, [cooling, heating])| Difference {
+        bin,
+        value: heating.0 / heating.1 - cooling.0 / cooling.1,
+        error: (1.0 / heating.1 + 1.0 / cooling.1).sqrt(),
+    })
+    .collect()
 }

@@ -60,11 +60,27 @@ impl Characteristics {
         let warming = warming(&temperatures);
         Self {
             temperature_sensitivity: TemperatureSensitivity::of(axis),
-            hysteresis: Hysteresis::of(&points, &warming, axis.calibration.measured_drift().peak_to_peak()),
+            hysteresis: Hysteresis::of(axis, &points, &warming),
             ramp_sensitivity: RampSensitivity::of(&points, &warming),
             residual_noise: residual_noise(&points).map_err(|error| error.to_string()),
         }
     }
+}
+
+/// What the log does not hold, and why, a sentence each: `x, y: no thermal hysteresis: the log holds one direction ...`.
+pub fn missing<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Characteristics)>) -> Vec<String> {
+    let mut missing: Vec<(String, Vec<&str>)> = Vec::new();
+    for (name, found) in axes {
+        let [hysteresis, ramp] = [found.hysteresis.as_ref().err(), found.ramp_sensitivity.as_ref().err()];
+        for (what, why) in [("thermal hysteresis", hysteresis), ("ramp sensitivity", ramp)] {
+            let Some(sentence) = why.map(|why| format!("no {what}: {why}")) else { continue };
+            match missing.iter_mut().find(|(told, _)| *told == sentence) {
+                Some((_, names)) => names.push(name),
+                None => missing.push((sentence, vec![name])),
+            }
+        }
+    }
+    missing.into_iter().map(|(sentence, names)| format!("{}: {sentence}", names.join(", "))).collect()
 }
 
 /// The least and the greatest temperature.

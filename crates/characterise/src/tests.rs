@@ -6,20 +6,36 @@ use zerorate_cal::source::Source;
 /// Two cycles between -10 and 50 C, the second three times as fast, as a log: a line of 1e-3 a degree, a play of 3 C by
 /// which heating is `hysteresis` above cooling, `ramp` times the temperature's speed, a little noise.
 fn cycle(hysteresis: f64, ramp: f64) -> Characteristics {
-    let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();
     let mut play = -13.0_f64;
+    let rate = |row: i32, t: f64, speed: f64| {
+        play = play.clamp(t - 3.0, t + 3.0);
+        let noise = (f64::from((row * 617) % 1000) - 499.5) * 1e-7;
+        1e-3 * t + hysteresis * (t - play) / 6.0 + ramp * speed + noise
+    };
+    two_cycles("poly:1", rate)
+}
+
+/// The two cycles, and a rate made of the row, the temperature and its speed.
+fn two_cycles(model: &str, mut rate: impl FnMut(i32, f64, f64) -> f64) -> Characteristics {
+    let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();
     for row in 0..4000_i32 {
         let turn = std::f64::consts::TAU / if row < 3000 { 3000.0 } else { 1000.0 };
         let angle = turn * f64::from(if row < 3000 { row } else { row - 3000 });
         let (t, speed) = (20.0 - 30.0 * angle.cos(), 30.0 * turn * angle.sin());
-        play = play.clamp(t - 3.0, t + 3.0);
-        let noise = (f64::from((row * 617) % 1000) - 499.5) * 1e-7;
-        let rate = 1e-3 * t + hysteresis * (t - play) / 6.0 + ramp * speed + noise;
-        text += &format!("{row},{t},{rate}\n");
+        text += &format!("{row},{t},{}\n", rate(row, t, speed));
     }
     let log = Source::bytes("cycle.csv", text.into_bytes());
-    let fit = fit(&[log], &FitOptions { model: "poly:1".parse().unwrap(), ..FitOptions::default() }).unwrap();
+    let fit = fit(&[log], &FitOptions { model: model.parse().unwrap(), ..FitOptions::default() }).unwrap();
     Characteristics::of(&fit.axes[0])
+}
+
+/// Noise of a standard deviation of one: a sum of twelve (Irwin and Hall) of a linear congruential generator.
+fn normal(state: &mut u32) -> f64 {
+    let draw = |state: &mut u32| {
+        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(*state) / f64::from(u32::MAX)
+    };
+    (0..12).map(|_| draw(state)).sum::<f64>() - 6.0
 }
 
 #[test]
@@ -27,8 +43,7 @@ fn a_straight_drift_has_its_slope_and_neither_hysteresis_nor_ramp_sensitivity() 
     let found = cycle(0.0, 0.0);
     assert!((found.temperature_sensitivity.mean / 1e-3 - 1.0).abs() < 0.01, "{found:?}");
     assert!((found.temperature_sensitivity.steepest / 1e-3 - 1.0).abs() < 0.01);
-    // Averages of a bin are of different temperatures within it: a bin is 1.5 C wide.
-    assert!(found.hysteresis.unwrap().largest.abs() < 1e-3);
+    assert!(found.hysteresis.unwrap_err().contains("differ nowhere by more than their noise"));
     assert!(found.ramp_sensitivity.unwrap().value.abs() < 1e-3);
 }
 
@@ -37,6 +52,30 @@ fn hysteresis_is_heating_less_cooling() {
     let found = cycle(0.01, 0.0).hysteresis.unwrap();
     assert!((0.008..0.0105).contains(&found.rms) && found.largest > 0.0, "{found:?}");
     assert!((found.share - 0.01 / 0.06).abs() < 0.06, "{found:?}");
+}
+
+#[test]
+fn noise_alone_is_no_hysteresis_and_neither_is_a_drift_in_time() {
+    let mut state = 7;
+    let found = two_cycles("poly:1", |_, _, _| 1e-3 * normal(&mut state)).hysteresis.unwrap_err();
+    assert!(found.contains("differ nowhere by more than their noise"), "{found}");
+    // Over a log of 4000 s it drifts by ten times the noise of an average of 21 rows.
+    let found = two_cycles("auto", |row, _, _| 5e-7 * f64::from(row) + 1e-3 * normal(&mut state)).hysteresis;
+    assert!(found.as_ref().is_err_and(|why| why.contains("differ nowhere")), "{found:?}");
+}
+
+#[test]
+fn the_largest_difference_is_known_as_well_as_the_averages_of_two_bins() {
+    // An average of 21 rows of 1e-4 is known to 2.2e-5; a bin of either direction holds two or three of them, more where the
+    // temperature turns: two bins differ by 1e-5 to 2.5e-5 by chance.
+    let (mut state, mut play) = (3, -13.0_f64);
+    let rate = |_, t: f64, _| {
+        play = play.clamp(t - 3.0, t + 3.0);
+        1e-3 * t + 0.01 * (t - play) / 6.0 + 1e-4 * normal(&mut state)
+    };
+    let found = two_cycles("poly:1", rate).hysteresis.unwrap();
+    assert!((0.5e-5..2.5e-5).contains(&found.standard_error), "{found:?}");
+    assert!((found.largest - 0.01).abs() < 5e-4, "{found:?}");
 }
 
 #[test]

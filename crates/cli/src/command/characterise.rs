@@ -11,7 +11,7 @@ use zerorate_cal::log::SensorChoice;
 use zerorate_cal::log_fit::{AxisFit, FitOptions};
 use zerorate_cal::source::Source;
 use zerorate_cal::units::RateUnit;
-use zerorate_characterise::{AxisNoise, Characteristics, NoiseOf, noise};
+use zerorate_characterise::{AxisNoise, Characteristics, NoiseOf, missing, noise};
 use zerorate_fit::allan::{Allan, Coefficient};
 
 use super::Outcome;
@@ -208,7 +208,6 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
     page.heading(&format!("Sensitivities of the bias, per {degree}; thermal hysteresis; ramp, per {degree}/s"));
     let mut grid = Grid::new("lrrrrl");
     grid.head(["axis", "mean", "steepest", "hysteresis", "ramp", "unit"]);
-    let mut missing: Vec<String> = Vec::new();
     for (axis, found) in axes {
         let slope = found.temperature_sensitivity;
         let ramp = found.ramp_sensitivity.as_ref();
@@ -219,16 +218,13 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
             found.hysteresis.as_ref().map_or("-".to_owned(), |found| {
                 let share = Some(found.share).filter(|share| share.is_finite());
                 let share = share.map(|share| format!(" ({:.0} %)", 100.0 * share)).unwrap_or_default();
-                format!("{:.2e} at {:.0}{share}", found.largest, found.at)
+                format!("{:.2e} +- {:.0e} at {:.0}{share}", found.largest, found.standard_error, found.at)
             }),
             ramp.map_or("-".to_owned(), |found| format!("{:.1e} +- {:.1e}", found.value, found.standard_error)),
             axis.calibration.rate_unit.to_string(),
         ]);
-        for (what, why) in [("hysteresis", found.hysteresis.as_ref().err()), ("ramp sensitivity", ramp.err())] {
-            let sentence = why.map(|why| format!("no {what}: {why}"));
-            missing.extend(sentence.filter(|sentence| !missing.contains(sentence)));
-        }
     }
     page.grid(&grid);
+    let missing = missing(axes.iter().map(|(axis, found)| (axis.name.as_str(), found)));
     missing.iter().for_each(|sentence| page.sentence("  - ", sentence));
 }

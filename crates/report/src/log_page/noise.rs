@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::units::WrittenRate;
-use zerorate_characterise::Characteristics;
+use zerorate_characterise::{Characteristics, missing};
 use zerorate_fit::allan::{Allan, AllanPoint, Coefficient};
 
 use super::degree;
@@ -55,7 +55,6 @@ pub(super) fn chapter(fit: &LogFit, units: Option<WrittenRate>) -> Markup {
 /// A row an axis, under IEEE's names.
 fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)]) -> Markup {
     let degree = degree(fit);
-    let mut missing: Vec<String> = Vec::new();
     let mut rows = Vec::new();
     for (axis, found) in axes {
         let slope = found.temperature_sensitivity;
@@ -66,7 +65,7 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)]) -> Markup {
         ];
         cells.push(match &found.hysteresis {
             Ok(found) => html! {
-                (axis.rate(found.largest, 3)) " at " (fixed(found.at, 0))
+                (axis.rate(found.largest, 3)) " ± " (axis.rate(found.standard_error, 1)) " at " (fixed(found.at, 0))
                 @if found.share.is_finite() { " (" (fixed(100.0 * found.share, 0)) " %)" }
             },
             Err(_) => html! { "–" },
@@ -76,17 +75,11 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)]) -> Markup {
             Err(_) => html! { "–" },
         });
         rows.push(cells);
-        for (what, why) in [
-            ("thermal hysteresis", found.hysteresis.as_ref().err()),
-            ("temperature-ramp sensitivity", found.ramp_sensitivity.as_ref().err()),
-        ] {
-            let sentence = why.map(|why| format!("No {what}: {why}."));
-            missing.extend(sentence.filter(|sentence| !missing.contains(sentence)));
-        }
     }
+    let missing = missing(axes.iter().map(|(axis, found)| (axis.axis.name.as_str(), found)));
     let caption = html! {
         "Sensitivities of the bias, as IEEE Std 952 names them. Hysteresis is heating less cooling at equal temperature where it is "
-        "largest, in brackets over the peak to peak of the curve; the ramp sensitivity is of what the model leaves."
+        "largest, in brackets over the peak to peak of the curve; ± is one standard error by the noise of the averages; the ramp sensitivity is of what the model leaves."
     };
     let heads = [
         "Axis",
@@ -97,7 +90,7 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)]) -> Markup {
     ];
     html! {
         (Table { caption, heads: &heads, rows, numbers_from: 1 }.markup())
-        @for sentence in &missing { p.small { (told(sentence)) } }
+        @for sentence in &missing { p.small { (told(sentence)) "." } }
     }
 }
 
