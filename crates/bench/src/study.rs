@@ -82,6 +82,12 @@ pub fn unit(number: u32, plant: PlantKind, seed: u64, setup: &SetUp) -> Result<U
     })
 }
 
+/// The seed of one unit of a study: units of one study differ, and those of two do not overlap by accident.
+#[must_use]
+pub fn seed_of(study: u64, unit: u32) -> u64 {
+    study.wrapping_mul(1_000_003).wrapping_add(u64::from(unit))
+}
+
 /// Takes units `0..units` through, on as many threads as there are cores; `done` is told of each as it comes.
 pub fn run(
     units: u32,
@@ -101,9 +107,7 @@ pub fn run(
                     if number >= units {
                         break;
                     }
-                    // Units of one study must differ, and those of two studies not overlap by accident.
-                    let unit_seed = seed.wrapping_mul(1_000_003).wrapping_add(u64::from(number));
-                    let result = unit(number, plant, unit_seed, setup)
+                    let result = unit(number, plant, seed_of(seed, number), setup)
                         .map_err(|error| UnitRejected { unit: number, reason: error.to_string() });
                     if let Ok(mut results) = results.lock() {
                         results.push((number, result));
@@ -154,10 +158,31 @@ impl Quantiles {
     }
 }
 
-/// Nearest-rank quantiles; empty for no values.
+/// Quantiles, straight between the values on either side as numpy has them; empty for no values.
 fn quantiles(mut values: Vec<f64>, at: &[f64]) -> Vec<f64> {
     values.sort_by(f64::total_cmp);
     let Some(last) = values.len().checked_sub(1) else { return Vec::new() };
-    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)] // 0 to last
-    at.iter().map(|part| values[(part * last as f64).round() as usize]).collect()
+    let quantile = |part: &f64| {
+        let place = part * last as f64;
+        // 0 to last.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let below = place as usize;
+        let above = values[(below + 1).min(last)];
+        values[below] + (place - below as f64) * (above - values[below])
+    };
+    at.iter().map(quantile).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quantile_is_numpys() {
+        // numpy.quantile([7, 1, 4, 2, 9, 3], [0, .05, .25, .5, .9, 1]), and of one value.
+        let found = quantiles(vec![7.0, 1.0, 4.0, 2.0, 9.0, 3.0], &[0.0, 0.05, 0.25, 0.5, 0.9, 1.0]);
+        let numpy = [1.0, 1.25, 2.25, 3.5, 8.0, 9.0];
+        assert!(found.iter().zip(numpy).all(|(own, theirs)| (own - theirs).abs() < 1e-12), "{found:?}");
+        assert_eq!((quantiles(vec![5.0], &[0.0, 0.9]), quantiles(Vec::new(), &[0.5])), (vec![5.0; 2], Vec::new()));
+    }
 }

@@ -182,7 +182,7 @@ fn each_direction_is_compared_with_the_plants_drift_in_the_same_direction() {
 #[test]
 fn a_steep_drift_is_compensated_on_a_second_ramp() {
     for (number, seed) in [(11, 11), (39, 17), (40, 19), (35, 31)] {
-        let unit = study::unit(number, PlantKind::Typical, seed * 1_000_003 + u64::from(number), &SetUp::typical());
+        let unit = study::unit(number, PlantKind::Typical, study::seed_of(seed, number), &SetUp::typical());
         let unit = unit.unwrap();
         let floors = unit.hybrid_residual_pp_counts / unit.floor_pp_counts;
         assert!(unit.drift_pp_counts > 1900.0 && floors < 12.0, "{floors:.1} floors: {unit:?}");
@@ -207,7 +207,7 @@ fn a_wild_group_is_found_in_the_ramp_of_every_unit() {
     use zerorate_cal::quality::{Judgement, ReasonKind};
     use zerorate_cal::ramp_fit::{RampGroup, RampMeans, fit_axis};
     let setup = SetUp::typical();
-    for seed in [3, 90_417 * 1_000_003 + 11] {
+    for seed in [3, study::seed_of(90_417, 11)] {
         let (measured, _) = tested(seed, &setup);
         let mut means = RampMeans::default();
         for taken in &measured.ramp {

@@ -136,6 +136,7 @@ impl Calibration {
             let mut bytes = Vec::new();
             source.open()?.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
             let text = String::from_utf8(bytes).ok().filter(|text| text.len() as u64 <= MOST_BYTES);
+            let text = text.filter(|text| text.trim_start().starts_with('{'));
             Self::from_json(&text.ok_or(CalibrationFault::NotOne)?)
         };
         read().map_err(|fault| source.faulty(fault))

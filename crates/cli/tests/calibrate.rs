@@ -184,7 +184,7 @@ fn a_full_disk_keeps_earlier_results_and_what_was_recorded() {
     Command::new("umount").arg(folder.path()).status().unwrap();
     assert_eq!(ran.status.code(), Some(2));
     let told = String::from_utf8(ran.stderr).unwrap();
-    assert!(told.contains("No space left") && told.contains("groups before it are kept"), "{told}");
+    assert!(told.contains("No space left") && told.contains("what was recorded before it is kept there"), "{told}");
     assert_eq!(earlier.unwrap(), "earlier");
     assert!(String::from_utf8(info.stdout).unwrap().contains("CUT"));
 }

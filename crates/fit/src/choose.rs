@@ -240,7 +240,7 @@ fn simplest_within_one_standard_error(tried: &mut [Tried]) -> Option<usize> {
         let excess: Vec<f64> = own.mean_squares.iter().zip(&best_squares).map(|(own, best)| own - best).collect();
         // a - b = (a^2 - b^2) / (a + b)
         let error = (standard_error(&excess) / (rms(own) + best_rms)).max(0.0);
-        own.candidate.held_out_excess_standard_error = Some(error);
+        own.candidate.held_out_excess_standard_error = Some(error).filter(|error| *error > 0.0);
         if first.is_none() && rms(own) <= best_rms + error {
             first = Some(place);
         }

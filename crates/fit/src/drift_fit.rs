@@ -187,7 +187,7 @@ pub struct Candidate {
     /// Root mean square over all folds, each predicted by the fit of the others; `None` where one could not be fitted.
     pub held_out_rms: Option<f64>,
     /// Standard error of how much `held_out_rms` exceeds the best candidate's, from their differences fold by fold: what
-    /// makes a fold hard for all, as hysteresis does, says nothing about which is better. 0 for the best.
+    /// makes a fold hard for all, as hysteresis does, says nothing about which is better. `None` for the best.
     pub held_out_excess_standard_error: Option<f64>,
     /// As deployed: over the folds without drift in time, less the mean of each one's first groups.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -26,8 +26,7 @@ pub(super) fn table(axis: &str, candidates: &[Candidate], scale: RateScale) -> M
             html! { (candidate.model) @if candidate.chosen { " ✓" } },
             html! { (fixed(scale.of_rate(candidate.in_sample_rms), decimals)) },
             scaled(candidate.held_out_rms),
-            // Of the best itself it is nothing.
-            scaled(candidate.held_out_excess_standard_error.filter(|error| *error > 0.0)),
+            scaled(candidate.held_out_excess_standard_error),
         ]
     };
     let caption = html! {

@@ -127,6 +127,10 @@ impl Survey {
             return;
         };
         let name = &table.names()[time];
+        if self.last_time <= self.first_time {
+            self.notes.push(format!("'{name}' does not move: taken as no time (`time` names another column)"));
+            return;
+        }
         let guessed = TimeUnit::by_duration(self.last_time - self.first_time);
         match columns.time_unit.or(guessed) {
             Some(unit) => self.unit_s = unit.seconds(),

@@ -58,7 +58,7 @@ pub enum WriteError {
         reason: String,
     },
     /// A group cannot be written.
-    #[error("{}: the recording cannot go on: {reason}: the {groups} groups before it are kept there", path.display())]
+    #[error("{}: the recording cannot go on: {reason}: what was recorded before it is kept there (groups: {groups})", path.display())]
     Write {
         /// The stream.
         path: PathBuf,
@@ -68,7 +68,7 @@ pub enum WriteError {
         reason: String,
     },
     /// The stream cannot be turned into Parquet.
-    #[error("{}: cannot be finished: {reason}: all {groups} groups are kept in {}", path.display(), stream.display())]
+    #[error("{}: cannot be finished: {reason}: all of it is kept in {} (groups: {groups})", path.display(), stream.display())]
     Finish {
         /// The Parquet file.
         path: PathBuf,

@@ -227,6 +227,9 @@ fn a_full_disk_says_what_is_kept() {
     writer.write_group(&group(0)).unwrap();
     std::os::unix::fs::symlink("/dev/full", folder.path().join("run.parquet.partial")).unwrap();
     let error = writer.finish().unwrap_err().to_string();
-    assert!(error.contains("all 1 groups are kept in") && error.contains("run.arrows"), "{error}");
+    assert!(
+        error.contains("all of it is kept in") && error.contains("(groups: 1)") && error.contains("run.arrows"),
+        "{error}"
+    );
     assert_eq!(Recording::read(&(&folder.path().join("run.arrows")).into()).unwrap().rows, rows(1));
 }

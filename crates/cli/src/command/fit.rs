@@ -17,6 +17,7 @@ use zerorate_cal::source::Source;
 use zerorate_cal::units::WrittenRate;
 use zerorate_export::Format;
 use zerorate_report::LogPage;
+use zerorate_words::as_options;
 
 use super::Outcome;
 use crate::log_arguments::{LogArguments, ShownUnits};
@@ -222,7 +223,15 @@ pub(super) fn page(fit: &LogFit, about: About, origins: &[Origin], next_command:
         |format| format!("zerorate export calibration.json --format {format} --out {}", format.file_name());
     let About { serial, labels, units } = about;
     let export_command = Some(export_command);
+    let fit = &in_options(fit.clone());
     LogPage { fit, units, serial, labels, sources: origins, next_command, export_command }.to_html()
+}
+
+/// A fit whose sentences name the command's options, where the library names its parameters.
+fn in_options(mut fit: LogFit) -> LogFit {
+    fit.notes.iter_mut().for_each(|note| *note = as_options(note));
+    fit.judgement.reasons.iter_mut().for_each(|reason| reason.text = as_options(&reason.text));
+    fit
 }
 
 /// Of what unit a page is, by whom, and how it is to be told.

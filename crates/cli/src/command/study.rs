@@ -137,6 +137,11 @@ fn page(
             page.sentence("  - ", &format!("unit {}: {}", unit.unit, unit.failed_checks.join("; ")));
         });
     }
+    let warned = || results.iter().filter(|unit| !unit.warnings.is_empty());
+    if warned().next().is_some() {
+        page.heading("To look at");
+        warned().for_each(|unit| page.sentence("  - ", &format!("unit {}: {}", unit.unit, unit.warnings.join("; "))));
+    }
     if !rejected.is_empty() {
         page.heading("Rejected, and in no row above");
         rejected.iter().for_each(|unit| page.sentence("  - ", &format!("unit {}: {}", unit.unit, unit.reason)));

@@ -185,8 +185,28 @@ fn without_a_time_column_a_place_is_told_by_its_rows() {
     assert!(page.contains("in averages over about 21 rows"));
     let verified = zerorate(folder.path(), &["verify", "log.csv", "--with", "c.json", "--in-sample"]);
     verified.says(&["the run's first average"]);
+    // A page names what is typed.
+    assert!(page.contains("no time column was found (--time says which)"), "{page}");
     for text in [ran.out, page, verified.out] {
         let told = ["NaN", "about 10 s", "half minute"].into_iter().find(|part| text.contains(part));
         assert_eq!(told, None, "of a log without times: {text}");
     }
+}
+
+#[test]
+fn a_time_that_does_not_move_is_no_time() {
+    let mut log = Log::cycle();
+    log.time_s.fill(5.0);
+    let folder = folder_with("log.csv", log.csv());
+    let ran = zerorate(folder.path(), &["fit", "log.csv"]);
+    ran.says(&["in averages over about 21 rows", "does not move: taken as no time (--time names another column)"]);
+}
+
+#[test]
+fn the_model_s_figures_have_digits_in_any_unit() {
+    let folder = folder_with("log.csv", Log::cycle().csv());
+    let ran = zerorate(folder.path(), &["fit", "log.csv", "--units", "rad/s"]);
+    let row = ran.out.lines().skip_while(|line| !line.starts_with("Model, and what it leaves")).nth(3).unwrap();
+    let figures = row.split_whitespace().rev().take(4).map(|figure| figure.parse::<f64>().unwrap());
+    assert!(figures.into_iter().all(|figure| figure > 0.0), "{row}");
 }

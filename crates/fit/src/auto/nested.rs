@@ -188,7 +188,7 @@ impl Outer {
             model,
             in_sample_rms: in_sample,
             held_out_rms: own.in_recording,
-            held_out_excess_standard_error: finite(error),
+            held_out_excess_standard_error: finite(error).filter(|error| *error > 0.0),
             deployed_rms: own.deployed_warm,
             ends_rms: Some(self.ends).filter(|ends| ends.iter().all(|end| end.is_finite())),
             by_direction_rms: Some([0, 1].map(|direction| finite(in_direction(direction)))),

@@ -4,7 +4,7 @@ use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::units::WrittenRate;
 use zerorate_fit::drift_fit::{Candidate, HeldOut};
 
-use crate::screen::{Grid, Page, RateScale};
+use crate::screen::{Grid, Page, RateScale, aligned};
 
 /// The model of each axis and what it predicts of data that played no part in choosing it; nothing where nothing was
 /// chosen.
@@ -17,12 +17,13 @@ pub fn models(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
     let mut grid = Grid::new("llrrrr");
     grid.head(["", "", "in the", "deployed,", "deployed,", "cubic,"]);
     grid.head(["", "model", "recording", "warm", "cold", "deployed"]);
-    for axis in axes.iter().filter(|axis| axis.calibration.rate_unit == unit) {
-        let Some(nested) = nested(axis) else { continue };
+    let shown = axes.iter().filter(|axis| axis.calibration.rate_unit == unit);
+    let rows = shown.filter_map(|axis| {
+        let nested = nested(axis)?;
         let figures = [nested.in_recording, nested.deployed_warm, nested.deployed_cold, nested.cubic_deployed];
-        let figures = figures.map(|figure| shown(scale, figure.unwrap_or(f64::NAN)));
-        grid.row([axis.name.clone(), axis.calibration.fit.chosen_model()].into_iter().chain(figures));
-    }
+        Some(([axis.name.clone(), axis.calibration.fit.chosen_model()], figures.map(or_none)))
+    });
+    fill(&mut grid, rows.collect(), scale);
     page.grid(&grid);
     page.gap();
     page.sentence(
@@ -44,11 +45,9 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
         let mut grid = Grid::new("llrrrrrr");
         grid.head(["", "", "in-", "held", "± to the", "de-", "cold", "hot"]);
         grid.head(["", "model", "sample", "out", "best", "ployed", "end", "end"]);
-        for candidate in candidates {
-            let mark = if candidate.chosen { "*" } else { "" };
-            let cells = cells(candidate).map(|value| shown(scale, value));
-            grid.row([mark.to_owned(), candidate.model.clone()].into_iter().chain(cells));
-        }
+        let mark = |candidate: &Candidate| if candidate.chosen { "*" } else { "" }.to_owned();
+        let row = |candidate: &Candidate| ([mark(candidate), candidate.model.clone()], cells(candidate));
+        fill(&mut grid, candidates.iter().map(row).collect(), scale);
         page.grid(&grid);
     }
     page.gap();
@@ -66,12 +65,9 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
 }
 
 fn cells(candidate: &Candidate) -> [f64; 6] {
-    let or_none = |value: Option<f64>| value.unwrap_or(f64::NAN);
     let [cold, hot] = candidate.ends_rms.unwrap_or([f64::NAN; 2]);
     let Candidate { in_sample_rms, held_out_rms, held_out_excess_standard_error, deployed_rms, .. } = candidate;
-    // Of the best itself it is nothing.
-    let behind = held_out_excess_standard_error.filter(|error| *error > 0.0);
-    let errors = [*held_out_rms, behind, *deployed_rms].map(or_none);
+    let errors = [*held_out_rms, *held_out_excess_standard_error, *deployed_rms].map(or_none);
     [*in_sample_rms, errors[0], errors[1], errors[2], cold, hot]
 }
 
@@ -79,6 +75,15 @@ fn nested(axis: &AxisFit) -> Option<HeldOut> {
     axis.calibration.fit.statistics.nested
 }
 
-fn shown(scale: RateScale, value: f64) -> String {
-    if value.is_finite() { format!("{:.3}", scale.of_rate(value)) } else { "-".to_owned() }
+fn or_none(figure: Option<f64>) -> f64 {
+    figure.unwrap_or(f64::NAN)
+}
+
+/// Rows of words and figures; all figures have as many decimals, for they are compared with each other.
+fn fill<const N: usize>(grid: &mut Grid, rows: Vec<([String; 2], [f64; N])>, scale: RateScale) {
+    let figures: Vec<f64> = rows.iter().flat_map(|(_, figures)| figures).map(|figure| scale.of_rate(*figure)).collect();
+    let mut told = aligned(&figures).into_iter();
+    for (words, _) in rows {
+        grid.row(words.into_iter().chain(told.by_ref().take(N)));
+    }
 }
