@@ -43,9 +43,9 @@ impl OnPlant for PortAcquisition<PortSpi> {
     }
 }
 
-impl OnPlant for DirectAcquisition<ConverterSpi> {
+impl OnPlant for DirectAcquisition<ConverterSpi, PlantDelay> {
     fn connect(plant: &SharedPlant) -> Self {
-        Self::new(ConverterSpi::new(plant))
+        Self::new(ConverterSpi::new(plant), PlantDelay::new(plant))
     }
 
     fn run_set(&mut self, plant: &SharedPlant) -> Option<Truth> {
@@ -312,7 +312,7 @@ pub fn bench(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
 /// The simulated bench about a plant, its device driving the A/D itself.
 #[must_use]
 pub fn direct_bench(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Bench {
-    bench_on::<DirectAcquisition<ConverterSpi>>(plant, setup, unit)
+    bench_on::<DirectAcquisition<ConverterSpi, PlantDelay>>(plant, setup, unit)
 }
 
 /// A native device about a plant with nothing around it: the line to it, and the plant, on which anything can be broken.

@@ -4,6 +4,7 @@
 //! significant bit first. A configuration written in one frame takes effect for the conversion that starts at its end,
 //! whose result is clocked out two frames later: a pipeline of two.
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;
 
 use crate::acquisition::Scan;
@@ -16,10 +17,14 @@ const UNIPOLAR: u16 = 0b111 << 10;
 const CHANNEL_SHIFT: u32 = 7;
 /// CFG bit 6: full bandwidth; the circuit has its own low-pass.
 const FULL_BANDWIDTH: u16 = 1 << 6;
-/// CFG bits 5..3 = 110: external reference, internal buffer off, temperature sensor off.
+/// CFG bits 5..3 = 110: external reference, temperature sensor off, and the internal buffer off, for it would drive the pin
+/// that the reference drives.
 const EXTERNAL_REFERENCE: u16 = 0b110 << 3;
 /// CFG bit 0: no read-back of the configuration after the result.
 const NO_READ_BACK: u16 = 1;
+
+/// t_CONV at most, with a supply below 4.5 V: until then the part must be left alone, or its result is disturbed.
+const CONVERSION_NS: u32 = 3200;
 
 /// The configuration that converts one channel.
 const fn configuration(channel: u16) -> u16 {
@@ -27,21 +32,22 @@ const fn configuration(channel: u16) -> u16 {
 }
 
 /// The four-channel scan on an AD7949.
-pub struct Ad7949<SPI> {
+pub struct Ad7949<SPI, DELAY> {
     spi: SPI,
+    delay: DELAY,
 }
 
-impl<SPI: SpiDevice> Ad7949<SPI> {
-    /// A driver on an SPI device in mode 0, up to 40 MHz.
+impl<SPI: SpiDevice, DELAY: DelayNs> Ad7949<SPI, DELAY> {
+    /// A driver on an SPI device in mode 0, up to 40 MHz, whose chip select is the part's CNV.
     #[must_use]
-    pub const fn new(spi: SPI) -> Self {
-        Self { spi }
+    pub const fn new(spi: SPI, delay: DELAY) -> Self {
+        Self { spi, delay }
     }
 
     /// Converts channels 0 to 3 once, counts.
     ///
     /// Six frames: each asks for its own channel and brings the result of the one two before it; the last two ask
-    /// for channel 0 again, only to bring out what is still in the pipeline.
+    /// for channel 0 again, only to bring out what is still in the pipeline. Each ends in a conversion, which is waited for.
     ///
     /// # Errors
     /// The SPI's.
@@ -52,6 +58,7 @@ impl<SPI: SpiDevice> Ad7949<SPI> {
             // The 14 bits stand at the top of the frame's 16, both ways.
             let mut bytes = (configuration(channel) << 2).to_be_bytes();
             self.spi.transfer_in_place(&mut bytes)?;
+            self.delay.delay_ns(CONVERSION_NS);
             if let Some(finished) = frame.checked_sub(2) {
                 scan[usize::from(finished)] = u16::from_be_bytes(bytes) >> 2;
             }
@@ -63,6 +70,7 @@ impl<SPI: SpiDevice> Ad7949<SPI> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use embedded_hal_mock::eh1::delay::NoopDelay;
     use embedded_hal_mock::eh1::spi::{Mock, Transaction};
     use std::vec::Vec;
 
@@ -82,7 +90,7 @@ mod tests {
             })
             .collect();
         let mut spi = Mock::new(&expected);
-        assert_eq!(Ad7949::new(&mut spi).scan(), Ok([10, 11, 12, 16_383]));
+        assert_eq!(Ad7949::new(&mut spi, NoopDelay).scan(), Ok([10, 11, 12, 16_383]));
         spi.done();
     }
 }

@@ -1,5 +1,6 @@
 //! The acquisition when the processor drives the A/D itself: a scan on every tick of a timer, sets kept in memory.
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;
 
 use crate::acquisition::{Acquisition, Set, Timing, axis_samples};
@@ -10,8 +11,8 @@ use zerorate_core::units::Axis;
 ///
 /// The timer's interrupt calls [`tick`](Self::tick) every scan period; when it says that a set is full, the
 /// compensator is called. A set that has not been read when the next is full is lost, and counted.
-pub struct DirectAcquisition<SPI> {
-    converter: Ad7949<SPI>,
+pub struct DirectAcquisition<SPI, DELAY> {
+    converter: Ad7949<SPI, DELAY>,
     set_length: usize,
     running: bool,
     next_number: u32,
@@ -20,11 +21,11 @@ pub struct DirectAcquisition<SPI> {
     waiting: Option<Set>,
 }
 
-impl<SPI: SpiDevice> DirectAcquisition<SPI> {
+impl<SPI: SpiDevice, DELAY: DelayNs> DirectAcquisition<SPI, DELAY> {
     /// An acquisition on the A/D's SPI device, stopped.
     #[must_use]
-    pub fn new(spi: SPI) -> Self {
-        let converter = Ad7949::new(spi);
+    pub fn new(spi: SPI, delay: DELAY) -> Self {
+        let converter = Ad7949::new(spi, delay);
         let set_length = usize::from(Timing::PAPER.set_length);
         let filling = Set::default();
         Self { converter, set_length, running: false, next_number: 0, lost: 0, filling, waiting: None }
@@ -70,7 +71,7 @@ impl<SPI: SpiDevice> DirectAcquisition<SPI> {
     }
 }
 
-impl<SPI: SpiDevice> Acquisition for DirectAcquisition<SPI>
+impl<SPI: SpiDevice, DELAY: DelayNs> Acquisition for DirectAcquisition<SPI, DELAY>
 where
     SPI::Error: core::fmt::Debug,
 {

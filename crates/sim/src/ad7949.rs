@@ -27,12 +27,12 @@ struct Configuration {
 }
 
 impl Configuration {
-    /// Single-ended unipolar inputs (INCC 11x), an external reference (REF 01x or 11x), no sequencer (SEQ 00), no readback
-    /// (RB 1). The input filter (BW) is far above the board's own low-pass: either setting does.
+    /// Single-ended unipolar inputs (INCC 11x), the board's reference at the pin REF and neither the buffer, which would drive
+    /// the same pin, nor the temperature sensor (REF 110), no sequencer (SEQ 00), no readback (RB 1). The input filter (BW) is far above the board's own low-pass: either setting does.
     fn checked(word: u16) -> Option<Self> {
         let field = |lowest: u32, bits: u32| word >> lowest & ((1 << bits) - 1);
         let (input, reference, sequencer, no_readback) = (field(10, 3), field(3, 3), field(1, 2), field(0, 1));
-        let possible = input >= 0b110 && reference & 0b010 != 0 && sequencer == 0 && no_readback == 1;
+        let possible = input >= 0b110 && reference == 0b110 && sequencer == 0 && no_readback == 1;
         possible.then_some(Self { channel: usize::from(field(7, 3)) })
     }
 }
@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn a_mode_it_does_not_have_reads_zero_and_a_frame_of_another_length_configures_nothing() {
         let mut part = Ad7949::default();
-        for wrong in [word(1) & !(1 << 12), word(1) & !(1 << 4), word(1) | 0b110, word(1) & !1] {
+        for wrong in [word(1) & !(1 << 12), word(1) & !(1 << 4), word(1) | 1 << 3, word(1) | 0b110, word(1) & !1] {
             for _ in 0..3 {
                 assert_eq!(frame(&mut part, wrong, &HELD), 0, "{wrong:#b}");
             }

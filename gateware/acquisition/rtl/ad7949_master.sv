@@ -25,10 +25,10 @@ module ad7949_master #(
     output logic [1:0]  channel,
     output logic [13:0] sample
 );
-    // CFG, most significant bit first: overwrite, INCC 111 (unipolar, to ground), channel, BW 1 (full bandwidth), REF 111
-    // (external reference), SEQ 00 (no sequencer), RB 1 (no read-back), and two clocks of which the part takes no notice.
+    // CFG, most significant bit first: overwrite, INCC 111 (unipolar, to ground), channel, BW 1 (full bandwidth), REF 110
+    // (external reference; the part's buffer, which would drive the same pin, is off), SEQ 00 (no sequencer), RB 1 (no read-back), and two clocks of which the part takes no notice.
     function automatic logic [15:0] configuration(input logic [2:0] of_channel);
-        configuration = {1'b1, 3'b111, of_channel, 1'b1, 3'b111, 2'b00, 1'b1, 2'b00};
+        configuration = {1'b1, 3'b111, of_channel, 1'b1, 3'b110, 2'b00, 1'b1, 2'b00};
     endfunction
 
     // Half periods of SCK in a frame: CNV falls, then 16 times high and low. SCK is high in the odd ones.

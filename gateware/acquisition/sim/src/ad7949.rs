@@ -12,10 +12,10 @@ const WORD_BITS: u32 = 14;
 
 /// The configuration's bits 9 to 7.
 const CHANNEL: u32 = 0b111 << 7;
-/// The rest of it, by table 9: overwrite 1, INCC 111 (unipolar, to ground), BW 1 (full bandwidth), REF 111 (external), SEQ
-/// 00 (no sequencer), RB 1 (no read-back).
+/// The rest of it, by table 9: overwrite 1, INCC 111 (unipolar, to ground), BW 1 (full bandwidth), REF 110 (the board's
+/// reference at the pin REF; buffer and temperature sensor off), SEQ 00 (no sequencer), RB 1 (no read-back).
 #[allow(clippy::inconsistent_digit_grouping, clippy::unusual_byte_groupings)] // By fields.
-const THE_BOARDS: u32 = 0b1_111_000_1_111_00_1;
+const THE_BOARDS: u32 = 0b1_111_000_1_110_00_1;
 
 /// The data sheet's limits that a master can break, in picoseconds.
 #[derive(Debug, Clone, Copy)]

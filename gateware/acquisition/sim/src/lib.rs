@@ -11,7 +11,7 @@ mod shared;
 pub use ad7949::{Ad7949, Frame, Limits};
 pub use bench::{Bench, Disturbance, Scan};
 pub use burst::{Head, checked, head, scans};
-pub use master::{ConverterSpi, Port, Timing};
+pub use master::{ConverterDelay, ConverterSpi, Port, Timing};
 pub use model::{Inputs, Model, Outputs, Scale};
 pub use random::Random;
 pub use shared::SharedPort;

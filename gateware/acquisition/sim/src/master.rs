@@ -1,8 +1,11 @@
 //! The processor's side: an SPI master whose clock is as uneven as is asked, and the A/D's SPI for a processor that drives
 //! it itself.
 
+use core::cell::Cell;
 use core::convert::Infallible;
+use std::rc::Rc;
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 
 use crate::Ps;
@@ -193,25 +196,34 @@ impl SpiDevice for Port {
 pub struct ConverterSpi<F> {
     converter: Ad7949,
     input: F,
-    now_ps: Ps,
+    now_ps: Rc<Cell<Ps>>,
+}
+
+/// The processor's delay beside that SPI, on the same clock.
+pub struct ConverterDelay(Rc<Cell<Ps>>);
+
+impl DelayNs for ConverterDelay {
+    fn delay_ns(&mut self, ns: u32) {
+        self.0.set(self.0.get() + 1000 * Ps::from(ns));
+    }
 }
 
 impl<F: FnMut(usize) -> u16> ConverterSpi<F> {
     /// The part; `input` as for [`Bench::new`].
-    pub const fn new(converter: Ad7949, input: F) -> Self {
-        Self { converter, input, now_ps: 10_000_000 }
+    pub fn new(converter: Ad7949, input: F) -> Self {
+        Self { converter, input, now_ps: Rc::new(Cell::new(10_000_000)) }
     }
 
-    /// What the processor did to the A/D that its data sheet forbids.
+    /// The processor's delay.
     #[must_use]
-    pub fn faults(&self) -> &[String] {
-        &self.converter.faults
+    pub fn delay(&self) -> ConverterDelay {
+        ConverterDelay(Rc::clone(&self.now_ps))
     }
 
     fn pins(&mut self, cnv: bool, sck: bool, din: bool) -> Option<Frame> {
         // 5 MHz.
-        self.now_ps += 100_000;
-        self.converter.pins(self.now_ps, cnv, sck, din, &mut self.input)
+        self.now_ps.set(self.now_ps.get() + 100_000);
+        self.converter.pins(self.now_ps.get(), cnv, sck, din, &mut self.input)
     }
 }
 
@@ -238,8 +250,7 @@ impl<F: FnMut(usize) -> u16> SpiDevice for ConverterSpi<F> {
             }
         }
         self.pins(true, false, false);
-        // The conversion, 3.2 us at most.
-        self.now_ps += 4_000_000;
+        assert_eq!(self.converter.faults, [""; 0], "what the processor's driver does to the A/D, by its data sheet");
         Ok(())
     }
 }

@@ -9,7 +9,7 @@ use zerorate_device::acquisition::{self as device, Acquisition, Set};
 use zerorate_device::direct::DirectAcquisition;
 use zerorate_device::port::PortAcquisition;
 use zerorate_gateware::{
-    Ad7949, Bench, ConverterSpi, Head, Limits, Port, Random, Scale, SharedPort, Timing, head, scans,
+    Ad7949, Bench, ConverterDelay, ConverterSpi, Head, Limits, Port, Random, Scale, SharedPort, Timing, head, scans,
 };
 
 const SET: u8 = 0x10;
@@ -28,7 +28,7 @@ type Input = Box<dyn FnMut(usize) -> u16>;
 
 /// The processor's own acquisition on an A/D whose inputs are held at given scans, and which scan it is at.
 struct Direct {
-    acquisition: DirectAcquisition<ConverterSpi<Input>>,
+    acquisition: DirectAcquisition<ConverterSpi<Input>, ConverterDelay>,
     held: Rc<Cell<[u16; 4]>>,
 }
 
@@ -38,7 +38,8 @@ impl Direct {
         let inputs = Rc::clone(&held);
         let input: Input = Box::new(move |channel| inputs.get()[channel]);
         let spi = ConverterSpi::new(Ad7949::new(Limits::DATA_SHEET), input);
-        Self { acquisition: DirectAcquisition::new(spi), held }
+        let delay = spi.delay();
+        Self { acquisition: DirectAcquisition::new(spi, delay), held }
     }
 
     /// The set that it makes of these scans.
