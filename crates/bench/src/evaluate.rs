@@ -2,10 +2,9 @@
 
 use zerorate_cal::summary::TestResult;
 use zerorate_core::compensate::{Mode, StaticLaw};
-use zerorate_core::drift::Shape;
+use zerorate_core::drift::{Scale, Shape};
 use zerorate_core::units::{Axis, TemperatureCode};
-use zerorate_fit::model::Model;
-use zerorate_fit::ramp::fit_drift;
+use zerorate_fit::least_squares::{Basis, Fit};
 
 use crate::procedure::compensation_test::TestRun;
 use crate::run::{Phase, Taken};
@@ -45,54 +44,59 @@ pub fn drift_pp(ramps: &[Taken], axis: Axis, direction: Phase) -> Option<f64> {
 /// full-temperature test.
 #[must_use]
 pub fn evaluate(test: &TestRun, law: &StaticLaw, full: &[Taken]) -> Vec<TestResult> {
-    let quadratic = plain_quadratic(full, test.axis);
+    let judge = Judge { test, law, full, quadratic: plain_quadratic(full, test.axis) };
     [(&test.heating, Phase::Heating), (&test.cooling, Phase::Cooling)]
         .into_iter()
         .filter(|(ramp, _)| !ramp.is_empty())
-        .map(|(ramp, direction)| one_direction(test, ramp, direction, law, full, quadratic.as_ref()))
+        .map(|(ramp, direction)| judge.one_direction(ramp, direction))
         .collect()
 }
 
 /// The paper's own model of the ramps: a quadratic by least squares, whatever was chosen for the unit.
 fn plain_quadratic(ramps: &[Taken], axis: Axis) -> Option<Shape> {
-    let groups = ramps.iter().map(|taken| (taken.temperature(axis).0, taken.zro(axis).0));
-    let (temperatures, readings): (Vec<f64>, Vec<f64>) = groups.unzip();
-    Some(fit_drift(&temperatures, &readings, Model::Poly(2)).ok()?.model.drift.shape)
+    let [coldest, hottest] = extremes(ramps.iter().map(|taken| taken.temperature(axis).0));
+    let mut fit = Fit::new(Scale::spanning(coldest, hottest)?, Basis::Powers(2));
+    ramps.iter().for_each(|taken| fit.push(taken.temperature(axis).0, taken.zro(axis).0));
+    fit.finish().ok()?.shape()
 }
 
-fn one_direction(
-    test: &TestRun,
-    ramp: &[Taken],
-    direction: Phase,
-    law: &StaticLaw,
-    full: &[Taken],
-    quadratic: Option<&Shape>,
-) -> TestResult {
-    let axis = test.axis;
-    let left_by = |curve: &Shape| {
-        let left = untrimmed(ramp, axis, law).zip(ramp);
-        peak_to_peak(left.map(|(reading, taken)| reading - curve.evaluate(taken.temperature(axis).0)))
-    };
-    let corrected: Vec<f64> = ramp.iter().map(|taken| taken.corrected(axis).0).collect();
-    let (mean_counts, residual_rms_counts) = mean_and_rms(&corrected);
-    let jumps: Vec<f64> = ramp.iter().map(|taken| taken.jumps[axis.index()]).collect();
-    let moved: Vec<bool> = ramp.iter().map(|taken| taken.report.axes[axis.index()].moved_to.is_some()).collect();
-    TestResult {
-        mode: test.mode,
-        axis,
-        control: axis.other(),
-        direction,
-        residual_pp_counts: peak_to_peak(corrected.iter().copied()),
-        residual_rms_counts,
-        uncompensated_pp_counts: drift_pp(full, axis, direction)
-            .unwrap_or_else(|| peak_to_peak(untrimmed(ramp, axis, law))),
-        quadratic_pp_counts: quadratic.map(left_by),
-        control_pp_counts: peak_to_peak(ramp.iter().map(|taken| taken.zro(axis.other()).0)),
-        floor_pp_counts: floor(ramp, axis),
-        wiper_writes: u32::try_from(moved.iter().filter(|&&moved| moved).count()).unwrap_or(u32::MAX),
-        taps_crossed: taps_crossed(ramp, axis, test.mode, law),
-        mean_counts,
-        largest_step_counts: largest_step(&jumps, &moved),
+/// What a test is held against.
+struct Judge<'a> {
+    test: &'a TestRun,
+    law: &'a StaticLaw,
+    full: &'a [Taken],
+    quadratic: Option<Shape>,
+}
+
+impl Judge<'_> {
+    fn one_direction(&self, ramp: &[Taken], direction: Phase) -> TestResult {
+        let Self { test, law, full, quadratic } = self;
+        let axis = test.axis;
+        let left_by = |curve: &Shape| {
+            let left = untrimmed(ramp, axis, law).zip(ramp);
+            peak_to_peak(left.map(|(reading, taken)| reading - curve.evaluate(taken.temperature(axis).0)))
+        };
+        let corrected: Vec<f64> = ramp.iter().map(|taken| taken.corrected(axis).0).collect();
+        let (mean_counts, residual_rms_counts) = mean_and_rms(&corrected);
+        let jumps: Vec<f64> = ramp.iter().map(|taken| taken.jumps[axis.index()]).collect();
+        let moved: Vec<bool> = ramp.iter().map(|taken| taken.report.axes[axis.index()].moved_to.is_some()).collect();
+        TestResult {
+            mode: test.mode,
+            axis,
+            control: axis.other(),
+            direction,
+            residual_pp_counts: peak_to_peak(corrected.iter().copied()),
+            residual_rms_counts,
+            uncompensated_pp_counts: drift_pp(full, axis, direction)
+                .unwrap_or_else(|| peak_to_peak(untrimmed(ramp, axis, law))),
+            quadratic_pp_counts: quadratic.as_ref().map(left_by),
+            control_pp_counts: peak_to_peak(ramp.iter().map(|taken| taken.zro(axis.other()).0)),
+            floor_pp_counts: floor(ramp, axis),
+            wiper_writes: u32::try_from(moved.iter().filter(|&&moved| moved).count()).unwrap_or(u32::MAX),
+            taps_crossed: taps_crossed(ramp, axis, test.mode, law),
+            mean_counts,
+            largest_step_counts: largest_step(&jumps, &moved),
+        }
     }
 }
 

@@ -33,8 +33,7 @@ use survey::Survey;
 /// # Errors
 /// When the table cannot be read, its time runs backwards, or its numbers cannot be in the units they are taken for.
 pub fn doubts(table: &Table, columns: &Resolved) -> Result<Vec<Reason>, LogError> {
-    let survey = Survey::of(table, columns)?;
-    Ok([&columns.guesses[..], &survey.reasons[..]].concat())
+    Ok(Survey::of(table, columns)?.reasons)
 }
 
 /// What one sensor of a log is, and how its rows are to be read.

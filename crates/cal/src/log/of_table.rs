@@ -26,7 +26,7 @@ impl TableLog {
         let ending = Ending {
             started: self.survey.started(),
             notes: [&self.columns.notes[..], &self.survey.notes[..]].concat(),
-            reasons: [&self.columns.guesses[..], &self.survey.reasons[..]].concat(),
+            reasons: self.survey.reasons.clone(),
         };
         let wants: Vec<bool> = self.columns.sensors.iter().map(|sensor| sink.stream(&stream(sensor))).collect();
         if !wants.contains(&true) {

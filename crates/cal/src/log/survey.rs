@@ -74,7 +74,7 @@ impl Survey {
             unit_s: f64::NAN,
             is_utc: columns.is_utc,
             notes: Vec::new(),
-            reasons: Vec::new(),
+            reasons: columns.guesses.clone(),
         };
         let mut plausible: Vec<Plausible> = columns.sensors.iter().map(Plausible::new).collect();
         for batch in table.batches(&wanted(columns)).map_err(LogFault::named)? {
