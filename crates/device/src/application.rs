@@ -11,6 +11,7 @@
 
 use core::ops::Deref;
 
+use zerorate_core::compensate::Mode;
 use zerorate_core::record::UnitSerial;
 
 use crate::acquisition::{Acquisition, Timing};
@@ -81,8 +82,9 @@ where
     /// The application at start-up: both wipers at the middle tap, and the stored record in use if it is whole and this
     /// unit's.
     ///
-    /// After a restart by the watchdog or by a fault of the program the wipers are held where they are, and a calibrated
-    /// device takes groups again by itself: compensation goes on, host or no host.
+    /// A calibrated device takes groups by itself, host or no host, unless its record asks for silence: start-up modes that
+    /// are off on both axes. After a restart by the watchdog or by a fault of the program the wipers are held where they are
+    /// until the first group.
     #[must_use]
     pub fn start(parts: Parts<A, P, S, W, K>) -> Self {
         let Parts { acquisition, trim, store, watchdog, kept, by_watchdog, unit, timing } = parts;
@@ -98,8 +100,8 @@ where
         if let Some((laws, modes)) = console.take_laws() {
             compensator.install(laws);
             compensator.set_modes(modes);
-            if goes_on {
-                compensator.resume();
+            if modes != [Mode::Off; 2] {
+                compensator.begin_alone();
             }
         } else if goes_on {
             // Uncompensated means the middle tap; wherever the wipers were held, it was for a law that is gone.
@@ -167,3 +169,6 @@ impl<S: RecordStore, W: Watchdog> Task<S, W> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -112,8 +112,8 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         }
     }
 
-    /// Takes groups again after a restart that nobody asked for. An acquisition that cannot be reached is counted.
-    pub fn resume(&mut self) {
+    /// Takes groups without being asked. An acquisition that cannot be reached is counted.
+    pub fn begin_alone(&mut self) {
         if self.set_acquisition(true).is_err() {
             self.faults.acquisition_errors += 1;
         }

@@ -263,7 +263,7 @@ fn after_a_restart_the_wipers_are_held_until_the_first_group_and_then_written_wh
     let record = record("u");
     rig.compensator.install(Axis::BOTH.map(|axis| record.axis(axis).law().unwrap()));
     rig.compensator.set_modes([Mode::Hybrid, Mode::Off]);
-    rig.compensator.resume();
+    rig.compensator.begin_alone();
     assert_eq!(rig.writes(), []);
     assert_eq!(rig.compensator.status().taps, taps);
     rig.set(0, 8500, 8200);
