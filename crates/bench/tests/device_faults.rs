@@ -209,26 +209,49 @@ fn a_failed_read_of_a_set_is_tried_again_and_a_dead_bus_loses_groups_by_name() {
 fn a_wiper_that_cannot_be_written_is_said_and_written_again() {
     let mut rig = Rig::at_work();
     let held = rig.groups(5)[4].axes[0].tap;
-    // A command that fails is refused; the wiper, wherever it stands now, is put back at the next group.
-    rig.inject(Fault::PotentiometerSpi { transfers: 1 });
+    // Both wipers are written as a group closes, then the command is done. One that fails is refused; the wiper, wherever it
+    // stands now, is put back at the next group.
+    rig.inject(Fault::PotentiometerSpi { transfers: 3 });
     let tap = Taps::new(600).unwrap();
     let refused = rig.device.order(Request::SetTap { axis: Axis::X, tap });
     assert!(matches!(refused, Err(ClientError::Refused(Refusal::TrimPartFailed))), "{refused:?}");
     rig.groups(2);
     assert_eq!(rig.wiper(Axis::X), held.get());
-    // A move that fails is tried at every group, and the report says so.
-    rig.inject(Fault::PotentiometerSpi { transfers: 3 });
-    rig.device.discard_groups();
+    // A write that fails is tried at every group, and the report says so.
     for axis in Axis::BOTH {
         rig.device.order(Request::SetMode { axis, mode: Mode::Off }).unwrap();
     }
+    rig.device.discard_groups();
+    rig.inject(Fault::PotentiometerSpi { transfers: 5 });
     let moved = rig.device.order(Request::SetTap { axis: Axis::X, tap });
     assert!(matches!(moved, Err(ClientError::Refused(Refusal::TrimPartFailed))), "{moved:?}");
     let groups = rig.groups(6);
     let failed = groups.iter().filter(|group| group.axes[0].trim_failed).count();
-    assert_eq!(failed, 2, "the third failure was the first");
+    assert_eq!(failed, 2, "of three failures one was the command's");
     assert_eq!(rig.wiper(Axis::X), held.get());
-    assert_eq!(rig.device.faults().unwrap().trim_errors, 4);
+    assert_eq!(rig.device.faults().unwrap().trim_errors, 8);
+}
+
+#[test]
+fn a_wiper_that_a_dip_of_the_analogue_supply_puts_back_is_where_it_should_be_within_a_group() {
+    let mut rig = Rig::at_work();
+    for axis in Axis::BOTH {
+        rig.device.order(Request::SetMode { axis, mode: Mode::Off }).unwrap();
+    }
+    rig.device.set_taps([Taps::new(300).unwrap(); 2]).unwrap();
+    rig.device.order(Request::StorePowerUpTap).unwrap();
+    rig.device.order(Request::SetMode { axis: Axis::X, mode: Mode::Trim }).unwrap();
+    rig.device.order(Request::SetTap { axis: Axis::Y, tap: Taps::new(600).unwrap() }).unwrap();
+    rig.device.discard_groups();
+    rig.groups(3);
+    let held = Axis::BOTH.map(|axis| rig.wiper(axis));
+    rig.plant.borrow_mut().brown_out();
+    assert_eq!(Axis::BOTH.map(|axis| rig.wiper(axis)), [300, 300], "as when its power comes");
+    assert!(!held.contains(&300), "{held:?}");
+    let group = rig.group();
+    assert_eq!(Axis::BOTH.map(|axis| rig.wiper(axis)), held, "a law's tap and a host's");
+    assert!(group.axes.iter().all(|axis| axis.moved_to.is_none()), "to be put back is no move");
+    assert_eq!(rig.device.faults().unwrap(), Default::default());
 }
 
 #[test]

@@ -74,7 +74,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     /// Commands both wipers to the middle tap.
     pub fn rest(&mut self) {
         for axis in &mut self.axes {
-            // One that fails is counted, and written again with the next group.
+            // One that fails is counted; with the next group all are written again.
             let _ = axis.write(&mut self.part, Taps::MIDDLE, &mut self.faults);
         }
     }

@@ -208,6 +208,12 @@ impl Plant {
         self.channels.iter_mut().for_each(Channel::settle);
     }
 
+    /// Lets the analogue supply dip: the wipers load their non-volatile registers, and nothing else notices.
+    pub fn brown_out(&mut self) {
+        self.potentiometer.power_cycle();
+        self.wipers_written();
+    }
+
     /// Gives the chamber a new set point.
     ///
     /// # Errors
