@@ -3,6 +3,8 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)] // what a test cannot do without
 
+mod paper_record;
+
 use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -24,7 +26,7 @@ use zerorate_cal::recording::Recording;
 use zerorate_cal::summary::Summary;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::Axis;
-use zerorate_core::wire::SampleWindow;
+use zerorate_core::wire::{GroupReport, Request, SampleWindow};
 
 const WHY: &str = "needs QEMU and the firmware: cargo xtask test firmware";
 
@@ -177,4 +179,25 @@ fn a_calibration_by_the_firmware_is_the_native_one_bit_for_bit() {
         compared += 1;
     }
     assert_eq!(compared, 5, "the ramp, the sweep, two tests and the soaks");
+}
+
+/// The first groups of a calibrated board after its power came, which nobody told to take any.
+fn first_groups(mut bench: Bench) -> Vec<GroupReport> {
+    let mut record = paper_record::record([8500.0, 11_900.0], None, 0.05);
+    record.unit = UnitSerial::try_from("ZR-0001").unwrap();
+    bench.device.identify().unwrap();
+    bench.device.deploy(&record).unwrap();
+    bench.surroundings.power_cycle().unwrap();
+    bench.device.restarted();
+    assert!(bench.device.identify().unwrap().running);
+    bench.device.order(Request::SetStream { groups: true, samples: SampleWindow::NONE }).unwrap();
+    (0..8).map(|_| bench.device.next_group().unwrap().report).collect()
+}
+
+#[test]
+#[ignore = "needs QEMU and the firmware: cargo xtask test firmware"]
+fn a_calibrated_board_goes_to_work_when_its_power_comes_as_the_native_one_does() {
+    let emulated = first_groups(emulated(&firmware()));
+    assert!(emulated[0].axes[0].moved_to.is_some());
+    assert_eq!(emulated, first_groups(native()));
 }
