@@ -54,7 +54,7 @@ impl<S: RecordStore> Console<S> {
         Self {
             timing,
             started,
-            calibration: Calibration::stored(store, unit),
+            calibration: Calibration::stored(store, unit, started.set_aside),
             receiver: Receiver::new(),
             uploads: 0,
             with_groups: false,

@@ -50,7 +50,7 @@ mod app {
 
     #[local]
     struct Local {
-        task: Task<Store, NoWatchdog>,
+        task: Task<Store, NoWatchdog, &'static Kept>,
         sending: Sending,
         receiving: Receiving,
         received: Producer<'static, u8>,

@@ -70,7 +70,7 @@ mod app {
 
     #[local]
     struct Local {
-        task: Task<Store, ChipWatchdog>,
+        task: Task<Store, ChipWatchdog, &'static Kept>,
         sending: Tx<USART2>,
         receiving: Rx<USART2>,
         received: Producer<'static, u8>,

@@ -4,16 +4,35 @@ use std::vec::Vec;
 use zerorate_core::compensate::Mode;
 use zerorate_core::record::MAX_RECORD_BYTES;
 use zerorate_core::units::{Axis, Taps};
+use zerorate_core::wire::frame::{self, Receiver};
+use zerorate_core::wire::{Answer, CalibrationState, Command, Message, Request, Upload};
 
 use super::*;
 use crate::tests::{MemoryStore, Part, Sets, record};
 use crate::watchdog::NoWatchdog;
 
+type TestApplication = Application<Sets, Part, MemoryStore, NoWatchdog, Rc<Kept>>;
+
+fn start(sets: &Sets, part: &Part, store: &MemoryStore, kept: &Rc<Kept>) -> TestApplication {
+    Application::start(Parts {
+        acquisition: sets.clone(),
+        trim: part.clone(),
+        store: store.clone(),
+        watchdog: NoWatchdog,
+        kept: Rc::clone(kept),
+        by_watchdog: false,
+        unit: UnitSerial::default(),
+        timing: Timing::PAPER,
+    })
+}
+
 /// A board whose power has just come, with its sets and its potentiometer.
 struct Rig {
-    application: Application<Sets, Part, MemoryStore, NoWatchdog, Rc<Kept>>,
+    application: TestApplication,
     sets: Sets,
     part: Part,
+    store: MemoryStore,
+    kept: Rc<Kept>,
 }
 
 impl Rig {
@@ -28,18 +47,29 @@ impl Rig {
     }
 
     fn with(store: MemoryStore) -> Self {
-        let (sets, part) = (Sets::default(), Part::default());
-        let application = Application::start(Parts {
-            acquisition: sets.clone(),
-            trim: part.clone(),
-            store,
-            watchdog: NoWatchdog,
-            kept: Rc::new(Kept::default()),
-            by_watchdog: false,
-            unit: UnitSerial::default(),
-            timing: Timing::PAPER,
+        let (sets, part, kept) = (Sets::default(), Part::default(), Rc::default());
+        let application = start(&sets, &part, &store, &kept);
+        Self { application, sets, part, store, kept }
+    }
+
+    /// The program stops itself, and starts anew.
+    fn panic(&mut self) {
+        self.kept.panicked();
+        self.sets.0.borrow_mut().clear();
+        self.application = start(&self.sets, &self.part, &self.store, &self.kept);
+    }
+
+    fn calibration(&mut self) -> CalibrationState {
+        let mut said = Vec::new();
+        let command = Command { sequence: 1, at: None, request: Request::Identity };
+        self.application.run(frame::encode(&command).unwrap(), &mut |bytes: &[u8]| {
+            said.extend_from_slice(bytes);
+            true
         });
-        Self { application, sets, part }
+        let mut receiver = Receiver::new();
+        let upload: Upload = said.iter().find_map(|&byte| receiver.push(byte)).unwrap().unwrap();
+        let Message::Answer { answer: Answer::Identity(identity), .. } = upload.message else { panic!("an identity") };
+        identity.calibration
     }
 
     /// Data ready, and nobody who speaks.
@@ -77,4 +107,33 @@ fn a_board_without_a_record_waits_for_its_host_at_the_middle_taps() {
     rig.set(0);
     let status = rig.application.compensator.status();
     assert_eq!((status.running, status.taps), (false, [Taps::MIDDLE; 2]));
+}
+
+#[test]
+fn a_record_with_which_the_program_stops_three_times_in_a_row_is_set_aside_and_that_is_said() {
+    let mut rig = Rig::starting_in([Mode::Hybrid; 2]);
+    rig.set(0);
+    for _ in 0..2 {
+        rig.panic();
+        assert_eq!(rig.calibration(), CalibrationState::InUse);
+        assert_eq!(rig.application.compensator.status().taps.map(Taps::get), [500; 2], "held");
+    }
+    rig.panic();
+    assert_eq!(rig.calibration(), CalibrationState::SetAside);
+    let status = rig.application.compensator.status();
+    assert_eq!((status.running, status.modes, status.taps), (false, [Mode::Off; 2], [Taps::MIDDLE; 2]));
+    // The power goes, and with it what was kept.
+    rig.kept = Rc::default();
+    rig.application = start(&rig.sets, &rig.part, &rig.store, &rig.kept);
+    assert_eq!(rig.calibration(), CalibrationState::InUse);
+}
+
+#[test]
+fn a_program_that_was_at_work_for_a_minute_between_its_faults_keeps_its_record() {
+    let mut rig = Rig::starting_in([Mode::Hybrid; 2]);
+    for _ in 0..5 {
+        (0..AT_WORK).for_each(|number| rig.set(number));
+        rig.panic();
+    }
+    assert_eq!(rig.calibration(), CalibrationState::InUse);
 }
