@@ -22,7 +22,7 @@ use crate::store::RecordStore;
 use crate::trim_part::TrimPart;
 use crate::watchdog::{Supervisor, Watchdog};
 
-/// Sets after which a program that has just started does its work: a minute of the paper's.
+/// Sets after which a program that has just started does its work with its record: a minute of the paper's.
 const AT_WORK: u32 = 40;
 
 /// What a home gives the application.
@@ -150,7 +150,7 @@ impl<S: RecordStore, W: Watchdog, K: Deref<Target = Kept>> Task<S, W, K> {
         }
         let status = compensator.lock(|compensator| compensator.status());
         self.supervisor.task_ran(&status);
-        if status.sets >= AT_WORK {
+        if status.sets >= AT_WORK && self.console.is_calibrated() {
             self.kept.works();
         }
     }

@@ -64,6 +64,11 @@ impl<S: RecordStore> Console<S> {
         }
     }
 
+    /// Whether a record is in use.
+    pub fn is_calibrated(&self) -> bool {
+        self.calibration.state().is_in_use()
+    }
+
     /// The laws that are to be taken into use now, once; to be asked after a command was obeyed and after a report was sent.
     pub fn take_laws(&mut self) -> Option<Laws> {
         self.calibration.take_laws(self.group)

@@ -71,7 +71,7 @@ impl Kept {
         self.panicked.store(1, Relaxed);
     }
 
-    /// The program does its work, or has been given another record to do it with: what failed before is another matter.
+    /// The program does its work with its record, or has been given another one: what failed before is another matter.
     pub fn works(&self) {
         self.in_a_row.store(0, Relaxed);
     }

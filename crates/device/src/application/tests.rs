@@ -122,6 +122,11 @@ fn a_record_with_which_the_program_stops_three_times_in_a_row_is_set_aside_and_t
     assert_eq!(rig.calibration(), CalibrationState::SetAside);
     let status = rig.application.compensator.status();
     assert_eq!((status.running, status.modes, status.taps), (false, [Mode::Off; 2], [Taps::MIDDLE; 2]));
+    // However long a host has it work without, and whatever stops it then.
+    rig.application.compensator.begin_alone();
+    (0..AT_WORK).for_each(|number| rig.set(number));
+    rig.panic();
+    assert_eq!(rig.calibration(), CalibrationState::SetAside);
     // The power goes, and with it what was kept.
     rig.kept = Rc::default();
     rig.application = start(&rig.sets, &rig.part, &rig.store, &rig.kept);
