@@ -308,7 +308,7 @@ impl From<RecordRefused> for Refusal {
 pub struct FaultCounts {
     /// Sets lost before they were read.
     pub lost_sets: u32,
-    /// Sets whose CRC did not match, or whose transfer failed.
+    /// Sets whose CRC did not match, or whose transfer failed; and how often the acquisition was to be set up anew.
     pub acquisition_errors: u32,
     /// Wiper writes that failed.
     pub trim_errors: u32,

@@ -37,17 +37,25 @@ struct Rig {
 
 impl Rig {
     fn starting_in(modes: [Mode; 2]) -> Self {
+        Self::with(Self::storing(modes))
+    }
+
+    fn storing(modes: [Mode; 2]) -> MemoryStore {
         let mut record = record("u");
         for (axis, mode) in record.axes.iter_mut().zip(modes) {
             axis.start_up_mode = mode;
         }
         let mut store = MemoryStore::default();
         store.commit(record.encode(&mut [0; MAX_RECORD_BYTES]).unwrap()).unwrap();
-        Self::with(store)
+        store
     }
 
     fn with(store: MemoryStore) -> Self {
-        let (sets, part, kept) = (Sets::default(), Part::default(), Rc::default());
+        Self::on(Sets::default(), store)
+    }
+
+    fn on(sets: Sets, store: MemoryStore) -> Self {
+        let (part, kept) = (Part::default(), Rc::default());
         let application = start(&sets, &part, &store, &kept);
         Self { application, sets, part, store, kept }
     }
@@ -55,7 +63,7 @@ impl Rig {
     /// The program stops itself, and starts anew.
     fn panic(&mut self) {
         self.kept.panicked();
-        self.sets.0.borrow_mut().clear();
+        self.sets.waiting.borrow_mut().clear();
         self.application = start(&self.sets, &self.part, &self.store, &self.kept);
     }
 
@@ -107,6 +115,21 @@ fn a_board_without_a_record_waits_for_its_host_at_the_middle_taps() {
     rig.set(0);
     let status = rig.application.compensator.status();
     assert_eq!((status.running, status.taps), (false, [Taps::MIDDLE; 2]));
+}
+
+#[test]
+fn an_acquisition_that_is_not_there_yet_when_power_comes_is_tried_again_each_second() {
+    let sets = Sets::default();
+    sets.missing.set(true);
+    let mut rig = Rig::on(sets, Rig::storing([Mode::Hybrid; 2]));
+    rig.application.compensator.tick();
+    assert_eq!(rig.application.compensator.status().faults.acquisition_errors, 2);
+    rig.sets.missing.set(false);
+    rig.application.compensator.tick();
+    rig.application.compensator.tick();
+    assert_eq!(rig.application.compensator.status().faults.acquisition_errors, 3, "reached, and left alone");
+    rig.set(0);
+    assert_eq!(rig.writes()[2..], [(Axis::X, 500), (Axis::Y, 500)]);
 }
 
 #[test]
