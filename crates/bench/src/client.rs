@@ -195,7 +195,7 @@ impl DeviceClient {
         match self.ask(Request::Identity)? {
             Answer::Identity(identity) if identity.wire_version == WIRE_VERSION => {
                 let period_us = u64::from(identity.samples_per_group) * u64::from(identity.sample_period_us);
-                self.conversation.group_period = Duration::from_micros(period_us);
+                self.conversation.opened(Duration::from_micros(period_us), identity.running);
                 Ok(identity)
             }
             Answer::Identity(identity) => Err(ClientError::Version { device: identity.wire_version }),

@@ -26,6 +26,7 @@ use crate::instruments::{Bench, InstrumentError, Surroundings, Witness};
 use crate::link::{Link, LinkError};
 use crate::setup::SetUp;
 use crate::simulated::{SimulatedChamber, SimulatedSupply};
+use crate::tick::Tick;
 use bus::Buses;
 use emulator::{Emulator, Event};
 
@@ -34,6 +35,8 @@ struct EmulatedDevice {
     emulator: Emulator,
     buses: Buses,
     truths: Vec<Truth>,
+    tick: Tick,
+    group_period: Seconds,
 }
 
 impl EmulatedDevice {
@@ -57,11 +60,29 @@ impl EmulatedDevice {
     fn until_heard(&mut self) -> Result<(), LinkError> {
         while !self.emulator.has_heard() {
             if self.emulator.is_idle() && self.emulator.has_heard_all() {
-                let truth = self.buses.plant.borrow_mut().run_set().ok_or(LinkError::Silent)?;
-                self.truths.push(truth);
-                self.emulator.give_set()?;
+                self.pass_time()?;
+            } else {
+                self.step()?;
             }
-            self.step()?;
+        }
+        Ok(())
+    }
+
+    /// Gives the waiting board a tick that is due, or lets the plant run until a set is full.
+    fn pass_time(&mut self) -> Result<(), LinkError> {
+        let plant = &self.buses.plant;
+        if self.tick.is_due(plant.borrow().time()) {
+            return Ok(self.emulator.give_second()?);
+        }
+        let was_ready = plant.borrow().data_ready();
+        let Some(truth) = plant.borrow_mut().run_set() else {
+            plant.borrow_mut().wait(self.group_period);
+            return Err(LinkError::Silent);
+        };
+        self.truths.push(truth);
+        // Where a set still waits the line does not rise.
+        if !was_ready {
+            self.emulator.give_set()?;
         }
         Ok(())
     }
@@ -101,7 +122,11 @@ impl Surroundings for EmulatedSurroundings {
     }
 
     fn wait(&mut self, time: Seconds) -> Result<(), InstrumentError> {
-        self.0.borrow().buses.plant.borrow_mut().wait(time);
+        let mut device = self.0.borrow_mut();
+        device.buses.plant.borrow_mut().wait(time);
+        // As on the native device the ticks of a time that nobody looks at are left out.
+        let now = device.buses.plant.borrow().time();
+        device.tick = Tick::after(now, device.group_period);
         Ok(())
     }
 }
@@ -127,7 +152,10 @@ pub fn bench(plant: Plant, setup: &SetUp, unit: &UnitSerial, firmware: &Path) ->
     plant.scan_every(setup.acquisition.sample_period_us);
     let plant: SharedPlant = plant.share();
     let buses = Buses::new(&plant, board(setup, unit));
-    let mut device = EmulatedDevice { emulator: Emulator::new(firmware)?, buses, truths: Vec::new() };
+    let emulator = Emulator::new(firmware)?;
+    let group_period = setup.group_period();
+    let tick = Tick::after(plant.borrow().time(), group_period);
+    let mut device = EmulatedDevice { emulator, buses, truths: Vec::new(), tick, group_period };
     device.until_idle()?;
     let device = Rc::new(RefCell::new(device));
     Ok(Bench {

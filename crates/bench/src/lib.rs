@@ -33,6 +33,7 @@ pub mod soak_comparison;
 pub mod steps;
 pub mod study;
 pub mod summary;
+mod tick;
 pub mod verify;
 #[cfg(feature = "boards")]
 pub mod virtual_board;

@@ -7,7 +7,6 @@ use zerorate_cal::log_fit::{AxisFit, FitOptions};
 use zerorate_cal::quality::{Judgement, Verdict};
 use zerorate_cal::ramp_fit::{RampGroup, RampMeans, fit_axis};
 use zerorate_cal::units::TemperatureUnit;
-use zerorate_core::compensate::Mode;
 use zerorate_core::drift::Drift;
 use zerorate_core::record::{AxisModel, DeviceRecord};
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps, TemperatureScale};
@@ -132,7 +131,7 @@ pub fn measure_on(
             paper: Some(trim.paper),
             dead_band_taps: setup.trim.dead_band_taps,
             low_pass: setup.low_pass(),
-            start_up_mode: Mode::Hybrid,
+            start_up_mode: setup.start_up_mode(),
         };
         trims.push((trim, calibration));
     }

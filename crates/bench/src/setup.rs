@@ -12,7 +12,7 @@ use std::path::Path;
 use documented::DocumentedFields;
 use serde::{Deserialize, Serialize};
 use zerorate_cal::source::in_quotes;
-use zerorate_core::compensate::LowPass;
+use zerorate_core::compensate::{LowPass, Mode};
 use zerorate_core::units::{Celsius, Counts, Seconds, Taps};
 use zerorate_fit::model::Model;
 
@@ -120,6 +120,9 @@ pub struct TrimExperiment {
     /// Dead band of the law, taps, 0 to 0.45. Every 0.05 costs 1.6 counts of residual each way where the drift turns round;
     /// too little, and noise of the temperature switches a tap to and fro.
     pub dead_band_taps: f64,
+    /// Whether a board that holds the calibration goes to work with it as soon as its power comes, host or no host. If false
+    /// it stands still in mode off until a host has it start.
+    pub works_alone: bool,
 }
 
 /// The drift model.
@@ -238,6 +241,12 @@ impl SetUp {
         LowPass::first_order(self.board.low_pass_hz, period, self.board.wiper_delay_us * 1e-6)
     }
 
+    /// The mode in which a board starts that holds the calibration.
+    #[must_use]
+    pub const fn start_up_mode(&self) -> Mode {
+        if self.trim.works_alone { Mode::Hybrid } else { Mode::Off }
+    }
+
     /// A temperature reading in degrees C by the board's scale.
     #[must_use]
     pub fn celsius(&self, reading: Counts) -> Celsius {
@@ -317,7 +326,14 @@ impl Default for ChamberProfile {
 
 impl Default for TrimExperiment {
     fn default() -> Self {
-        Self { points: 21, span_counts: 1000.0, groups_per_point: 4, margin_taps: 3, dead_band_taps: 0.05 }
+        Self {
+            points: 21,
+            span_counts: 1000.0,
+            groups_per_point: 4,
+            margin_taps: 3,
+            dead_band_taps: 0.05,
+            works_alone: true,
+        }
     }
 }
 
@@ -396,6 +412,12 @@ mod tests {
         assert_eq!(with(31.3).unreachable(), Vec::<String>::new());
         let told = with(31.2).unreachable();
         assert!(told.len() == 1 && told[0].contains("31.3 counts"), "{told:?}");
+    }
+
+    #[test]
+    fn a_set_up_can_ask_for_a_board_that_waits_for_its_host() {
+        let silent = SetUp::parse("[trim]\nworks_alone = false\n", "x").unwrap();
+        assert_eq!([SetUp::paper().start_up_mode(), silent.start_up_mode()], [Mode::Hybrid, Mode::Off]);
     }
 
     #[test]

@@ -117,9 +117,7 @@ impl VirtualBoard {
             self.acquiring = self.device.run_set().is_ok();
             if !self.acquiring {
                 let behind = self.behind();
-                self.device.plant().borrow_mut().wait(Seconds(behind));
-                // The task went round all the while, and fed the watchdog.
-                self.device.hear(&[]);
+                self.device.stand(Seconds(behind));
             } else if began.elapsed() > SLICE {
                 // Faster than this machine can: as fast as it can, then.
                 let most = self.speed * MOST_BEHIND.as_secs_f64();

@@ -3,6 +3,8 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)] // what a test cannot do without
 
+mod paper_record;
+
 use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -24,17 +26,26 @@ use zerorate_cal::recording::Recording;
 use zerorate_cal::summary::Summary;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::Axis;
-use zerorate_core::wire::SampleWindow;
+use zerorate_core::wire::{GroupReport, Request, SampleWindow};
+use zerorate_sim::{Fault, Plant};
 
 const WHY: &str = "needs QEMU and the firmware: cargo xtask test firmware";
 
 fn native() -> Bench {
-    simulated::bench(PlantKind::Paper.build(1), &SetUp::paper(), &UnitSerial::try_from("ZR-0001").unwrap())
+    native_on(PlantKind::Paper.build(1))
+}
+
+fn native_on(plant: Plant) -> Bench {
+    simulated::bench(plant, &SetUp::paper(), &UnitSerial::try_from("ZR-0001").unwrap())
 }
 
 fn emulated(firmware: &Path) -> Bench {
+    emulated_on(PlantKind::Paper.build(1), firmware)
+}
+
+fn emulated_on(plant: Plant, firmware: &Path) -> Bench {
     let unit = UnitSerial::try_from("ZR-0001").unwrap();
-    emulated::bench(PlantKind::Paper.build(1), &SetUp::paper(), &unit, firmware).expect(WHY)
+    emulated::bench(plant, &SetUp::paper(), &unit, firmware).expect(WHY)
 }
 
 fn firmware() -> PathBuf {
@@ -177,4 +188,39 @@ fn a_calibration_by_the_firmware_is_the_native_one_bit_for_bit() {
         compared += 1;
     }
     assert_eq!(compared, 5, "the ramp, the sweep, two tests and the soaks");
+}
+
+/// The first groups of a calibrated board after its power came, which nobody told to take any.
+fn first_groups(mut bench: Bench) -> Vec<GroupReport> {
+    let mut record = paper_record::record([8500.0, 11_900.0], None, 0.05);
+    record.unit = UnitSerial::try_from("ZR-0001").unwrap();
+    bench.device.identify().unwrap();
+    bench.device.deploy(&record).unwrap();
+    bench.surroundings.power_cycle().unwrap();
+    bench.device.restarted();
+    assert!(bench.device.identify().unwrap().running);
+    bench.device.order(Request::SetStream { groups: true, samples: SampleWindow::NONE }).unwrap();
+    // A group that does not come is an error after its time.
+    (0..8).filter_map(|_| Some(bench.device.next_group().ok()?.report)).collect()
+}
+
+#[test]
+#[ignore = "needs QEMU and the firmware: cargo xtask test firmware"]
+fn a_calibrated_board_goes_to_work_when_its_power_comes_as_the_native_one_does() {
+    let emulated = first_groups(emulated(&firmware()));
+    assert!(emulated.len() == 8 && emulated[0].axes[0].moved_to.is_some());
+    assert_eq!(emulated, first_groups(native()));
+}
+
+#[test]
+#[ignore = "needs QEMU and the firmware: cargo xtask test firmware"]
+fn the_emulated_boards_tick_tries_a_port_again_that_did_not_answer_when_its_power_came() {
+    let broken = || {
+        let mut plant = PlantKind::Paper.build(1);
+        plant.inject(Fault::PortSpi { transfers: 1 });
+        plant
+    };
+    let emulated = first_groups(emulated_on(broken(), &firmware()));
+    assert_eq!((emulated.len(), emulated[0].acquisition_errors), (7, 2), "not reached, then set up anew");
+    assert_eq!(emulated, first_groups(native_on(broken())));
 }

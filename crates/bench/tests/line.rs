@@ -116,7 +116,11 @@ fn client(script: impl FnMut(&Command, &mut Device) + 'static) -> (DeviceClient,
 }
 
 fn identity(wire_version: u16) -> Answer {
-    Answer::Identity(Identity {
+    Answer::Identity(board(wire_version))
+}
+
+fn board(wire_version: u16) -> Identity {
+    Identity {
         wire_version,
         unit: Default::default(),
         firmware: [0, 1, 0],
@@ -128,7 +132,7 @@ fn identity(wire_version: u16) -> Answer {
         taps: [Taps::MIDDLE; 2],
         modes: [Mode::Off; 2],
         reset: ResetCause::Power,
-    })
+    }
 }
 
 /// A device that answers everything at once.
@@ -268,4 +272,31 @@ fn an_order_for_a_later_group_is_not_sent_again_before_that_group_and_the_line_i
     let heard = &device.borrow().heard;
     assert_eq!(heard.iter().filter(|command| command.at == Some(GroupNumber(1))).count(), 2);
     assert!(heard.iter().any(|command| command.request == Request::Faults), "a quiet line is asked: {heard:?}");
+}
+
+#[test]
+fn a_board_that_works_alone_is_met_without_taking_what_it_said_before_for_an_answer_or_a_loss() {
+    let (mut client, device) = client(|command, device| match command.request {
+        Request::Identity => {
+            let identity = Identity { running: true, group: GroupNumber(40), ..board(WIRE_VERSION) };
+            device.answer(command, Answer::Identity(identity));
+        }
+        // A mode changes between groups: it is answered when the next begins.
+        Request::SetMode { .. } => {
+            device.now += Duration::from_millis(1400);
+            obliging(command, device);
+        }
+        _ => obliging(command, device),
+    });
+    // Another program left the stream on; of its uploads some still lie in the line, from before the power went.
+    device.borrow_mut().uploads = 9000;
+    (36..38).for_each(|group| device.borrow_mut().group(group));
+    device.borrow_mut().uploads = 7;
+    device.borrow_mut().group(39);
+    assert!(client.identify().unwrap().running);
+    client.order(Request::SetMode { axis: Axis::X, mode: Mode::Off }).unwrap();
+    assert_eq!(client.counts(), Default::default(), "nothing was lost, nothing sent again");
+    device.borrow_mut().group(41);
+    assert_eq!(client.next_group().unwrap().report.group.0, 41, "the first that was said to this program");
+    assert!(client.take_lost_groups().is_empty());
 }

@@ -22,7 +22,7 @@ use crate::record::{RecordError, RecordRefused, UnitSerial};
 use crate::units::{Axis, GroupNumber, Taps};
 
 /// The version of this table. Host and device compare it in the answer to [`Request::Identity`].
-pub const WIRE_VERSION: u16 = 2;
+pub const WIRE_VERSION: u16 = 3;
 /// Bytes of a calibration in one message.
 pub const CHUNK: usize = 128;
 /// Samples in one message.
@@ -254,6 +254,8 @@ pub enum CalibrationState {
     LawRefused,
     /// The flash does not answer.
     Unreachable,
+    /// The stored record is whole and not in use: the program has failed with it three times in a row.
+    SetAside,
 }
 
 impl CalibrationState {
@@ -306,7 +308,7 @@ impl From<RecordRefused> for Refusal {
 pub struct FaultCounts {
     /// Sets lost before they were read.
     pub lost_sets: u32,
-    /// Sets whose CRC did not match, or whose transfer failed.
+    /// Sets whose CRC did not match, or whose transfer failed; and how often the acquisition was to be set up anew.
     pub acquisition_errors: u32,
     /// Wiper writes that failed.
     pub trim_errors: u32,

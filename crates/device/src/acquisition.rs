@@ -31,6 +31,12 @@ pub struct Timing {
 impl Timing {
     /// The paper's: 40 groups a minute of 500 samples (S5).
     pub const PAPER: Self = Self { scan_period_us: 3000, set_length: 500 };
+
+    /// How long a set takes, microseconds.
+    #[must_use]
+    pub(crate) const fn period_us(self) -> u64 {
+        self.scan_period_us as u64 * self.set_length as u64
+    }
 }
 
 /// A set as it was read: the raw material of one group.

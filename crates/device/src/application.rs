@@ -11,6 +11,7 @@
 
 use core::ops::Deref;
 
+use zerorate_core::compensate::Mode;
 use zerorate_core::record::UnitSerial;
 
 use crate::acquisition::{Acquisition, Timing};
@@ -20,6 +21,9 @@ use crate::restart::{Keeping, Kept};
 use crate::store::RecordStore;
 use crate::trim_part::TrimPart;
 use crate::watchdog::{Supervisor, Watchdog};
+
+/// Sets after which a program that has just started does its work with its record: a minute of the paper's.
+const AT_WORK: u32 = 40;
 
 /// What a home gives the application.
 pub struct Parts<A, P, S, W, K> {
@@ -46,7 +50,7 @@ pub struct Application<A, P, S, W, K> {
     /// What a data-ready interrupt works with.
     pub compensator: Compensator<A, Keeping<P, K>>,
     /// What goes round below it.
-    pub task: Task<S, W>,
+    pub task: Task<S, W, K>,
 }
 
 /// A compensator that a task shares with an interrupt.
@@ -76,19 +80,20 @@ where
     P: TrimPart,
     S: RecordStore,
     W: Watchdog,
-    K: Deref<Target = Kept>,
+    K: Deref<Target = Kept> + Clone,
 {
     /// The application at start-up: both wipers at the middle tap, and the stored record in use if it is whole and this
     /// unit's.
     ///
-    /// After a restart by the watchdog or by a fault of the program the wipers are held where they are, and a calibrated
-    /// device takes groups again by itself: compensation goes on, host or no host.
+    /// A calibrated device takes groups by itself, host or no host, unless its record asks for silence: start-up modes that
+    /// are off on both axes. After a restart by the watchdog or by a fault of the program the wipers are held where they are
+    /// until the first group. A record with which the program has failed three times in a row is set aside.
     #[must_use]
     pub fn start(parts: Parts<A, P, S, W, K>) -> Self {
         let Parts { acquisition, trim, store, watchdog, kept, by_watchdog, unit, timing } = parts;
         let started = kept.started(by_watchdog);
         let goes_on = started.reset.is_fault();
-        let trim = Keeping::new(trim, kept);
+        let trim = Keeping::new(trim, kept.clone());
         let mut compensator = if goes_on {
             Compensator::holding(acquisition, trim, timing, started.taps)
         } else {
@@ -98,14 +103,14 @@ where
         if let Some((laws, modes)) = console.take_laws() {
             compensator.install(laws);
             compensator.set_modes(modes);
-            if goes_on {
-                compensator.resume();
+            if modes != [Mode::Off; 2] {
+                compensator.begin_alone();
             }
         } else if goes_on {
             // Uncompensated means the middle tap; wherever the wipers were held, it was for a law that is gone.
             compensator.rest();
         }
-        Self { compensator, task: Task { console, supervisor: Supervisor::new(watchdog), taken: 0 } }
+        Self { compensator, task: Task { console, supervisor: Supervisor::new(watchdog), kept, taken: 0 } }
     }
 
     /// The task goes round once, in a home without interrupts, with the bytes that the host has sent.
@@ -115,13 +120,14 @@ where
 }
 
 /// The task below the interrupts: console, store and supervision.
-pub struct Task<S, W> {
+pub struct Task<S, W, K> {
     console: Console<S>,
     supervisor: Supervisor<W>,
+    kept: K,
     taken: u32,
 }
 
-impl<S: RecordStore, W: Watchdog> Task<S, W> {
+impl<S: RecordStore, W: Watchdog, K: Deref<Target = Kept>> Task<S, W, K> {
     /// Goes round once: says what there is to say, acts on the bytes that the host has sent, and feeds the watchdog if all is
     /// well. Due after every set and whenever bytes have come.
     pub fn run(
@@ -144,6 +150,9 @@ impl<S: RecordStore, W: Watchdog> Task<S, W> {
         }
         let status = compensator.lock(|compensator| compensator.status());
         self.supervisor.task_ran(&status);
+        if status.sets >= AT_WORK && self.console.is_calibrated() {
+            self.kept.works();
+        }
     }
 
     /// Bytes of the host that have been acted on since the start.
@@ -163,7 +172,11 @@ impl<S: RecordStore, W: Watchdog> Task<S, W> {
     /// Takes a new record into use, when its group is about to begin.
     fn install(&mut self, compensator: &mut impl Shared) {
         if let Some((laws, _)) = self.console.take_laws() {
+            self.kept.works();
             compensator.lock(|compensator| compensator.install(laws));
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,6 +5,7 @@
 
 mod axis;
 mod command;
+mod continuity;
 mod outbox;
 mod report;
 mod samples;
@@ -16,6 +17,7 @@ use zerorate_core::units::{Axis, GroupNumber, Taps};
 use zerorate_core::wire::{FaultCounts, GroupReport, Refusal};
 
 use self::axis::AxisAtWork;
+use self::continuity::Continuity;
 use self::outbox::Outbox;
 use crate::acquisition::{Acquisition, Set, Timing};
 use crate::trim_part::TrimPart;
@@ -36,6 +38,9 @@ pub struct Compensator<A, P> {
     /// The group that is being filled, or the first that will be.
     group: GroupNumber,
     running: bool,
+    continuity: Continuity,
+    /// Sets lost since the acquisition was started.
+    lost: u32,
     /// Sets that have arrived since start-up.
     sets: u32,
     waiting: Vec<Scheduled, MAX_WAITING>,
@@ -64,6 +69,8 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             set: Set::default(),
             group: GroupNumber(0),
             running: false,
+            continuity: Continuity::beginning(true),
+            lost: 0,
             sets: 0,
             waiting: Vec::new(),
             outbox: Outbox::new(),
@@ -74,7 +81,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     /// Commands both wipers to the middle tap.
     pub fn rest(&mut self) {
         for axis in &mut self.axes {
-            // One that fails is counted, and written again with the next group.
+            // One that fails is counted; with the next group all are written again.
             let _ = axis.write(&mut self.part, Taps::MIDDLE, &mut self.faults);
         }
     }
@@ -112,11 +119,12 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         }
     }
 
-    /// Takes groups again after a restart that nobody asked for. An acquisition that cannot be reached is counted.
-    pub fn resume(&mut self) {
-        if self.set_acquisition(true).is_err() {
-            self.faults.acquisition_errors += 1;
-        }
+    /// Takes groups without being asked. An acquisition that cannot be reached is counted, and tried again.
+    pub fn begin_alone(&mut self) {
+        let reached = self.set_acquisition(true).is_ok();
+        self.faults.acquisition_errors += u32::from(!reached);
+        self.continuity = Continuity::beginning(reached);
+        self.running = true;
     }
 
     /// The interrupt: called when a set is ready.
@@ -125,6 +133,17 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             self.sets = self.sets.wrapping_add(1);
             self.close_group();
             self.run_commands();
+        }
+    }
+
+    /// The tick, once a second. It takes a set that waits though its edge was served in vain: after reads that failed data
+    /// ready stays high, and no edge comes again. An acquisition from which none comes is set up anew.
+    pub fn tick(&mut self) {
+        self.service();
+        if self.running && self.continuity.is_broken(self.timing) {
+            self.faults.acquisition_errors += 1;
+            self.continuity.set_up_anew(self.group, self.lost, self.timing);
+            self.continuity.started(self.acquisition.start(self.timing).is_ok());
         }
     }
 
@@ -173,7 +192,8 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
 
     /// Closes the group whose set was just read.
     fn close_group(&mut self) {
-        let group = GroupNumber(self.set.number);
+        let (group, lost) = self.continuity.of(&self.set);
+        self.lost = lost;
         let missed = group.0.saturating_sub(self.group.0);
         self.faults.lost_sets += missed;
         for (axis, sums) in self.axes.iter_mut().zip(&self.set.sums) {
@@ -187,7 +207,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         });
         self.group = GroupNumber(group.0.wrapping_add(1));
         let acquisition_errors = self.faults.acquisition_errors;
-        let report = GroupReport { group, lost: self.set.lost, acquisition_errors, axes };
+        let report = GroupReport { group, lost, acquisition_errors, axes };
         match before {
             None => self.outbox.group(report),
             Some(before) => self.outbox.group_and_samples(report, before, self.set.scans.len()),
@@ -232,7 +252,8 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         self.outbox.forget_samples();
         if run {
             self.group = GroupNumber(0);
-            self.set.lost = 0;
+            self.lost = 0;
+            self.continuity = Continuity::beginning(true);
             for axis in &mut self.axes {
                 // Time has passed, nobody knows how much: any temperature is as good as another.
                 axis.temperature = Default::default();

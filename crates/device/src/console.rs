@@ -54,7 +54,7 @@ impl<S: RecordStore> Console<S> {
         Self {
             timing,
             started,
-            calibration: Calibration::stored(store, unit),
+            calibration: Calibration::stored(store, unit, started.set_aside),
             receiver: Receiver::new(),
             uploads: 0,
             with_groups: false,
@@ -62,6 +62,11 @@ impl<S: RecordStore> Console<S> {
             faults: FaultCounts::default(),
             group: GroupNumber(0),
         }
+    }
+
+    /// Whether a record is in use.
+    pub fn is_calibrated(&self) -> bool {
+        self.calibration.state().is_in_use()
     }
 
     /// The laws that are to be taken into use now, once; to be asked after a command was obeyed and after a report was sent.

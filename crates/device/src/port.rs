@@ -48,6 +48,13 @@ pub enum PortError<E> {
         /// The version register.
         version: u32,
     },
+    /// A register does not hold what was written to it.
+    NotTaken {
+        /// The register's address.
+        address: u8,
+        /// What it holds.
+        found: u32,
+    },
     /// A set came whose CRC does not match.
     Damaged,
     /// A set came of another length than was asked for.
@@ -83,6 +90,13 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
         self.spi.write(&[WRITE | address, 0, a, b, c, d]).map_err(PortError::Spi)
     }
 
+    /// Writes a setting and reads it back: a write that was lost or bent would change what every group means, unseen.
+    fn set(&mut self, address: u8, word: u32) -> Result<(), PortError<SPI::Error>> {
+        self.write_word(address, word)?;
+        let found = self.read_word(address)?;
+        if found == word { Ok(()) } else { Err(PortError::NotTaken { address, found }) }
+    }
+
     fn check_identity(&mut self) -> Result<(), PortError<SPI::Error>> {
         let identity = self.read_word(IDENTITY)?;
         if identity != EXPECTED_IDENTITY {
@@ -103,8 +117,8 @@ where
         self.check_identity()?;
         self.set_length = timing.set_length;
         self.write_word(CONTROL, 0)?;
-        self.write_word(SCAN_PERIOD, timing.scan_period_us)?;
-        self.write_word(SET_LENGTH, u32::from(timing.set_length))?;
+        self.set(SCAN_PERIOD, timing.scan_period_us)?;
+        self.set(SET_LENGTH, u32::from(timing.set_length))?;
         self.write_word(CONTROL, CONTROL_RESTART | CONTROL_RUN)
     }
 

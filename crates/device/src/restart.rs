@@ -13,7 +13,9 @@ use zerorate_core::wire::ResetCause;
 use crate::trim_part::TrimPart;
 
 /// What stands beside the facts when they are some: memory holds anything when power comes.
-const MARK: u32 = 0x5A52_5354;
+const MARK: u32 = 0x5A52_5355;
+/// Faults of the program in a row after which its record is set aside: what happens three times happens with every group.
+const SET_ASIDE: u32 = 3;
 
 /// The facts, in words of which every bit pattern is one: so memory that nobody has written is one of these, too.
 #[derive(Debug, Default)]
@@ -22,6 +24,8 @@ pub struct Kept {
     restarts: AtomicU32,
     /// Whether the restart under way is the program's own.
     panicked: AtomicU32,
+    /// Faults of the program since it last was at work for a while.
+    in_a_row: AtomicU32,
     /// The taps that were commanded last.
     taps: [AtomicU32; 2],
 }
@@ -33,6 +37,8 @@ pub struct Started {
     pub reset: ResetCause,
     /// Restarts by the watchdog and after faults of the program since power came.
     pub restarts: u32,
+    /// Whether the program has failed so often in a row that it starts without its record.
+    pub set_aside: bool,
     /// The taps that were commanded last.
     pub taps: [Taps; 2],
 }
@@ -53,14 +59,21 @@ impl Kept {
             self.count();
         }
         let tap = |kept: &AtomicU32| u16::try_from(kept.load(Relaxed)).ok().and_then(Taps::new).unwrap_or(Taps::MIDDLE);
-        Started { reset, restarts: self.restarts.load(Relaxed), taps: self.taps.each_ref().map(tap) }
+        let set_aside = self.in_a_row.load(Relaxed) >= SET_ASIDE;
+        Started { reset, restarts: self.restarts.load(Relaxed), set_aside, taps: self.taps.each_ref().map(tap) }
     }
 
     /// Counts a fault of the program, after which the processor is to be restarted.
     pub fn panicked(&self) {
         self.check();
         self.count();
+        self.in_a_row.store(self.in_a_row.load(Relaxed).saturating_add(1), Relaxed);
         self.panicked.store(1, Relaxed);
+    }
+
+    /// The program does its work with its record, or has been given another one: what failed before is another matter.
+    pub fn works(&self) {
+        self.in_a_row.store(0, Relaxed);
     }
 
     fn keep(&self, axis: Axis, tap: Taps) {
@@ -76,6 +89,7 @@ impl Kept {
         if self.mark.load(Relaxed) != MARK {
             self.restarts.store(0, Relaxed);
             self.panicked.store(0, Relaxed);
+            self.in_a_row.store(0, Relaxed);
             Axis::BOTH.into_iter().for_each(|axis| self.keep(axis, Taps::MIDDLE));
             self.mark.store(MARK, Relaxed);
         }
@@ -117,8 +131,9 @@ mod tests {
     #[test]
     fn power_finds_the_middle_taps_whatever_is_in_the_memory() {
         for mark in [0, 1, u32::MAX] {
-            let kept = Kept { mark: mark.into(), restarts: 77.into(), panicked: 1.into(), taps: [9.into(), 8.into()] };
-            let started = Started { reset: ResetCause::Power, restarts: 0, taps: [Taps::MIDDLE; 2] };
+            let (mark, restarts, taps) = (mark.into(), 77.into(), [9.into(), 8.into()]);
+            let kept = Kept { mark, restarts, panicked: 1.into(), in_a_row: 9.into(), taps };
+            let started = Started { reset: ResetCause::Power, restarts: 0, set_aside: false, taps: [Taps::MIDDLE; 2] };
             assert_eq!(kept.started(false), started);
         }
     }
@@ -133,8 +148,8 @@ mod tests {
         assert!(keeping.write(Axis::X, Taps::FIRST).is_err());
         let taps = [Taps::MIDDLE, Taps::LAST];
         kept.panicked();
-        assert_eq!(kept.started(false), Started { reset: ResetCause::Panic, restarts: 1, taps });
-        assert_eq!(kept.started(true), Started { reset: ResetCause::Watchdog, restarts: 2, taps });
+        assert_eq!(kept.started(false), Started { reset: ResetCause::Panic, restarts: 1, set_aside: false, taps });
+        assert_eq!(kept.started(true), Started { reset: ResetCause::Watchdog, restarts: 2, set_aside: false, taps });
         assert_eq!(kept.started(false).reset, ResetCause::Power, "a panic is told once");
     }
 }

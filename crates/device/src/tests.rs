@@ -18,9 +18,12 @@ use crate::compensator::Status;
 use crate::store::{RecordStore, StoreFailed, Stored};
 use crate::trim_part::TrimPart;
 
-/// Sets that wait to be read.
+/// Sets that wait to be read, from an acquisition that may not be there.
 #[derive(Clone, Default)]
-pub struct Sets(pub Rc<RefCell<VecDeque<Set>>>);
+pub struct Sets {
+    pub waiting: Rc<RefCell<VecDeque<Set>>>,
+    pub missing: Rc<Cell<bool>>,
+}
 
 impl Sets {
     /// A set of equal samples on both axes.
@@ -28,7 +31,7 @@ impl Sets {
         let mut sums = GroupSums::default();
         (0..500).for_each(|_| sums.push(temperature, zro));
         let scans = (0..500).map(|_| [temperature, zro, temperature, zro]).collect();
-        self.0.borrow_mut().push_back(Set { number, lost: 0, sums: [sums; 2], scans });
+        self.waiting.borrow_mut().push_back(Set { number, lost: 0, sums: [sums; 2], scans });
     }
 }
 
@@ -36,7 +39,7 @@ impl Acquisition for Sets {
     type Error = ();
 
     fn start(&mut self, _: Timing) -> Result<(), ()> {
-        Ok(())
+        if self.missing.get() { Err(()) } else { Ok(()) }
     }
 
     fn stop(&mut self) -> Result<(), ()> {
@@ -44,7 +47,7 @@ impl Acquisition for Sets {
     }
 
     fn read_set(&mut self, set: &mut Set, with_scans: bool) -> Result<bool, ()> {
-        let Some(waiting) = self.0.borrow_mut().pop_front() else { return Ok(false) };
+        let Some(waiting) = self.waiting.borrow_mut().pop_front() else { return Ok(false) };
         *set = waiting;
         if !with_scans {
             set.scans.clear();

@@ -2,9 +2,11 @@
 //!
 //! The watchdog is hardware with a time of its own; this decides when it is fed: by the task that speaks to the host, as
 //! long as that task runs, and as long as sets arrive where they should. So a hung task, a hung interrupt and an
-//! acquisition that has stopped by itself each end in a restart, after which the device compensates again by itself.
+//! acquisition that stays dead though it was set up anew each end in a restart, after which the device compensates again by
+//! itself. The board's tick has the task go round every second: where the acquisition was stopped and nobody speaks, too.
 //!
-//! The hardware's time must exceed two group periods (3 s of the paper's), and the longest commit of a record.
+//! The hardware's time must exceed two group periods and two ticks (5 s of the paper's), after which a dead acquisition is
+//! set up anew, and the longest commit of a record.
 
 use crate::compensator::Status;
 

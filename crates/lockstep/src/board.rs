@@ -75,14 +75,14 @@ impl<L: Line> Channel<L> {
         if board.version == VERSION { Ok(board) } else { Err(BusFailed) }
     }
 
-    /// Asks whether a set is ready.
+    /// Asks what has happened: [`Answer::SetReady`], [`Answer::Second`], or nothing but bytes of the host on their way.
     ///
     /// # Errors
     /// [`BusFailed`], when the host is gone.
-    pub fn poll(&self, poll: Poll) -> Result<bool, BusFailed> {
+    pub fn poll(&self, poll: Poll) -> Result<Answer, BusFailed> {
         let mut buffer = [0; 16];
         let request = Request::Poll(poll).encode(&mut buffer).ok_or(BusFailed)?;
-        Ok(self.exchange(request, &mut core::iter::empty())? == Answer::SetReady)
+        self.exchange(request, &mut core::iter::empty())
     }
 
     /// Says where the firmware has panicked.

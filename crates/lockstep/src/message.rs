@@ -4,7 +4,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// The version of these messages; board and host say theirs in [`Request::Hello`] and [`Board`].
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// The longest request, its length left off.
 pub const MAX_REQUEST: usize = 600;
 /// The most operations of one SPI transaction.
@@ -84,7 +84,7 @@ pub enum Request<'a> {
         /// Up to this one.
         to: u32,
     },
-    /// Nothing left to do: is a set ready?
+    /// Nothing left to do: has data ready risen, or a second gone by?
     Poll(Poll),
     /// The firmware has panicked; it restarts.
     Panicked {
@@ -103,8 +103,10 @@ pub enum Answer {
     Done = 0,
     /// It could not be done; nothing follows.
     Failed = 1,
-    /// To a poll: a set is ready.
+    /// To a poll: data ready has risen.
     SetReady = 2,
+    /// To a poll: a second has gone by on the bench, whose time is the board's.
+    Second = 3,
 }
 
 impl Answer {
@@ -115,6 +117,7 @@ impl Answer {
             0 => Some(Self::Done),
             1 => Some(Self::Failed),
             2 => Some(Self::SetReady),
+            3 => Some(Self::Second),
             _ => None,
         }
     }

@@ -32,6 +32,11 @@ pub enum Fault {
         /// How many.
         transfers: u32,
     },
+    /// The acquisition port's output stays low in the next transfers: what is read is zeros.
+    MutePort {
+        /// How many.
+        transfers: u32,
+    },
     /// The next transfers with the potentiometer fail: it does not hear them.
     PotentiometerSpi {
         /// How many.
@@ -60,6 +65,7 @@ impl Fault {
         match self {
             Self::TemperatureOff { scans: left, .. }
             | Self::PortSpi { transfers: left }
+            | Self::MutePort { transfers: left }
             | Self::PotentiometerSpi { transfers: left }
             | Self::Overrun { sets: left } => Some(left),
             _ => None,
@@ -108,6 +114,10 @@ impl Faults {
 
     pub(crate) fn break_transfer(&mut self, bus: Bus) -> bool {
         self.happens(|fault| fault.breaks(bus))
+    }
+
+    pub(crate) fn mutes_transfer(&mut self, bus: Bus) -> bool {
+        matches!(bus, Bus::Port) && self.happens(|fault| matches!(fault, Fault::MutePort { .. }))
     }
 
     pub(crate) fn lets_a_set_go_by(&mut self) -> bool {

@@ -198,14 +198,25 @@ impl Plant {
     /// reset, the gyros draw new turn-on offsets.
     pub fn power_cycle(&mut self) {
         self.potentiometer.power_cycle();
-        self.port = Port::new();
+        self.reset_port();
         self.ad7949 = Ad7949::default();
-        self.sums = Sums::default();
         self.moved.clear();
         self.taps = Axis::BOTH.map(|axis| self.potentiometer.wiper(axis));
         self.channels.iter_mut().for_each(|channel| channel.gyro.power_up());
         self.refresh();
         self.channels.iter_mut().for_each(Channel::settle);
+    }
+
+    /// Starts the acquisition port anew, and nothing else: an upset of whatever runs it.
+    pub fn reset_port(&mut self) {
+        self.port = Port::new();
+        self.sums = Sums::default();
+    }
+
+    /// Lets the analogue supply dip: the wipers load their non-volatile registers, and nothing else notices.
+    pub fn brown_out(&mut self) {
+        self.potentiometer.power_cycle();
+        self.wipers_written();
     }
 
     /// Gives the chamber a new set point.

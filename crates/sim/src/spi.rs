@@ -40,17 +40,22 @@ fn transact<S: Slave>(shared: &SharedPlant, operations: &mut [Operation<'_, u8>]
     if plant.transfer_fails(S::BUS) {
         return Err(BusFault);
     }
+    let is_mute = plant.transfer_is_mute(S::BUS);
+    let exchange = |plant: &mut Plant, byte| {
+        let word = S::exchange(plant, byte);
+        if is_mute { 0 } else { word }
+    };
     S::select(plant);
     for operation in operations {
         match operation {
-            Operation::Read(words) => words.iter_mut().for_each(|word| *word = S::exchange(plant, 0)),
-            Operation::Write(words) => words.iter().for_each(|&word| _ = S::exchange(plant, word)),
+            Operation::Read(words) => words.iter_mut().for_each(|word| *word = exchange(plant, 0)),
+            Operation::Write(words) => words.iter().for_each(|&word| _ = exchange(plant, word)),
             Operation::TransferInPlace(words) => {
-                words.iter_mut().for_each(|word| *word = S::exchange(plant, *word));
+                words.iter_mut().for_each(|word| *word = exchange(plant, *word));
             }
             Operation::Transfer(read, write) => {
                 for place in 0..read.len().max(write.len()) {
-                    let word = S::exchange(plant, write.get(place).copied().unwrap_or(0));
+                    let word = exchange(plant, write.get(place).copied().unwrap_or(0));
                     if let Some(slot) = read.get_mut(place) {
                         *slot = word;
                     }

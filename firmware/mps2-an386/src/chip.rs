@@ -6,7 +6,7 @@ use cortex_m::interrupt::InterruptNumber;
 /// Bits of an interrupt's priority (CMSIS for MPS2: `__NVIC_PRIO_BITS`).
 pub const NVIC_PRIO_BITS: u8 = 3;
 
-/// Interrupt lines in use. The two ports have no pins here: software pends them, as the pin of a real board would.
+/// Interrupt lines in use. The two ports have no pins here, and time is the bench's: software pends them and the timer's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(non_camel_case_types)]
 #[repr(u16)]
@@ -17,6 +17,8 @@ pub enum Interrupt {
     PORT0 = 6,
     /// GPIO 1: the console has work.
     PORT1 = 7,
+    /// The tick.
+    TIMER0 = 8,
 }
 
 pub use Interrupt as interrupt;
@@ -34,6 +36,7 @@ unsafe extern "C" {
     fn UART0_RX();
     fn PORT0();
     fn PORT1();
+    fn TIMER0();
     fn DefaultHandler();
 }
 
@@ -46,6 +49,7 @@ static __INTERRUPTS: [unsafe extern "C" fn(); 32] = {
     table[Interrupt::UART0_RX as usize] = UART0_RX;
     table[Interrupt::PORT0 as usize] = PORT0;
     table[Interrupt::PORT1 as usize] = PORT1;
+    table[Interrupt::TIMER0 as usize] = TIMER0;
     table
 };
 

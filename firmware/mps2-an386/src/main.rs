@@ -21,7 +21,7 @@ use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::NoWatchdog;
 use zerorate_firmware::{Locked, Received};
-use zerorate_lockstep::{Board, Bus, BusFailed, Channel, LockstepFlash, LockstepSpi, Poll};
+use zerorate_lockstep::{Answer, Board, Bus, BusFailed, Channel, LockstepFlash, LockstepSpi, Poll};
 
 use crate::chip::{Receiving, Sending};
 use crate::semihosting::Fifos;
@@ -50,7 +50,7 @@ mod app {
 
     #[local]
     struct Local {
-        task: Task<Store, NoWatchdog>,
+        task: Task<Store, NoWatchdog, &'static Kept>,
         sending: Sending,
         receiving: Receiving,
         received: Producer<'static, u8>,
@@ -76,7 +76,7 @@ mod app {
         (Shared { compensator, progress: Poll::default() }, Local { task, sending, receiving, received, heard })
     }
 
-    /// Waits in the channel for the next set, and stands for the pin that says so.
+    /// Waits in the channel for the next set, and stands for the pin and the timer that say so.
     #[idle(shared = [progress])]
     fn idle(mut cx: idle::Context) -> ! {
         loop {
@@ -84,9 +84,10 @@ mod app {
             critical_section::with(|_| {
                 let progress = cx.shared.progress.lock(|progress| *progress);
                 match CHANNEL.poll(progress) {
-                    Ok(true) => rtic::pend(chip::Interrupt::PORT0),
+                    Ok(Answer::SetReady) => rtic::pend(chip::Interrupt::PORT0),
+                    Ok(Answer::Second) => rtic::pend(chip::Interrupt::TIMER0),
                     // The host has sent bytes that are still on their way.
-                    Ok(false) => cortex_m::asm::wfi(),
+                    Ok(_) => cortex_m::asm::wfi(),
                     // Nobody is left to work for.
                     Err(_) => semihosting::give_up(b"the bench has gone\n\0"),
                 }
@@ -98,6 +99,13 @@ mod app {
     #[task(binds = PORT0, priority = 3, shared = [compensator])]
     fn data_ready(mut cx: data_ready::Context) {
         cx.shared.compensator.lock(|compensator| compensator.service());
+        rtic::pend(chip::Interrupt::PORT1);
+    }
+
+    /// The tick.
+    #[task(binds = TIMER0, priority = 3, shared = [compensator])]
+    fn tick(mut cx: tick::Context) {
+        cx.shared.compensator.lock(|compensator| compensator.tick());
         rtic::pend(chip::Interrupt::PORT1);
     }
 

@@ -12,12 +12,12 @@ use heapless::String;
 use heapless::spsc::{Consumer, Producer};
 use nb::block;
 use stm32f4xx_hal::gpio::{Edge, Input, Output, PA4, PB0, PB12, Speed};
-use stm32f4xx_hal::pac::{self, SPI1, SPI2, USART2};
+use stm32f4xx_hal::pac::{self, SPI1, SPI2, TIM2, USART2};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
 use stm32f4xx_hal::serial::{self, Rx, Tx};
 use stm32f4xx_hal::spi::{self, Spi};
-use stm32f4xx_hal::timer::SysDelay;
+use stm32f4xx_hal::timer::{self, CounterHz, SysDelay};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use zerorate_device::acquisition::Timing;
 use zerorate_device::application::{Application, Parts, Task};
@@ -41,6 +41,8 @@ const PORT_KHZ: u32 = 5250;
 const POTENTIOMETER_KHZ: u32 = 5250;
 /// The host's line.
 const BAUD: u32 = 115_200;
+/// The tick that `zerorate-device` counts seconds by.
+const TICK_HZ: u32 = 1;
 /// Longer than a commit, which may erase two sectors of 2 s each.
 const WATCHDOG_MS: u32 = 8000;
 
@@ -68,17 +70,21 @@ mod app {
 
     #[local]
     struct Local {
-        task: Task<Store, ChipWatchdog>,
+        task: Task<Store, ChipWatchdog, &'static Kept>,
         sending: Tx<USART2>,
         receiving: Rx<USART2>,
         received: Producer<'static, u8>,
         heard: Consumer<'static, u8>,
         data_ready_pin: PB0<Input>,
+        timer: CounterHz<TIM2>,
     }
 
     #[init(local = [bytes: Received = Received::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let device = cx.device;
+        // Before anything that can hang: a crystal that does not start is one.
+        let mut watchdog = IndependentWatchdog::new(device.IWDG);
+        watchdog.start(WATCHDOG_MS.millis());
         let by_watchdog = device.RCC.csr().read().wdgrstf().bit_is_set();
         device.RCC.csr().modify(|_, w| w.rmvf().set_bit());
         let clocks =
@@ -102,8 +108,6 @@ mod app {
         let Ok(potentiometer) = ExclusiveDevice::new_no_delay(potentiometer_bus, potentiometer_select);
 
         let Ok(store) = Store::new(ChipFlash(device.FLASH), RECORDS) else { panic!() };
-        let mut watchdog = IndependentWatchdog::new(device.IWDG);
-        watchdog.start(WATCHDOG_MS.millis());
         let Application { compensator, task } = Application::start(Parts {
             acquisition: Port::new(port),
             trim: Potentiometer::new(potentiometer, delay),
@@ -127,7 +131,11 @@ mod app {
         data_ready_pin.make_interrupt_source(&mut system);
         data_ready_pin.trigger_on_edge(&mut exti, Edge::Rising);
         data_ready_pin.enable_interrupt(&mut exti);
-        (Shared { compensator }, Local { task, sending, receiving, received, heard, data_ready_pin })
+
+        let mut timer = device.TIM2.counter_hz(&mut rcc);
+        let Ok(()) = timer.start(TICK_HZ.Hz()) else { panic!() };
+        timer.listen(timer::Event::Update);
+        (Shared { compensator }, Local { task, sending, receiving, received, heard, data_ready_pin, timer })
     }
 
     /// The acquisition port's data ready line.
@@ -135,6 +143,14 @@ mod app {
     fn data_ready(mut cx: data_ready::Context) {
         cx.local.data_ready_pin.clear_interrupt_pending_bit();
         cx.shared.compensator.lock(|compensator| compensator.service());
+        rtic::pend(pac::Interrupt::EXTI1);
+    }
+
+    /// The tick.
+    #[task(binds = TIM2, priority = 3, shared = [compensator], local = [timer])]
+    fn tick(mut cx: tick::Context) {
+        cx.local.timer.clear_flags(timer::Flag::Update);
+        cx.shared.compensator.lock(|compensator| compensator.tick());
         rtic::pend(pac::Interrupt::EXTI1);
     }
 

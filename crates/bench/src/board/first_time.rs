@@ -55,7 +55,8 @@ impl Board {
         Ok(FirstTime { tap: tap.get(), store_answered, before_counts, after_counts: None })
     }
 
-    /// Waits until the board was switched off and on, and reads it again without writing a wiper.
+    /// Waits until the board was switched off and on, and reads it again at the tap that it starts with. A board that has
+    /// gone to work with a calibration is put back there.
     ///
     /// # Errors
     /// [`ClientError::NoRestart`], or whatever `look` says.
@@ -68,6 +69,10 @@ impl Board {
     ) -> Result<(), E> {
         self.identity = self.device.await_restart(patience, look)?;
         self.started = false;
+        if let Some(tap) = Taps::new(found.tap).filter(|_| self.identity.running) {
+            self.set_mode(&Axis::BOTH, super::Mode::Off, None)?;
+            self.set_tap(&Axis::BOTH, tap, None)?;
+        }
         found.after_counts = Some(self.readings(setup)?);
         Ok(())
     }

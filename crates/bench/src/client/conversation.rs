@@ -114,6 +114,14 @@ impl Conversation {
         self.restarted = false;
     }
 
+    /// Hands were shaken. What was on its way before them was said to somebody else: a board goes on alone.
+    pub(super) fn opened(&mut self, group_period: Duration, acquiring: bool) {
+        self.discard_groups();
+        self.lost_groups.clear();
+        self.next_group = None;
+        (self.group_period, self.acquiring) = (group_period, acquiring);
+    }
+
     /// Sends a command and waits for its answer; groups that come meanwhile are kept.
     pub(super) fn ask(
         &mut self,
@@ -199,7 +207,7 @@ impl Conversation {
     /// tenth of a second.
     pub(super) fn next_answer(&mut self) -> Result<Option<(u16, GroupNumber, Answer)>, ClientError> {
         let Some(upload) = self.next_upload()? else { return Ok(None) };
-        if let Some(expected) = self.next_upload {
+        if let Some(expected) = self.next_upload.filter(|_| self.open) {
             match upload.sequence.wrapping_sub(expected) {
                 lost if lost <= u32::MAX / 2 => {
                     self.counts.lost_uploads = self.counts.lost_uploads.saturating_add(lost)

@@ -38,6 +38,9 @@ pub(crate) fn of_calibration(state: CalibrationState) -> String {
         CalibrationState::LawRefused => {
             "the stored record's law cannot be run, the device runs uncompensated: compose it again"
         }
+        CalibrationState::SetAside => {
+            "set aside: the firmware stopped three times in a row with it, and runs uncompensated until it is switched off and on or another is deployed"
+        }
         CalibrationState::Unreachable => {
             "the flash does not answer, the device runs uncompensated: check the flash's wiring"
         }

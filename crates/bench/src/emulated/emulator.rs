@@ -219,9 +219,14 @@ impl Emulator {
         Ok(())
     }
 
-    /// Tells the waiting board that a set is ready.
+    /// Tells the waiting board that data ready has risen.
     pub(super) fn give_set(&mut self) -> Result<(), EmulatorError> {
         self.reply(&[Answer::SetReady as u8])
+    }
+
+    /// Tells the waiting board that a second has gone by.
+    pub(super) fn give_second(&mut self) -> Result<(), EmulatorError> {
+        self.reply(&[Answer::Second as u8])
     }
 
     /// Answers the board. A broken line is a child that has ended.

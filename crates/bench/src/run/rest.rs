@@ -9,7 +9,7 @@ use crate::error::BenchError;
 
 impl Session<'_> {
     /// Power off and on, acquisition stopped, both axes uncompensated at the middle tap. A board that holds a calibration
-    /// comes up with it in use, and would compensate what a run is to show.
+    /// goes to work with it as soon as power comes, and would compensate what a run is to show.
     ///
     /// # Errors
     /// [`BenchError`], among them [`BenchError::NotAtRest`].
@@ -21,6 +21,9 @@ impl Session<'_> {
         } else {
             self.await_power()?;
         }
+        // First of all: modes and taps then hold at once, and no group of the board's own gets among a run's.
+        self.bench.device.order(Request::SetAcquisition { run: false })?;
+        self.bench.device.discard_groups();
         for axis in Axis::BOTH {
             self.bench.device.order(Request::SetMode { axis, mode: Mode::Off })?;
         }

@@ -185,6 +185,17 @@ fn the_power_up_tap_is_checked_over_a_power_cycle() {
 }
 
 #[test]
+fn so_it_is_on_a_board_that_goes_to_work_when_its_power_comes() {
+    let (mut board, folder) = on_a_serial_line();
+    board.device(&["deploy", "calibration.json"], folder.path()).ends(0, &["nothing is compensated until it runs"]);
+    let port = board.port.clone();
+    first_time_over_a_power_cycle(&port, folder.path(), || {
+        board.order("power");
+    });
+    assert_eq!(board.device(&["info", "--json"], folder.path()).json()["acquiring"], true);
+}
+
+#[test]
 fn a_port_that_goes_with_the_boards_power_is_opened_again() {
     let (mut board, folder) = on_a_serial_line();
     let port = board.port.clone();

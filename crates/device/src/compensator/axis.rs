@@ -16,15 +16,13 @@ pub(super) struct AxisAtWork {
     law: Option<AxisLaw>,
     pub(super) state: AxisCompensation,
     pub(super) temperature: TemperatureWatch,
-    /// The wiper may stand elsewhere than commanded, because a write failed.
-    unsure: bool,
 }
 
 impl AxisAtWork {
     /// An axis without a law, its wiper left where it stands.
     pub(super) fn new(axis: Axis, tap: Taps) -> Self {
         let state = AxisCompensation::new(None, tap);
-        Self { axis, law: None, state, temperature: TemperatureWatch::default(), unsure: true }
+        Self { axis, law: None, state, temperature: TemperatureWatch::default() }
     }
 
     /// Takes a law into use, keeping mode and tap.
@@ -50,12 +48,13 @@ impl AxisAtWork {
         tap: Taps,
         faults: &mut FaultCounts,
     ) -> Result<(), Refusal> {
-        self.unsure = part.write(self.axis, tap).is_err();
-        if self.unsure {
+        if part.write(self.axis, tap).is_err() {
             faults.trim_errors += 1;
             return Err(Refusal::TrimPartFailed);
         }
-        self.state.wiper_written(self.law.as_ref(), tap);
+        if tap != self.state.tap() {
+            self.state.wiper_written(self.law.as_ref(), tap);
+        }
         Ok(())
     }
 
@@ -78,10 +77,10 @@ impl AxisAtWork {
         let (tap, mode) = (self.state.tap(), self.state.mode());
         let (temperature, code) = self.temperature.check(&sums, missed, timing);
         let outcome = self.state.close_group_at(self.law.as_ref(), &sums, code);
-        // A write that fails leaves the shadow as it was; the law asks again with the next group. Where the wiper stands
-        // then nobody knows, so the tap it should have is written again, too.
-        let rewrite = Some(tap).filter(|_| self.unsure);
-        let written = outcome.move_to.or(rewrite).map(|wanted| self.write(part, wanted, faults).is_ok());
+        // Written with every group, moved or not: where the wiper stands nobody knows after a write that failed, or after a
+        // dip of the analogue supply, which puts it back to its tap of power-up. A write that fails leaves the shadow as it
+        // was; the law asks again with the next group.
+        let written = self.write(part, outcome.move_to.unwrap_or(tap), faults);
         let saturated = sums.is_saturated(FULL_SCALE);
         temperature::count(temperature, faults);
         faults.saturated += u32::from(saturated);
@@ -93,9 +92,9 @@ impl AxisAtWork {
             corrected_q16: outcome.corrected.0,
             coverage: outcome.coverage,
             saturated,
-            moved_to: outcome.move_to.filter(|_| written == Some(true)),
+            moved_to: outcome.move_to.filter(|_| written.is_ok()),
             temperature,
-            trim_failed: written == Some(false),
+            trim_failed: written.is_err(),
         }
     }
 }

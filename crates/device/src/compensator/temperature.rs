@@ -91,8 +91,8 @@ impl TemperatureWatch {
 
 /// How far a temperature moves at most from one group to the next, with so many missed between them.
 fn limit_codes(missed: u32, timing: Timing) -> u64 {
-    let period_us = u64::from(timing.scan_period_us) * u64::from(timing.set_length);
-    let counts = NOISE_COUNTS + (u64::from(missed) + 1).saturating_mul(period_us * FASTEST_COUNTS_PER_S) / 1_000_000;
+    let counts =
+        NOISE_COUNTS + (u64::from(missed) + 1).saturating_mul(timing.period_us() * FASTEST_COUNTS_PER_S) / 1_000_000;
     counts * u64::from(zerorate_core::group::CODES_PER_COUNT)
 }
 

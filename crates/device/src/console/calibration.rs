@@ -18,16 +18,16 @@ pub(super) struct Calibration<S> {
 }
 
 impl<S: RecordStore> Calibration<S> {
-    /// What the store holds, to be taken into use at once if it is whole and the unit's.
-    pub(super) fn stored(store: S, unit: UnitSerial) -> Self {
+    /// What the store holds, to be taken into use at once if it is whole and the unit's, and not to be `set_aside`.
+    pub(super) fn stored(store: S, unit: UnitSerial, set_aside: bool) -> Self {
         let mut calibration = Self { store, unit, buffer: Vec::new(), state: CalibrationState::Blank, install: None };
-        calibration.state = calibration.load();
+        calibration.state = calibration.load(set_aside);
         calibration.install = calibration.state.is_in_use().then_some(GroupNumber(0));
         calibration
     }
 
-    /// Reads the stored record into the buffer and checks it.
-    fn load(&mut self) -> CalibrationState {
+    /// Reads the stored record into the buffer and checks it; one that is set aside is not looked into.
+    fn load(&mut self, set_aside: bool) -> CalibrationState {
         let stored = self.store.stored();
         let length = usize::from(stored.length());
         if self.buffer.resize_default(length).is_err() {
@@ -40,6 +40,7 @@ impl<S: RecordStore> Calibration<S> {
             Stored::Blank => return CalibrationState::Blank,
             Stored::Damaged => return CalibrationState::Damaged,
             Stored::Unreachable => return CalibrationState::Unreachable,
+            Stored::Whole(_) | Stored::Older(_) if set_aside => return CalibrationState::SetAside,
             Stored::Whole(_) => CalibrationState::InUse,
             Stored::Older(_) => CalibrationState::OlderInUse,
         };

@@ -31,7 +31,7 @@ fn console<S: RecordStore>(store: S) -> Console<S> {
 }
 
 fn console_of<S: RecordStore>(unit: &str, store: S) -> Console<S> {
-    let started = Started { reset: ResetCause::Power, restarts: 0, taps: [Taps::MIDDLE; 2] };
+    let started = Started { reset: ResetCause::Power, restarts: 0, set_aside: false, taps: [Taps::MIDDLE; 2] };
     Console::new(UnitSerial::try_from(unit).unwrap(), Timing::PAPER, store, started)
 }
 

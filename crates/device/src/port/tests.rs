@@ -60,7 +60,9 @@ fn started() -> Vec<Transaction<u8>> {
     expected.extend(word_read(0x01, 0x0001_0000));
     expected.extend(word_write(0x02, 0));
     expected.extend(word_write(0x03, 3000));
+    expected.extend(word_read(0x03, 3000));
     expected.extend(word_write(0x04, 2));
+    expected.extend(word_read(0x04, 2));
     expected.extend(word_write(0x02, 3));
     expected
 }
@@ -118,5 +120,17 @@ fn something_else_on_the_bus_is_named() {
     let mut spi = Mock::new(&word_read(0x00, 0xFFFF_FFFF));
     let error = PortAcquisition::new(&mut spi).start(Timing::PAPER).unwrap_err();
     assert_eq!(error, PortError::NotAPort { identity: 0xFFFF_FFFF });
+    spi.done();
+}
+
+#[test]
+fn a_setting_that_the_port_has_not_taken_is_named_and_nothing_is_started() {
+    let mut expected = started();
+    // Identity and version, CONTROL, SCAN_PERIOD and its word read back; the rest never comes.
+    expected.truncate(4 + 4 + 3 + 3);
+    expected.extend(word_read(0x03, 3001));
+    let mut spi = Mock::new(&expected);
+    let error = PortAcquisition::new(&mut spi).start(Timing { scan_period_us: 3000, set_length: 2 }).unwrap_err();
+    assert_eq!(error, PortError::NotTaken { address: 3, found: 3001 });
     spi.done();
 }

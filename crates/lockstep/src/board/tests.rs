@@ -121,10 +121,10 @@ fn flash_is_read_and_written_in_pieces_that_fit_a_request() {
 }
 
 #[test]
-fn a_set_is_ready_or_not() {
-    let (host, channel) = board(&[Answer::SetReady as u8, Answer::Done as u8]);
+fn a_set_is_ready_a_second_has_gone_by_or_neither() {
+    let answers = [Answer::SetReady, Answer::Second, Answer::Done];
+    let (host, channel) = board(&answers.map(|answer| answer as u8));
     let say = Poll { received: u32::MAX, sent: u32::MAX };
-    assert_eq!(channel.poll(say), Ok(true));
-    assert_eq!(channel.poll(say), Ok(false));
-    assert_eq!(host.asked.borrow().len(), 2 * 13);
+    assert_eq!(answers.map(|_| channel.poll(say)), answers.map(Ok));
+    assert_eq!(host.asked.borrow().len(), 3 * 13);
 }

@@ -19,6 +19,10 @@ impl Plant {
         self.faults.break_transfer(bus)
     }
 
+    pub(crate) fn transfer_is_mute(&mut self, bus: Bus) -> bool {
+        self.faults.mutes_transfer(bus)
+    }
+
     /// Whether the port is told to scan, and can.
     pub(super) fn port_scans(&self) -> bool {
         self.port.running() && !self.faults.contains(Fault::NoScans)

@@ -61,10 +61,12 @@ impl Deploy {
             Ok((_, from)) => format!("axis X is in mode {x}, axis Y in mode {y}, from group {from} on"),
             Err(why) => format!("it was not turned on: {why}; axis X is in mode {x}, axis Y in mode {y}"),
         };
-        let stands = if info.acquiring {
-            ""
-        } else {
-            "; the acquisition stands still, and nothing is compensated until it runs"
+        let stands = match info.modes {
+            _ if info.acquiring => "",
+            ["off", "off"] => "; the acquisition stands still",
+            _ => {
+                "; the acquisition stands still, and nothing is compensated until it runs: switch the board off and on"
+            }
         };
         let text = format!(
             "{}: on {unit}, {} bytes, read back and the same (CRC-32 {}); {on}{stands}",
