@@ -23,7 +23,7 @@ pub use emulator::EmulatorError;
 
 use crate::client::DeviceClient;
 use crate::instruments::{Bench, InstrumentError, Surroundings, Witness};
-use crate::link::{Link, LinkError};
+use crate::link::{Link, LinkError, MOST_UNHEARD};
 use crate::setup::SetUp;
 use crate::simulated::{SimulatedChamber, SimulatedSupply};
 use crate::tick::Tick;
@@ -58,8 +58,13 @@ impl EmulatedDevice {
 
     /// Lets the board run until it says something.
     fn until_heard(&mut self) -> Result<(), LinkError> {
+        let mut unheard = 0;
         while !self.emulator.has_heard() {
             if self.emulator.is_idle() && self.emulator.has_heard_all() {
+                if unheard == MOST_UNHEARD {
+                    return Err(LinkError::Silent);
+                }
+                unheard += 1;
                 self.pass_time()?;
             } else {
                 self.step()?;

@@ -17,7 +17,7 @@ use zerorate_sim::{ConverterSpi, Plant, PlantDelay, PortSpi, SharedPlant, Truth}
 
 use crate::client::DeviceClient;
 use crate::instruments::{Bench, Chamber, InstrumentError, Supply, Surroundings, Witness};
-use crate::link::{Link, LinkError};
+use crate::link::{Link, LinkError, MOST_UNHEARD};
 use crate::setup::SetUp;
 
 pub(crate) use native::NativeDevice;
@@ -34,11 +34,14 @@ impl<A: OnPlant> Link for NativeLink<A> {
 
     fn receive(&mut self, into: &mut Vec<u8>) -> Result<(), LinkError> {
         let mut device = self.0.borrow_mut();
-        while device.outgoing.is_empty() {
+        for _ in 0..MOST_UNHEARD {
+            if !device.outgoing.is_empty() {
+                into.append(&mut device.outgoing);
+                return Ok(());
+            }
             device.run_set()?;
         }
-        into.append(&mut device.outgoing);
-        Ok(())
+        Err(LinkError::Silent)
     }
 }
 

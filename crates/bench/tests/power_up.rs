@@ -59,3 +59,10 @@ fn a_procedure_puts_a_board_at_work_to_rest_before_it_begins() {
     }
     assert!(session.bench.device.take_lost_groups().is_empty());
 }
+
+#[test]
+fn whoever_waits_for_groups_that_were_not_asked_for_is_told() {
+    let mut bench = switched_on();
+    bench.device.identify().unwrap();
+    assert!(bench.device.next_group().is_err(), "a board that works alone says nothing of it");
+}

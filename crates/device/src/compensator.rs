@@ -192,7 +192,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
 
     /// Closes the group whose set was just read.
     fn close_group(&mut self) {
-        let (group, lost) = self.continuity.of(&self.set);
+        let (group, lost) = self.continuity.set_came(&self.set);
         self.lost = lost;
         let missed = group.0.saturating_sub(self.group.0);
         self.faults.lost_sets += missed;

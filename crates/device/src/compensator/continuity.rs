@@ -29,7 +29,7 @@ impl Continuity {
     }
 
     /// A set has come: its group, and the sets lost up to it.
-    pub(super) const fn of(&mut self, set: &Set) -> (GroupNumber, u32) {
+    pub(super) const fn set_came(&mut self, set: &Set) -> (GroupNumber, u32) {
         self.came = true;
         (GroupNumber(self.first.0.wrapping_add(set.number)), self.lost.wrapping_add(set.lost))
     }
@@ -66,13 +66,13 @@ mod tests {
     #[test]
     fn two_periods_without_a_set_are_a_broken_acquisition_and_groups_shorter_than_a_tick_are_not() {
         let mut paper = Continuity::beginning(true);
-        let _ = paper.of(&set(0, 0));
+        let _ = paper.set_came(&set(0, 0));
         let ticks = [(); 5].map(|()| paper.is_broken(Timing::PAPER));
         assert_eq!(ticks, [false, false, false, true, true], "3 s after the tick that still saw a set");
         let short = Timing { scan_period_us: 100, set_length: 500 };
         let mut quick = Continuity::beginning(true);
         for number in 0..10 {
-            let _ = quick.of(&set(number, 0));
+            let _ = quick.set_came(&set(number, 0));
             assert!(!quick.is_broken(short));
         }
         assert!(quick.is_broken(short));
@@ -82,11 +82,11 @@ mod tests {
     #[test]
     fn the_groups_go_on_where_the_acquisition_begins_again_at_0() {
         let mut continuity = Continuity::beginning(true);
-        assert_eq!(continuity.of(&set(40, 2)), (GroupNumber(40), 2));
+        assert_eq!(continuity.set_came(&set(40, 2)), (GroupNumber(40), 2));
         (0..4).for_each(|_| _ = continuity.is_broken(Timing::PAPER));
         continuity.set_up_anew(GroupNumber(41), 2, Timing::PAPER);
         assert_eq!(
-            continuity.of(&set(1, 1)),
+            continuity.set_came(&set(1, 1)),
             (GroupNumber(44), 5),
             "41 and 42 in 3 s; 43, which the port lost; this one"
         );
@@ -95,6 +95,6 @@ mod tests {
             (0..4).for_each(|_| _ = continuity.is_broken(Timing::PAPER));
             continuity.set_up_anew(GroupNumber(45), 5, Timing::PAPER);
         }
-        assert_eq!(continuity.of(&set(0, 0)), (GroupNumber(45 + 2 + 2), 9));
+        assert_eq!(continuity.set_came(&set(0, 0)), (GroupNumber(45 + 2 + 2), 9));
     }
 }
