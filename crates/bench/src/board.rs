@@ -16,7 +16,7 @@ use zerorate_core::wire::{FaultCounts, Identity, Request};
 pub use zerorate_core::compensate::Mode;
 pub use zerorate_core::units::{Axis, Taps};
 
-pub use self::first_time::{FirstTime, MOST_STORES};
+pub use self::first_time::{FirstTime, MOST_STORES, Recalled};
 pub use self::live::{LiveAxis, LiveGroup};
 
 use crate::choice::DeviceChoice;

@@ -94,6 +94,9 @@ pub enum Request {
     /// Makes the present taps those of power-up: a store in the potentiometer's non-volatile register, which wears
     /// (50 000 stores). Between groups.
     StorePowerUpTap,
+    /// Puts both axes off and both wipers where the potentiometer's non-volatile registers have them, and leaves them there
+    /// until a mode is set or a wiper is written. Between groups.
+    RecallPowerUpTap,
 }
 
 /// Which of a group's samples are uploaded: the first so many and the last so many of each axis that is asked for.

@@ -233,16 +233,23 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         match action {
             Action::SetMode(axis, mode) => self.axes[axis.index()].set_mode(mode),
             Action::SetTap(axis, tap) => self.axes[axis.index()].write(&mut self.part, tap, &mut self.faults),
-            Action::StorePowerUpTap => self.part.store_power_up().map_err(|_| {
-                self.faults.trim_errors += 1;
-                Refusal::TrimPartFailed
-            }),
+            Action::StorePowerUpTap => self.part.store_power_up().map_err(|_| self.trim_failed()),
+            Action::RecallPowerUpTap => {
+                self.part.recall_power_up().map_err(|_| self.trim_failed())?;
+                self.axes.iter_mut().for_each(AxisAtWork::recall);
+                Ok(())
+            }
             Action::SetAcquisition(run) => self.set_acquisition(run),
             Action::SetSamples(window) => {
                 self.outbox.set_window(window);
                 Ok(())
             }
         }
+    }
+
+    fn trim_failed(&mut self) -> Refusal {
+        self.faults.trim_errors += 1;
+        Refusal::TrimPartFailed
     }
 
     fn set_acquisition(&mut self, run: bool) -> Result<(), Refusal> {

@@ -121,6 +121,10 @@ impl<P: TrimPart, K: Deref<Target = Kept>> TrimPart for Keeping<P, K> {
     fn store_power_up(&mut self) -> Result<(), Self::Error> {
         self.part.store_power_up()
     }
+
+    fn recall_power_up(&mut self) -> Result<(), Self::Error> {
+        self.part.recall_power_up()
+    }
 }
 
 #[cfg(test)]

@@ -61,6 +61,7 @@ impl Acquisition for Sets {
 pub struct Part {
     pub writes: Rc<RefCell<Vec<(Axis, u16)>>>,
     pub stores: Rc<Cell<u32>>,
+    pub recalls: Rc<Cell<u32>>,
     pub unplugged: Rc<Cell<bool>>,
 }
 
@@ -77,6 +78,11 @@ impl TrimPart for Part {
 
     fn store_power_up(&mut self) -> Result<(), ()> {
         self.stores.set(self.stores.get() + 1);
+        if self.unplugged.get() { Err(()) } else { Ok(()) }
+    }
+
+    fn recall_power_up(&mut self) -> Result<(), ()> {
+        self.recalls.set(self.recalls.get() + 1);
         if self.unplugged.get() { Err(()) } else { Ok(()) }
     }
 }

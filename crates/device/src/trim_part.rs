@@ -21,6 +21,12 @@ pub trait TrimPart {
     /// # Errors
     /// When the part cannot be reached.
     fn store_power_up(&mut self) -> Result<(), Self::Error>;
+
+    /// Moves the wipers to where power-up would put them, without wear.
+    ///
+    /// # Errors
+    /// When the part cannot be reached.
+    fn recall_power_up(&mut self) -> Result<(), Self::Error>;
 }
 
 /// X on the potentiometer's first channel, Y on its second (paper, S2).
@@ -55,5 +61,9 @@ where
 
     fn store_power_up(&mut self) -> Result<(), Self::Error> {
         self.potentiometer.copy_wiper_to_nv(Channels::Both, &mut self.delay)
+    }
+
+    fn recall_power_up(&mut self) -> Result<(), Self::Error> {
+        self.potentiometer.copy_nv_to_wiper(Channels::Both)
     }
 }

@@ -42,6 +42,8 @@ pub enum Fault {
         /// How many.
         transfers: u32,
     },
+    /// The potentiometer's non-volatile registers are worn out: a store leaves what they held.
+    WornMemory,
     /// The processor is late: so many sets go by before it looks at data ready again.
     Overrun {
         /// How many.

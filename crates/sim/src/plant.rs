@@ -260,6 +260,7 @@ impl Plant {
     /// Breaks something, until [`Self::clear_faults`].
     pub fn inject(&mut self, fault: Fault) {
         self.faults.push(fault);
+        self.potentiometer.wear(self.faults.contains(Fault::WornMemory));
     }
 
     /// Mends everything.
@@ -268,6 +269,7 @@ impl Plant {
             self.port_scan_ns = self.now_ns + self.port.scan_period_ns();
         }
         self.faults.clear();
+        self.potentiometer.wear(false);
     }
 
     /// By how much a tap moves the settled, noise-free reading against N0, at the present temperature and input. In

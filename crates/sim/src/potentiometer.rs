@@ -56,6 +56,7 @@ pub struct Potentiometer {
     stores: [u32; 2],
     ignored_illegal: u32,
     ignored_busy: u32,
+    worn: bool,
 }
 
 impl Potentiometer {
@@ -72,7 +73,13 @@ impl Potentiometer {
             stores: [0; 2],
             ignored_illegal: 0,
             ignored_busy: 0,
+            worn: false,
         }
+    }
+
+    /// Whether the non-volatile registers take nothing any more.
+    pub(crate) fn wear(&mut self, worn: bool) {
+        self.worn = worn;
     }
 
     /// Where an axis's wiper is: X is wiper 1, Y is wiper 2.
@@ -152,7 +159,9 @@ impl Potentiometer {
     }
 
     fn store(&mut self, index: usize, tap: Taps, now_ns: u64) {
-        self.memory[index] = tap;
+        if !self.worn {
+            self.memory[index] = tap;
+        }
         self.stores[index] += 1;
         self.busy_until_ns = now_ns + self.nv_busy_ns;
     }

@@ -18,6 +18,9 @@ const GROUPS: u32 = 4;
 /// back up to a few counts off.
 const HALF_A_TAP: f64 = 16.0;
 
+/// Taps by which the wiper is moved away, so that a recall has something to bring back.
+const AWAY: u16 = 8;
+
 /// What was checked after a store.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FirstTime {
@@ -27,21 +30,51 @@ pub struct FirstTime {
     pub store_answered: bool,
     /// Readings of X and Y with the wiper at that tap, counts.
     pub before_counts: [f64; 2],
+    /// With the wiper moved away, and recalled from the potentiometer's own memory.
+    pub recalled: Recalled,
     /// The same after a power cycle; `None` where there was none.
-    pub after_counts: Option<[f64; 2]>,
+    pub after_power_up: Option<Recalled>,
+}
+
+/// Readings of X and Y, counts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Recalled {
+    /// With the wipers eight taps away.
+    pub away_counts: [f64; 2],
+    /// With the wipers where the potentiometer's memory has them.
+    pub recalled_counts: [f64; 2],
 }
 
 impl FirstTime {
-    /// Whether everything that was checked is as it should be.
+    /// What is not as it should be; nothing if all is.
     #[must_use]
-    pub fn passed(&self) -> bool {
-        let apart = |after: [f64; 2]| after.iter().zip(self.before_counts).any(|(a, b)| (a - b).abs() > HALF_A_TAP);
-        self.store_answered && !self.after_counts.is_some_and(apart)
+    pub fn fault(&self) -> Option<&'static str> {
+        let apart = |a: [f64; 2], b: [f64; 2]| a.into_iter().zip(b).map(|(a, b)| (a - b).abs() > HALF_A_TAP);
+        let of = |recalled: &Recalled| {
+            let is_back = !apart(recalled.recalled_counts, self.before_counts).any(|apart| apart);
+            let moved = apart(recalled.away_counts, self.before_counts).all(|apart| apart);
+            match (moved, is_back) {
+                (false, _) => Some(
+                    "the readings do not follow the wiper, so nothing shows where it is: check gyros, circuit and the potentiometer's SPI",
+                ),
+                (true, false) => Some(
+                    "recalled from its own memory the wiper is more than half a tap from where it was stored: the potentiometer does not keep its tap; do this again, or change the part",
+                ),
+                (true, true) => None,
+            }
+        };
+        if !self.store_answered {
+            return Some(
+                "the board counted an SPI error meanwhile: check the potentiometer's wiring, then do this again",
+            );
+        }
+        [Some(&self.recalled), self.after_power_up.as_ref()].into_iter().flatten().find_map(of)
     }
 }
 
 impl Board {
-    /// Writes both wipers to a tap, stores it for power-up, and reads the board at that tap.
+    /// Writes both wipers to a tap, stores it for power-up, moves them away and has the potentiometer recall it. The wipers
+    /// are left at that tap.
     ///
     /// # Errors
     /// [`ClientError`].
@@ -52,11 +85,12 @@ impl Board {
         self.device.order(Request::StorePowerUpTap)?;
         let store_answered = self.faults()?.trim_errors == errors;
         let before_counts = self.readings(setup)?;
-        Ok(FirstTime { tap: tap.get(), store_answered, before_counts, after_counts: None })
+        let recalled = self.recall(tap, setup)?;
+        Ok(FirstTime { tap: tap.get(), store_answered, before_counts, recalled, after_power_up: None })
     }
 
-    /// Waits until the board was switched off and on, and reads it again at the tap that it starts with. A board that has
-    /// gone to work with a calibration is put back there.
+    /// Waits until the board was switched off and on, and has the potentiometer recall its tap once more: a board that starts
+    /// writes its wipers itself, so what it reads then says nothing of that memory.
     ///
     /// # Errors
     /// [`ClientError::NoRestart`], or whatever `look` says.
@@ -69,12 +103,24 @@ impl Board {
     ) -> Result<(), E> {
         self.identity = self.device.await_restart(patience, look)?;
         self.started = false;
-        if let Some(tap) = Taps::new(found.tap).filter(|_| self.identity.running) {
-            self.set_mode(&Axis::BOTH, super::Mode::Off, None)?;
-            self.set_tap(&Axis::BOTH, tap, None)?;
+        self.set_mode(&Axis::BOTH, super::Mode::Off, None)?;
+        found.after_power_up = Some(self.recall(Taps::new(found.tap).unwrap_or(Taps::MIDDLE), setup)?);
+        // What the board had begun goes on.
+        for (axis, mode) in Axis::BOTH.into_iter().zip(self.identity.modes) {
+            self.set_mode(&[axis], mode, None)?;
         }
-        found.after_counts = Some(self.readings(setup)?);
         Ok(())
+    }
+
+    /// Moves the wipers away from a tap and has the potentiometer bring them back; then they are written to it.
+    fn recall(&mut self, tap: Taps, setup: &SetUp) -> Result<Recalled, ClientError> {
+        let away = Taps::new(tap.get() + AWAY).or_else(|| Taps::new(tap.get() - AWAY)).unwrap_or(tap);
+        self.set_tap(&Axis::BOTH, away, None)?;
+        let away_counts = self.readings(setup)?;
+        self.device.order(Request::RecallPowerUpTap)?;
+        let recalled_counts = self.readings(setup)?;
+        self.set_tap(&Axis::BOTH, tap, None)?;
+        Ok(Recalled { away_counts, recalled_counts })
     }
 
     fn readings(&mut self, setup: &SetUp) -> Result<[f64; 2], ClientError> {

@@ -155,7 +155,10 @@ impl Conversation {
 
     /// How long an answer may take.
     fn patience(&self, request: &Request, at: Option<GroupNumber>) -> Duration {
-        let waits = matches!(request, Request::SetMode { .. } | Request::SetTap { .. } | Request::StorePowerUpTap);
+        let waits = matches!(
+            request,
+            Request::SetMode { .. } | Request::SetTap { .. } | Request::StorePowerUpTap | Request::RecallPowerUpTap
+        );
         if !waits || !self.acquiring {
             return ANSWER;
         }
@@ -347,6 +350,7 @@ fn name(request: &Request) -> &'static str {
         Request::ReadCalibration { .. } => "for its calibration",
         Request::Faults => "for its fault counters",
         Request::StorePowerUpTap => "to store the power-up tap",
+        Request::RecallPowerUpTap => "to recall the power-up tap",
         #[allow(unreachable_patterns)] // What the table may have besides.
         _ => "something",
     }

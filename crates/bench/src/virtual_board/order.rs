@@ -7,7 +7,7 @@ use zerorate_sim::Fault;
 
 /// The orders, for help texts.
 const KNOWN: &str = "chamber C, feed VOLTS, gyros, voltmeter, power, break \
-                     stuck-x|stuck-y|torn-x|torn-y|jump-x|jump-y|saturated-x|saturated-y|overrun|no-scans|port|trim|spi, \
+                     stuck-x|stuck-y|torn-x|torn-y|jump-x|jump-y|saturated-x|saturated-y|overrun|no-scans|port|trim|memory|spi, \
                      byte-errors RATE, mend, status, quit";
 
 /// What a person does at the bench of a virtual board.
@@ -77,6 +77,7 @@ fn fault(what: &str) -> Option<Fault> {
         "no-scans" => Some(Fault::NoScans),
         "port" => Some(Fault::PortSpi { transfers: 4 }),
         "trim" => Some(Fault::PotentiometerSpi { transfers: 4 }),
+        "memory" => Some(Fault::WornMemory),
         "spi" => Some(Fault::DeadSpi),
         _ => None,
     }

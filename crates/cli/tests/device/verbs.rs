@@ -145,10 +145,26 @@ fn the_power_up_tap_is_stored_only_when_it_is_agreed_to() {
     board.device(&["first-time"], folder.path()).ends(2, &["--yes", "wears"]);
     let done = board.device(&["first-time", "--yes", "--json"], folder.path()).json();
     assert_eq!(
-        (&done["tap"], &done["store_answered"], &done["after_counts"]),
+        (&done["tap"], &done["store_answered"], &done["after_power_up"]),
         (&511.into(), &true.into(), &Value::Null)
     );
+    // Eight taps are 248 counts, and recalled they are gone again.
+    for axis in [0, 1] {
+        let [before, away, recalled] =
+            [&done["before_counts"], &done["recalled"]["away_counts"], &done["recalled"]["recalled_counts"]]
+                .map(|counts| counts[axis].as_f64().unwrap());
+        assert!(((away - before).abs() - 248.0).abs() < 15.0 && (recalled - before).abs() < 8.0, "{done}");
+    }
     board.device(&["first-time", "--yes"], folder.path()).ends(0, &["not checked: --power-cycle does"]);
+}
+
+#[test]
+fn a_potentiometer_that_keeps_no_tap_is_found() {
+    let (mut board, folder) = on_a_serial_line();
+    assert!(board.order("break memory").contains("WornMemory"));
+    // Its maker stored tap 511; a board with another middle shows that this one is not kept.
+    fs::write(folder.path().join("setup.toml"), "[board]\nmiddle_tap = 520\n").unwrap();
+    board.device(&["first-time", "--yes", "--setup", "setup.toml"], folder.path()).ends(1, &["does not keep its tap"]);
 }
 
 /// Runs first-time with a power cycle, which `cycle` carries out when it is asked for.
@@ -172,7 +188,7 @@ fn first_time_over_a_power_cycle(port: &str, folder: &Path, mut cycle: impl FnMu
     let output = child.wait_with_output().unwrap();
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(0), "{found}");
-    assert!(found["after_counts"][0].is_number(), "{found}");
+    assert!(found["after_power_up"]["recalled_counts"][0].is_number(), "{found}");
 }
 
 #[test]

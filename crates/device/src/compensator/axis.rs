@@ -16,13 +16,15 @@ pub(super) struct AxisAtWork {
     law: Option<AxisLaw>,
     pub(super) state: AxisCompensation,
     pub(super) temperature: TemperatureWatch,
+    /// The wiper stands where the part's own memory has it, and is left there.
+    recalled: bool,
 }
 
 impl AxisAtWork {
     /// An axis without a law, its wiper left where it stands.
     pub(super) fn new(axis: Axis, tap: Taps) -> Self {
         let state = AxisCompensation::new(None, tap);
-        Self { axis, law: None, state, temperature: TemperatureWatch::default() }
+        Self { axis, law: None, state, temperature: TemperatureWatch::default(), recalled: false }
     }
 
     /// Takes a law into use, keeping mode and tap.
@@ -39,6 +41,7 @@ impl AxisAtWork {
             Some(law) if mode.moves_wiper() && !law.moves_wiper() => return Err(Refusal::NoEdges),
             _ => self.state.set_mode(mode),
         }
+        self.recalled = false;
         Ok(())
     }
 
@@ -52,10 +55,17 @@ impl AxisAtWork {
             faults.trim_errors += 1;
             return Err(Refusal::TrimPartFailed);
         }
+        self.recalled = false;
         if tap != self.state.tap() {
             self.state.wiper_written(self.law.as_ref(), tap);
         }
         Ok(())
+    }
+
+    /// The part has moved its wiper to where its memory has it: that is looked at bare, with the axis off.
+    pub(super) fn recall(&mut self) {
+        self.state.set_mode(Mode::Off);
+        self.recalled = true;
     }
 
     /// Groups of so many samples were lost: their time passes all the same.
@@ -80,7 +90,7 @@ impl AxisAtWork {
         // Written with every group, moved or not: where the wiper stands nobody knows after a write that failed, or after a
         // dip of the analogue supply, which puts it back to its tap of power-up. A write that fails leaves the shadow as it
         // was; the law asks again with the next group.
-        let written = self.write(part, outcome.move_to.unwrap_or(tap), faults);
+        let written = if self.recalled { Ok(()) } else { self.write(part, outcome.move_to.unwrap_or(tap), faults) };
         let saturated = sums.is_saturated(FULL_SCALE);
         temperature::count(temperature, faults);
         faults.saturated += u32::from(saturated);

@@ -24,6 +24,8 @@ pub enum Action {
     SetTap(Axis, Taps),
     /// Makes the present taps those of power-up.
     StorePowerUpTap,
+    /// Puts the wipers where power-up would put them, and both axes off.
+    RecallPowerUpTap,
     /// Starts the acquisition anew, or stops it.
     SetAcquisition(bool),
     /// Which samples are reported.
@@ -38,6 +40,7 @@ impl Action {
             Request::SetMode { axis, mode } => Self::SetMode(axis, mode),
             Request::SetTap { axis, tap } => Self::SetTap(axis, tap),
             Request::StorePowerUpTap => Self::StorePowerUpTap,
+            Request::RecallPowerUpTap => Self::RecallPowerUpTap,
             Request::SetAcquisition { run } => Self::SetAcquisition(run),
             Request::SetStream { samples, .. } => Self::SetSamples(samples),
             Request::Identity
@@ -50,6 +53,6 @@ impl Action {
 
     /// Whether it changes how a group is taken, and so waits for the next.
     pub(super) const fn waits_for_a_group(self) -> bool {
-        matches!(self, Self::SetMode(..) | Self::SetTap(..) | Self::StorePowerUpTap)
+        matches!(self, Self::SetMode(..) | Self::SetTap(..) | Self::StorePowerUpTap | Self::RecallPowerUpTap)
     }
 }

@@ -1,3 +1,4 @@
+use std::vec;
 use std::vec::Vec;
 
 use zerorate_core::wire::SampleWindow;
@@ -119,6 +120,28 @@ fn an_unplugged_potentiometer_is_counted_and_written_again_at_the_next_group() {
     rig.part.unplugged.set(false);
     rig.set(2, 8500, 8541);
     assert_eq!(rig.writes(), [(Axis::X, 500), (Axis::Y, 511)]);
+}
+
+#[test]
+fn recalled_wipers_are_left_alone_until_they_are_told_to_move() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetMode(Axis::X, Mode::Trim));
+    rig.order(None, Action::SetAcquisition(true));
+    rig.set(0, 8500, 8541);
+    rig.order(None, Action::RecallPowerUpTap);
+    assert_eq!(rig.set(1, 8500, 8541)[1], done(2));
+    rig.writes();
+    rig.set(2, 8500, 8541);
+    rig.set(3, 8700, 8541);
+    assert_eq!((rig.part.recalls.get(), rig.writes(), rig.compensator.status().modes), (1, vec![], [Mode::Off; 2]));
+    rig.order(None, Action::SetTap(Axis::X, Taps::MIDDLE));
+    rig.set(4, 8500, 8541);
+    assert_eq!(rig.writes(), [(Axis::X, 511)], "Y was not told to move");
+    rig.order(None, Action::SetMode(Axis::Y, Mode::Off));
+    rig.set(5, 8500, 8541);
+    rig.writes();
+    rig.set(6, 8500, 8541);
+    assert_eq!(rig.writes(), [(Axis::X, 511), (Axis::Y, 511)]);
 }
 
 #[test]

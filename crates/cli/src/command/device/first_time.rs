@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use zerorate_bench::board::{self, MOST_STORES};
+use zerorate_bench::board::{self, MOST_STORES, Recalled};
 use zerorate_bench::setup::SetUp;
 
 use super::Device;
@@ -19,9 +19,9 @@ const POWER_CYCLE: Duration = Duration::from_secs(300);
 /// Set up a new board once: make the middle tap that of power-up, and check it
 ///
 /// The potentiometer keeps the tap in a non-volatile register that wears, so this is asked for, and no other command does
-/// it. The part cannot be read back. What can be checked is that the board carried the store out without an SPI error
-/// and, with --power-cycle, that its readings are the same after it was switched off and on; the board writes the middle
-/// tap itself when it starts, so that the register alone shows only in the first moment of power.
+/// it. The part cannot be read back. So its wipers are moved eight taps away, and the part is told to bring them back from
+/// that register: then the readings must be what they were. With --power-cycle that is done once more after the board was
+/// switched off and on. A board that starts writes its wipers itself, so its readings alone would say nothing of the register.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct FirstTime {
@@ -29,7 +29,7 @@ pub struct FirstTime {
     #[arg(long)]
     yes: bool,
 
-    /// Wait until the board was switched off and on, and compare its readings
+    /// Wait until the board was switched off and on, and recall the tap once more
     #[arg(long)]
     power_cycle: bool,
 
@@ -63,25 +63,25 @@ impl FirstTime {
         } else {
             self.page(&found).print()?;
         }
-        Ok(if found.passed() { Outcome::Done } else { Outcome::Rejected })
+        Ok(if found.fault().is_none() { Outcome::Done } else { Outcome::Rejected })
     }
 
     fn page(&self, found: &board::FirstTime) -> Page {
         let mut page = Page::default();
         page.line(format!("Tap {} is stored for power-up on both axes", found.tap));
-        let answered = if found.store_answered {
-            "the board carried it out, and counted no SPI error"
-        } else {
-            "the board counted an SPI error meanwhile: check the potentiometer's wiring, then do this again"
-        };
         let counts = |[x, y]: [f64; 2]| format!("X {x:.1}, Y {y:.1} counts");
+        let recalled =
+            |found: &Recalled| format!("{}; moved away {}", counts(found.recalled_counts), counts(found.away_counts));
         page.facts(&[
-            ("store", answered.to_owned()),
             ("readings", counts(found.before_counts)),
-            ("after power-up", found.after_counts.map_or_else(|| "not checked: --power-cycle does".into(), counts)),
+            ("recalled", recalled(&found.recalled)),
+            (
+                "after power-up",
+                found.after_power_up.as_ref().map_or_else(|| "not checked: --power-cycle does".into(), recalled),
+            ),
         ]);
-        if !found.passed() && found.store_answered {
-            page.sentence("  - ", "the readings differ by more than half a tap: the wiper is not where it was");
+        if let Some(fault) = found.fault() {
+            page.sentence("  - ", fault);
         }
         page
     }

@@ -43,6 +43,7 @@ fn harmful(encoded: &[u8]) -> Vec<Vec<u8>> {
         Request::SetTap { axis: Axis::X, tap: zerorate_core::units::Taps::LAST },
         Request::SetMode { axis: Axis::Y, mode: Mode::Hybrid },
         Request::StorePowerUpTap,
+        Request::RecallPowerUpTap,
         Request::SetAcquisition { run: false },
         Request::CommitCalibration { length: 700 },
         Request::WriteCalibration { offset: 256, bytes: encoded[..CHUNK].iter().copied().collect() },
