@@ -175,6 +175,11 @@ pub struct LogLeft {
     pub by_the_others: Option<f64>,
     /// By the fit of all, this one among them.
     pub by_all: f64,
+    /// How far its rates lie above the fit of all, on average, less the same of the mean of the logs: what differs from one
+    /// time it is switched on to another, beside the model's own errors. `None` in a calibration that was made before it was
+    /// told.
+    #[serde(default)]
+    pub offset: Option<f64>,
 }
 
 /// A model that was tried, and its errors, rate units.

@@ -147,16 +147,20 @@ impl Outer {
         if self.by_the_others.is_empty() {
             return Vec::new();
         }
-        let (uncorrected, all) = (zeroed(series, &predicted(series.rate, all)), zeroed(series, all));
-        let left = |log: Range<usize>| {
+        let above = |log: &Range<usize>| level(&all[log.clone()]);
+        let logs = series.logs();
+        let mean = logs.iter().map(above).sum::<f64>() / logs.len() as f64;
+        let (uncorrected, left) = (zeroed(series, &predicted(series.rate, all)), zeroed(series, all));
+        let of_log = |log: &Range<usize>| {
             let rms = |left: &[f64]| ResidualStatistics::of(left[log.clone()].iter().copied()).rms;
             LogLeft {
                 uncorrected: rms(&uncorrected),
                 by_the_others: finite(rms(&self.by_the_others)),
-                by_all: rms(&all),
+                by_all: rms(&left),
+                offset: finite(above(log) - mean),
             }
         };
-        series.logs().into_iter().map(left).collect()
+        logs.iter().map(of_log).collect()
     }
 
     pub(super) fn figures(&self) -> HeldOut {
@@ -215,6 +219,12 @@ fn by_the_others(series: &Series<'_>, make: impl Fn(&dyn Fn(usize) -> bool) -> O
         None => vec![f64::NAN; log.len()],
     };
     zeroed(series, &logs.into_iter().flat_map(of_log).collect::<Vec<_>>())
+}
+
+/// The mean of what is left of the groups that were predicted.
+fn level(left: &[f64]) -> f64 {
+    let known: Vec<f64> = left.iter().copied().filter(|left| left.is_finite()).collect();
+    ResidualStatistics::about_mean(&known).1
 }
 
 /// What is left of the groups that were predicted; NaN of the others, which are none of a device's.

@@ -213,6 +213,10 @@ fn of_two_logs_each_is_predicted_by_the_other() {
             assert!((told / (slope * span) - 1.0).abs() < 1e-3, "{left:?}");
         }
     }
+    // The line through both is halfway, 0.005 a degree and 2.5 from either; the mean temperature is 19.875 C.
+    for (left, offset) in left.iter().zip([-2.599_375, 2.599_375]) {
+        assert!((left.offset.unwrap() - offset).abs() < 1e-4, "{left:?}");
+    }
     let alone = Made::new((0..400).map(ramp).collect(), |_, t| 0.01 * t).fit(Model::Poly(1));
     assert!(alone.fit.statistics.by_log.is_empty());
 }

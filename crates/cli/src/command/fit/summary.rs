@@ -145,10 +145,11 @@ fn by_log(page: &mut Page, fit: &LogFit, scale: RateScale, unit: RateUnit) {
         aligned(&column(&|left| left.uncorrected)),
         aligned(&column(&|left| left.by_the_others.unwrap_or(f64::NAN))),
         aligned(&column(&|left| left.by_all)),
+        aligned(&column(&|left| left.offset.unwrap_or(f64::NAN))),
     ];
-    let mut grid = Grid::new("llrrr");
-    grid.head(["", "", "", "by a fit of", "by the fit"]);
-    grid.head(["log", axis_or_column(left[0].1), "uncorrected", "the others", "of all"]);
+    let mut grid = Grid::new("llrrrr");
+    grid.head(["", "", "", "by a fit of", "by the fit", ""]);
+    grid.head(["log", axis_or_column(left[0].1), "uncorrected", "the others", "of all", "level"]);
     for (place, (log, axis, _)) in left.iter().enumerate() {
         let name = if place > 0 && left[place - 1].0.name == log.name { String::new() } else { log.name.clone() };
         grid.row([name, axis.name.clone()].into_iter().chain(columns.iter().map(|column| column[place].clone())));
