@@ -26,7 +26,7 @@ use zerorate_cal::log::{LogFault, SensorChoice};
 use zerorate_cal::log_fit::{AxisFit, FitOptions, LogFit, LogFitError};
 pub use zerorate_cal::matching::Unmatched;
 use zerorate_cal::matching::{Known, calibrated, places, renamed};
-use zerorate_cal::quality::{Judgement, Reason, Verdict};
+use zerorate_cal::quality::{Reason, Verdict};
 use zerorate_cal::source::{Faulty, Source};
 use zerorate_cal::table::Columns;
 use zerorate_cal::trace::period_s;
@@ -186,12 +186,11 @@ fn conditioned(log: &Source, options: &VerifyOptions) -> Result<LogFit, LogFitEr
 
 /// Why there is nothing of an axis.
 fn missing(own: &Known<'_>, fit: &LogFit) -> String {
-    let rejected: Vec<&Judgement> =
-        fit.verdicts.iter().filter(|axis| axis.name == own.name).map(|axis| &axis.judgement).collect();
-    let reasons: Vec<&str> = rejected.iter().flat_map(|axis| &axis.reasons).map(|r| r.text.as_str()).collect();
+    let verdict =
+        fit.verdicts.iter().find(|axis| axis.name == own.name).filter(|axis| !axis.judgement.reasons.is_empty());
     let is_acceleration = |unit: RateUnit| unit == RateUnit::MetresPerS2;
-    if !reasons.is_empty() {
-        format!("{}: nothing that can be used: {}", own.name, reasons.join("; "))
+    if let Some(verdict) = verdict {
+        format!("{}: nothing that can be used: {}", own.name, verdict.why())
     } else if is_acceleration(own.unit) && !fit.axes.iter().any(|axis| is_acceleration(axis.calibration.rate_unit)) {
         format!("{}: the log has no accelerometer; to verify the gyros alone give `sensor` gyro", own.name)
     } else {

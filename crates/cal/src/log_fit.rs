@@ -129,6 +129,19 @@ pub struct AxisVerdict {
     pub judgement: Judgement,
 }
 
+impl AxisVerdict {
+    /// The reasons as one sentence, without the axis's name, with which each begins.
+    #[must_use]
+    pub fn why(&self) -> String {
+        let texts = self.judgement.reasons.iter().map(|reason| reason.text.as_str());
+        let bare = |text: &'_ str| {
+            let after = text.strip_prefix(self.name.as_str()).and_then(|text| text.strip_prefix(": "));
+            after.unwrap_or(text).to_owned()
+        };
+        texts.map(bare).collect::<Vec<_>>().join("; ")
+    }
+}
+
 /// A jump of an axis's rate that stayed, and was taken out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoundStep {

@@ -78,8 +78,7 @@ fn rejected_axes(page: &mut Page, fit: &LogFit) {
     }
     page.heading("Axes rejected, and not in the calibration");
     for axis in rejected() {
-        let reasons: Vec<&str> = axis.judgement.reasons.iter().map(|reason| reason.text.as_str()).collect();
-        page.sentence("  - ", &format!("{}: {}", axis.name, reasons.join("; ")));
+        page.sentence("  - ", &format!("{}: {}", axis.name, axis.why()));
     }
 }
 
@@ -228,6 +227,7 @@ fn terms_in_recording(page: &mut Page, fit: &LogFit, over: ResidualOver) {
         ResidualOver::Rows => "single rows".to_owned(),
         ResidualOver::Groups => format!("averages over {}", fit.averaged_over()),
     };
+    let levels = if fit.sources.len() > 1 { " The levels of the logs differ, and that is in both." } else { "" };
     let believed = if fit.axes.iter().any(|axis| axis.calibration.fit.model.time_drift.is_some()) {
         " Both take the log's own drift in time off, and its history as known from the start: that shows how well the model \
          describes this log, and is no promise for the next."
@@ -239,7 +239,7 @@ fn terms_in_recording(page: &mut Page, fit: &LogFit, over: ResidualOver) {
         "  ",
         &format!(
             "Residuals of {of_what}: in-sample, of the rows that the curve was fitted to; held out, by blocked \
-             cross-validation: of each of eight folds of the log, predicted by a fit of the other seven.{believed}"
+             cross-validation: of each of eight folds of the log, predicted by a fit of the other seven.{levels}{believed}"
         ),
     );
 }

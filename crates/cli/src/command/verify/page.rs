@@ -69,7 +69,13 @@ fn verdict(page: &mut Page, verified: &Verified) {
             "this is the log that the calibration was fitted on: what is left is in-sample, and no test",
         );
     }
-    verified.reasons.iter().for_each(|reason| page.sentence("  - ", &reason.text));
+    // What is missing has said why.
+    let is_told = |text: &str| {
+        let why = text.split_once(": ").map_or(text, |(_, why)| why);
+        verified.missing.iter().any(|missing| missing.ends_with(why))
+    };
+    let reasons = verified.reasons.iter().map(|reason| reason.text.as_str()).filter(|text| !is_told(text));
+    reasons.for_each(|text| page.sentence("  - ", text));
 }
 
 fn grid(axes: &[&VerifiedAxis], scale: RateScale) -> Grid {
