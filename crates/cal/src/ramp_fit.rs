@@ -215,6 +215,7 @@ fn of_fit(name: &str, means: &RampMeans, fit: DriftFit, residuals: &[f64]) -> Ax
     let mut calibration = AxisCalibration::of_fit(fit, RateUnit::Counts);
     calibration.fit.statistics.samples_used = means.samples;
     let point = |(group, residual): (usize, &f64)| TracePoint {
+        log: 0,
         time_s: means.times_s[group],
         temperature: means.temperatures[group],
         rate: means.readings[group],

@@ -8,6 +8,8 @@ const BINS: u64 = 2000;
 /// A group, or the mean over some successive rows of a fit of rows.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct TracePoint {
+    /// Which uninterrupted log it belongs to, counted from 0: from one to the next the rate may jump. 0 in a fit of rows.
+    pub log: u32,
     /// Seconds from the log's first row; NaN if not known.
     pub time_s: f64,
     /// In the temperature column's unit.
@@ -66,6 +68,7 @@ impl Trace {
         let mean = |(count, sums): (u64, TracePoint)| {
             let mean = |sum: f64| sum / count as f64;
             TracePoint {
+                log: 0,
                 time_s: mean(sums.time_s),
                 temperature: mean(sums.temperature),
                 rate: mean(sums.rate),

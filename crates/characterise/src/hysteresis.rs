@@ -1,5 +1,7 @@
 //! Heating less cooling at equal temperature.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use zerorate_cal::log_fit::AxisFit;
 use zerorate_cal::trace::TracePoint;
@@ -47,7 +49,7 @@ impl Hysteresis {
         let both = differences(points, warming, &excess);
         if both.len() < LEAST_BINS {
             return Err(
-                "the log holds one direction of the temperature; let it warm and cool over the same range".to_owned()
+                "the log holds one direction of the temperature, or one before and one after an interruption; let it warm and cool over the same range in one go".to_owned()
             );
         }
         let residuals: Vec<f64> = points.iter().map(|point| point.residual).collect();
@@ -81,23 +83,29 @@ fn excess(axis: &AxisFit, points: &[TracePoint]) -> Vec<f64> {
     points.iter().zip(biases).map(excess).collect()
 }
 
-/// Heating less cooling in each bin that both directions have.
+/// Heating less cooling in each bin, within a log: from one log to the next the rate may jump for reasons of its own.
 fn differences(points: &[TracePoint], warming: &[bool], excess: &[f64]) -> Vec<Difference> {
     let (min, max) = span(points);
-    let mut bins = vec![[(0.0, 0.0); 2]; BINS];
+    let mut bins: BTreeMap<(usize, u32), [(f64, f64); 2]> = BTreeMap::new();
     for ((point, warming), excess) in points.iter().zip(warming).zip(excess) {
         // Below 40.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let bin = (((point.temperature - min) / (max - min) * BINS as f64) as usize).min(BINS - 1);
-        let (sum, count) = &mut bins[bin][usize::from(*warming)];
+        let (sum, count) = &mut bins.entry((bin, point.log)).or_default()[usize::from(*warming)];
         *sum += excess;
         *count += 1.0;
     }
-    let both = bins.iter().enumerate().filter(|(_, [cooling, heating])| cooling.1 > 0.0 && heating.1 > 0.0);
-    both.map(|(bin, [cooling, heating])| Difference {
-        bin,
-        value: heating.0 / heating.1 - cooling.0 / cooling.1,
-        error: (1.0 / heating.1 + 1.0 / cooling.1).sqrt(),
-    })
-    .collect()
+    let of_log = |((bin, _), [cooling, heating]): (&(usize, u32), &[(f64, f64); 2])| {
+        let value = heating.0 / heating.1 - cooling.0 / cooling.1;
+        value.is_finite().then(|| (*bin, value, (1.0 / heating.1 + 1.0 / cooling.1).sqrt()))
+    };
+    let of_logs: Vec<(usize, f64, f64)> = bins.iter().filter_map(of_log).collect();
+    // Each log's difference counts by how well it is known.
+    let mean = |logs: &[(usize, f64, f64)]| {
+        let weight = |error: f64| error.powi(-2);
+        let weights: f64 = logs.iter().map(|(_, _, error)| weight(*error)).sum();
+        let sum: f64 = logs.iter().map(|(_, value, error)| value * weight(*error)).sum();
+        Difference { bin: logs[0].0, value: sum / weights, error: weights.sqrt().recip() }
+    };
+    of_logs.chunk_by(|a, b| a.0 == b.0).map(mean).collect()
 }

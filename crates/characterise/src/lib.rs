@@ -61,10 +61,19 @@ impl Characteristics {
         Self {
             temperature_sensitivity: TemperatureSensitivity::of(axis),
             hysteresis: Hysteresis::of(axis, &points, &warming),
-            ramp_sensitivity: RampSensitivity::of(&points, &warming),
-            residual_noise: residual_noise(&points).map_err(|error| error.to_string()),
+            ramp_sensitivity: RampSensitivity::of(&level(&points), &warming),
+            residual_noise: residual_noise(&level(&points)).map_err(|error| error.to_string()),
         }
     }
+}
+
+/// The residuals of several logs about each one's own mean: that they jump from one to the next is neither noise nor a ramp's.
+fn level(points: &[TracePoint]) -> Vec<TracePoint> {
+    let log = |log: &[TracePoint]| {
+        let mean = log.iter().map(|point| point.residual).sum::<f64>() / log.len() as f64;
+        log.iter().map(|point| TracePoint { residual: point.residual - mean, ..*point }).collect::<Vec<_>>()
+    };
+    points.chunk_by(|a, b| a.log == b.log).flat_map(log).collect()
 }
 
 /// What the log does not hold, and why, a sentence each: `x, y: no thermal hysteresis: the log holds one direction ...`.

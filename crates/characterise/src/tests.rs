@@ -65,6 +65,30 @@ fn noise_alone_is_no_hysteresis_and_neither_is_a_drift_in_time() {
 }
 
 #[test]
+fn a_jump_from_one_log_to_the_next_is_no_hysteresis_and_no_noise() {
+    let log = |name: &str, from_s: i32, level: f64, state: &mut u32| {
+        let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();
+        for row in 0..3000 {
+            // The second goes round the other way, and turns elsewhere.
+            let angle = std::f64::consts::TAU * f64::from(row) / 3000.0 + level * 100.0;
+            let t = 20.0 - 30.0 * angle.cos();
+            text += &format!("{},{t},{}\n", from_s + row, level + 1e-3 * t + 1e-5 * normal(state));
+        }
+        Source::bytes(name, text.into_bytes())
+    };
+    let mut state = 5;
+    let logs = [log("a.csv", 0, 0.0, &mut state), log("b.csv", 10_000, 0.02, &mut state)];
+    let fit = fit(&logs, &FitOptions::default()).unwrap();
+    let found = Characteristics::of(&fit.axes[0]);
+    assert!(found.hysteresis.as_ref().is_err_and(|why| why.contains("differ nowhere")), "{:?}", found.hysteresis);
+    let noise = found.residual_noise.unwrap();
+    // An average of 21 rows of 1e-5.
+    assert!(noise.points[0].deviation < 4e-6, "{:?}", noise.points[0]);
+    // What the curve misses, and a thousandth of the jump.
+    assert!(noise.points.iter().all(|point| point.deviation < 3e-5), "{noise:?}");
+}
+
+#[test]
 fn the_largest_difference_is_known_as_well_as_the_averages_of_two_bins() {
     // An average of 21 rows of 1e-4 is known to 2.2e-5; a bin of either direction holds two or three of them, more where the
     // temperature turns: two bins differ by 1e-5 to 2.5e-5 by chance.

@@ -155,6 +155,7 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
     };
     words::of_gain(&fitted.fit.statistics, name, stream).into_iter().for_each(|reason| judgement.add(reason));
     let point = |(group, residual): (&Group, &f64)| TracePoint {
+        log: group.log,
         time_s: group.time_s,
         temperature: group.temperature,
         rate: group.axes[axis].rate,

@@ -101,6 +101,7 @@ impl LogPage<'_> {
             caption: html! {
                 "Within the recording, in " (scale.unit()) ": how well the model describes this log, its own drift in time and "
                 "its history from the start on taken as known. No device knows those."
+                @if self.fit.sources.len() > 1 { " The levels of the logs differ, and that is in it." }
             },
             heads: &["Axis", "In-sample, rms", "In-sample, pp", "Held out, rms", "Held out, pp"],
             rows: axes.iter().map(row).collect(),
