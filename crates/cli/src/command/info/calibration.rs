@@ -71,7 +71,8 @@ impl Facts {
         page.facts(&[("unit", unit), ("made by", self.created_by.clone())]);
         for source in &self.sources {
             let hash = source.sha256.get(..SHORT_HASH).unwrap_or(&source.sha256);
-            page.facts(&[("from   ", format!("{} ({}, SHA-256 {hash}...)", source.file, source.content))]);
+            let recorded = source.started.as_ref().map(|started| format!(", recorded {started}")).unwrap_or_default();
+            page.facts(&[("from   ", format!("{} ({}{recorded}, SHA-256 {hash}...)", source.file, source.content))]);
         }
         self.show_axes(page);
         for axis in &self.axes {
