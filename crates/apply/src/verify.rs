@@ -179,6 +179,7 @@ fn conditioned(log: &Source, options: &VerifyOptions) -> Result<LogFit, LogFitEr
         // Limits are held against averages of one length, whatever the log's.
         group_s: Some(GROUP_S),
         sensor: options.sensor,
+        keep_steps: true,
         ..FitOptions::default()
     };
     fit(std::slice::from_ref(log), &options)

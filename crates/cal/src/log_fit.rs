@@ -49,6 +49,8 @@ pub struct FitOptions {
     pub group_s: Option<f64>,
     /// The sensors to fit; `None` for all.
     pub sensor: Option<SensorChoice>,
+    /// Tell a step of the rate, and leave it in: what a calibration leaves of a run has it too.
+    pub keep_steps: bool,
 }
 
 impl FitOptions {

@@ -146,6 +146,7 @@ impl LogArguments {
             allow_narrow: self.allow_narrow,
             group_s: self.group_seconds,
             sensor: self.sensor,
+            keep_steps: false,
         }
     }
 

@@ -169,6 +169,29 @@ fn limits_are_read_with_their_units_and_per_axis() {
     assert!(toml::from_str::<Limits>("max_rsm = \"1 dps\"").is_err());
 }
 
+#[test]
+fn a_step_of_the_second_run_stands_in_what_is_left_and_misses_a_limit() {
+    let line = |t: f64| 1e-3 * t;
+    let run = |stepped: bool| {
+        let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();
+        for row in 0..4000_i32 {
+            let t = 20.0 - 30.0 * (std::f64::consts::TAU * f64::from(row) / 4000.0).cos();
+            let noise = (f64::from((row * 617) % 1000) - 499.5) * 1e-7;
+            let step = if stepped && row >= 1000 { 0.02 } else { 0.0 };
+            text += &format!("{row},{t},{}\n", line(t) + noise + step);
+        }
+        Source::bytes("run.csv", text.into_bytes())
+    };
+    let options = FitOptions { model: Model::Poly(1), ..FitOptions::default() };
+    let own = fit(&[run(false)], &options).unwrap().to_calibration(Vec::new(), None).unwrap();
+    let limits = Limits { max_pp: Some("0.01rad/s".parse().unwrap()), ..Limits::default() };
+    let verified = verify(&run(true), &own, &VerifyOptions { limits, ..VerifyOptions::default() }).unwrap();
+    assert_eq!(verified.passed, Some(false));
+    assert!((verified.axes[0].corrected.pp - 0.02).abs() < 1e-3, "{:?}", verified.axes[0]);
+    let told = verified.reasons.iter().find(|reason| reason.kind == ReasonKind::Step).unwrap();
+    assert!(told.text.ends_with("it stands in what is left"), "{}", told.text);
+}
+
 /// Rows `step_s` apart of a slow swing of temperature, a rate in proportion and a sine of 60 s.
 fn sine(rows: u32, step_s: f64, size: f64) -> Source {
     let mut text = "time_s,temperature_c,gyro_x_rad_s,gyro_y_rad_s\n".to_owned();

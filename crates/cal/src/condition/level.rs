@@ -28,6 +28,16 @@ pub struct Levels {
     pub steps: Vec<Step>,
 }
 
+impl Levels {
+    /// Puts the steps back that were taken out.
+    pub fn put_back(&self, groups: &mut [Group]) {
+        for step in &self.steps {
+            let after = groups.iter_mut().filter(|group| group.first_row >= step.row);
+            after.for_each(|group| group.axes[step.axis].rate += step.size);
+        }
+    }
+}
+
 /// Leaves out the groups in which the unit was moved, settled after its start, or had no true temperature (their rows
 /// become 0 and are counted) and takes out steps: rates after a step are reduced by its size, so the curve holds for the
 /// level before the first one. `rotation_threshold` is a rate that only a rotating unit shows, infinite where there is none.

@@ -39,6 +39,9 @@ pub(super) fn fit(sources: &[Source], options: &FitOptions, fit: &mut LogFit) ->
     let mut levels: Vec<Levels> = logs.sensors.iter_mut().map(condition).collect();
     leave_out_together(&mut logs.sensors, &mut levels);
     for (sensor, levels) in logs.sensors.iter_mut().zip(levels) {
+        if options.keep_steps {
+            levels.put_back(&mut sensor.groups);
+        }
         if is_accelerometer(&sensor.stream) {
             (0..sensor.stream.names.len()).for_each(|axis| take_from_reference(&mut sensor.groups, axis));
         }
@@ -117,7 +120,7 @@ fn overlap(a: (f64, f64), b: (f64, f64)) -> bool {
 fn fit_sensor(sensor: &Gathered, levels: &Levels, options: &FitOptions, fit: &mut LogFit) {
     for (axis, name) in sensor.stream.names.iter().enumerate() {
         let mut judgement = Judgement::default();
-        words::report(&mut judgement, sensor, axis, levels);
+        words::report(&mut judgement, sensor, axis, levels, options.keep_steps);
         fit.axes.extend(fit_axis(sensor, options, axis, &mut judgement));
         fit.verdicts.push(AxisVerdict { name: name.clone(), judgement });
     }

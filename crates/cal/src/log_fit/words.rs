@@ -13,7 +13,7 @@ use crate::quality::{Judgement, Reason, ReasonKind};
 const COARSE: f64 = 0.02;
 
 /// Puts what conditioning found of an axis into its judgement.
-pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, levels: &Levels) {
+pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, levels: &Levels, keep_steps: bool) {
     let (stream, tally) = (&sensor.stream, &sensor.tallies[axis]);
     let (name, unit) = (&stream.names[axis], stream.temperature_unit.name());
     let missing = tally.count(DropReason::MissingTemperature) + tally.count(DropReason::MissingRate);
@@ -34,8 +34,13 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
             judgement.add(reason);
         }
     }
+    let then = match keep_steps {
+        true => "it stands in what is left",
+        false => "the step was taken out, and the curve holds for the level before it",
+    };
     for step in levels.steps.iter().filter(|step| step.axis == axis) {
-        judgement.add(of_step(step, name, &stream.unit.to_string(), unit));
+        let text = format!("{}: {then}", of_step(step, name, &stream.unit.to_string(), unit));
+        judgement.add(Reason::new(ReasonKind::Step, text));
     }
 }
 
@@ -113,15 +118,14 @@ fn lasting(seconds: f64) -> String {
     }
 }
 
-fn of_step(step: &Step, name: &str, rate_unit: &str, unit: &str) -> Reason {
+fn of_step(step: &Step, name: &str, rate_unit: &str, unit: &str) -> String {
     let row = step.row + 1;
     let place =
         if step.time_s.is_finite() { format!("{:.0} s (row {row}, ", step.time_s) } else { format!("row {row} (") };
-    let text = format!(
-        "{name}: the rate steps by {:.3e} {rate_unit} at {place}{:.1} {unit}) and stays, with no temperature change to match: the step was taken out, and the curve holds for the level before it",
+    format!(
+        "{name}: the rate steps by {:.3e} {rate_unit} at {place}{:.1} {unit}) and stays, with no temperature change to match",
         step.size, step.temperature
-    );
-    Reason::new(ReasonKind::Step, text)
+    )
 }
 
 /// A log without a sensor that is wanted.
