@@ -15,23 +15,30 @@ const BINS: usize = 40;
 /// Bins that both directions must have, at least, for a hysteresis.
 const LEAST_BINS: usize = 5;
 
-/// The largest of so many differences is told from noise alone beyond so many of its standard errors: of normal noise one log
-/// in some 400 has one (Bonferroni).
+/// Beyond so many standard errors a difference is told from noise: of normal noise the largest of forty is in one log in some
+/// 400 (Bonferroni).
 const TELLING: f64 = 4.0;
 
 /// Thermal hysteresis of the bias.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Hysteresis {
-    /// Heating less cooling where it is largest, rate.
-    pub largest: f64,
+    /// Heating less cooling on average over the temperatures that both directions have, rate.
+    pub mean: f64,
     /// Its standard error, by the noise from one average to the next.
+    pub mean_standard_error: f64,
+    /// Heating less cooling where it is largest: noise makes the largest of many a little larger.
+    pub largest: f64,
+    /// Its standard error.
     pub standard_error: f64,
     /// Where that is.
     pub at: f64,
-    /// Root mean square over the temperatures that both directions have.
+    /// Root mean square over those temperatures, less what noise makes.
     pub rms: f64,
     /// The largest over the peak to peak of the bias, 0 to 1 and more; NaN, in JSON null, where the bias does not change.
     pub share: f64,
+    /// The mean less the drift in time that the fit found, where that makes another: of one cycle nobody can tell the two
+    /// apart.
+    pub less_drift_in_time: Option<f64>,
 }
 
 /// Heating less cooling in one bin.
@@ -45,54 +52,76 @@ struct Difference {
 impl Hysteresis {
     /// The two directions, bin by bin.
     pub(super) fn of(axis: &AxisFit, points: &[TracePoint], warming: &[bool]) -> Result<Self, String> {
-        let ((min, max), excess) = (span(points), excess(axis, points));
-        let both = differences(points, warming, &excess);
+        let ((min, max), unit) = (span(points), axis.temperature_unit);
+        if max - min < unit.min_span() {
+            return Err(format!(
+                "the temperature spans {:.1} {} and too little for it: let it warm and cool by {:.0}",
+                max - min,
+                unit.name(),
+                unit.min_span()
+            ));
+        }
+        // Less the curve, so that a bin's width is no hysteresis.
+        let curve = axis.calibration.drift();
+        let recorded: Vec<f64> = points.iter().map(|point| point.rate - curve.evaluate(point.temperature).0).collect();
+        let both = differences(points, warming, &recorded);
         if both.len() < LEAST_BINS {
             return Err(
                 "the log holds one direction of the temperature, or one before and one after an interruption; let it warm and cool over the same range in one go".to_owned()
             );
         }
-        let residuals: Vec<f64> = points.iter().map(|point| point.residual).collect();
-        let noise = noise(&residuals);
+        let noise = noise(&points.iter().map(|point| point.residual).collect::<Vec<_>>());
         let largest = both.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())).ok_or("no temperature")?;
-        let standard_error = noise * largest.error;
-        if largest.value.abs() <= TELLING * standard_error {
+        let (standard_error, (mean, mean_error)) = (noise * largest.error, mean(&both));
+        let mean_standard_error = noise * mean_error;
+        let is_noise = |value: f64, error: f64| value.abs() <= TELLING * error;
+        if is_noise(largest.value, standard_error) && is_noise(mean, mean_standard_error) {
             return Err(format!(
-                "heating and cooling differ nowhere by more than their noise: by {:.1e} at most, of which noise alone makes ± {standard_error:.1e} {}",
-                largest.value.abs(),
+                "heating and cooling differ nowhere by more than their noise, on average by {mean:.1e} ± {mean_standard_error:.1e} {}",
                 axis.calibration.rate_unit
             ));
         }
-        let squares: f64 = both.iter().map(|difference| difference.value.powi(2)).sum();
+        let squares: f64 = both.iter().map(|own| own.value.powi(2) - (noise * own.error).powi(2)).sum();
+        let less = self::mean(&differences(points, warming, &less_drift_in_time(axis, points))).0;
         Ok(Self {
+            mean,
+            mean_standard_error,
             largest: largest.value,
             standard_error,
             at: min + (max - min) * (largest.bin as f64 + 0.5) / BINS as f64,
-            rms: (squares / both.len() as f64).sqrt(),
+            rms: (squares.max(0.0) / both.len() as f64).sqrt(),
             share: largest.value.abs() / axis.calibration.measured_drift().peak_to_peak(),
+            less_drift_in_time: Some(less).filter(|less| !is_noise(less - mean, mean_standard_error)),
         })
     }
 }
 
-/// The rates less the curve, so that a bin's width is no hysteresis, and less the log's own drift in time, so that what goes
-/// on between heating and cooling is none: what the model leaves, and what it says that the drift remembers.
-fn excess(axis: &AxisFit, points: &[TracePoint]) -> Vec<f64> {
+/// The mean over the bins, each counting alike, and its error for noise of one.
+fn mean(differences: &[Difference]) -> (f64, f64) {
+    let bins = differences.len() as f64;
+    let value = differences.iter().map(|own| own.value).sum::<f64>() / bins;
+    (value, differences.iter().map(|own| own.error.powi(2)).sum::<f64>().sqrt() / bins)
+}
+
+/// What the curve leaves of the rates less the log's own drift in time: what the model leaves, and what it says that the
+/// drift remembers.
+pub(super) fn less_drift_in_time(axis: &AxisFit, points: &[TracePoint]) -> Vec<f64> {
     let biases = axis.calibration.fit.model.biases(points.iter().map(|point| (point.time_s, point.temperature)));
     let curve = axis.calibration.drift();
-    let excess = |(point, bias): (&TracePoint, f64)| point.residual + bias - curve.evaluate(point.temperature).0;
-    points.iter().zip(biases).map(excess).collect()
+    let left = |(point, bias): (&TracePoint, f64)| point.residual + bias - curve.evaluate(point.temperature).0;
+    points.iter().zip(biases).map(left).collect()
 }
 
 /// Heating less cooling in each bin, within a log: from one log to the next the rate may jump for reasons of its own.
-fn differences(points: &[TracePoint], warming: &[bool], excess: &[f64]) -> Vec<Difference> {
+fn differences(points: &[TracePoint], warming: &[bool], left: &[f64]) -> Vec<Difference> {
     let (min, max) = span(points);
     let mut bins: BTreeMap<(usize, u32), [(f64, f64); 2]> = BTreeMap::new();
-    for ((point, warming), excess) in points.iter().zip(warming).zip(excess) {
+    for ((point, warming), left) in points.iter().zip(warming).zip(left) {
         // Below 40.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let bin = (((point.temperature - min) / (max - min) * BINS as f64) as usize).min(BINS - 1);
         let (sum, count) = &mut bins.entry((bin, point.log)).or_default()[usize::from(*warming)];
-        *sum += excess;
+        *sum += left;
         *count += 1.0;
     }
     let of_log = |((bin, _), [cooling, heating]): (&(usize, u32), &[(f64, f64); 2])| {
@@ -101,11 +130,11 @@ fn differences(points: &[TracePoint], warming: &[bool], excess: &[f64]) -> Vec<D
     };
     let of_logs: Vec<(usize, f64, f64)> = bins.iter().filter_map(of_log).collect();
     // Each log's difference counts by how well it is known.
-    let mean = |logs: &[(usize, f64, f64)]| {
+    let joined = |logs: &[(usize, f64, f64)]| {
         let weight = |error: f64| error.powi(-2);
         let weights: f64 = logs.iter().map(|(_, _, error)| weight(*error)).sum();
         let sum: f64 = logs.iter().map(|(_, value, error)| value * weight(*error)).sum();
         Difference { bin: logs[0].0, value: sum / weights, error: weights.sqrt().recip() }
     };
-    of_logs.chunk_by(|a, b| a.0 == b.0).map(mean).collect()
+    of_logs.chunk_by(|a, b| a.0 == b.0).map(joined).collect()
 }

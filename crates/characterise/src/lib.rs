@@ -26,7 +26,7 @@ pub struct Characteristics {
     /// Heating less cooling at equal temperature.
     #[serde(serialize_with = "or_reason")]
     pub hysteresis: Result<Hysteresis, String>,
-    /// What is left in proportion to the speed of the temperature.
+    /// What the curve leaves in proportion to the speed of the temperature.
     #[serde(serialize_with = "or_reason")]
     pub ramp_sensitivity: Result<RampSensitivity, String>,
     /// The noise of the residual, over averaging times from the spacing of the averages on.
@@ -61,10 +61,17 @@ impl Characteristics {
         Self {
             temperature_sensitivity: TemperatureSensitivity::of(axis),
             hysteresis: Hysteresis::of(axis, &points, &warming),
-            ramp_sensitivity: RampSensitivity::of(&level(&points), &warming),
+            ramp_sensitivity: RampSensitivity::of(&level(&of_curve(axis, &points)), &warming),
             residual_noise: residual_noise(&level(&points)).map_err(|error| error.to_string()),
         }
     }
+}
+
+/// The points with what the curve alone leaves in place of their residuals: a model that remembers takes a part that goes with
+/// the temperature's speed for a lag.
+fn of_curve(axis: &AxisFit, points: &[TracePoint]) -> Vec<TracePoint> {
+    let left = hysteresis::less_drift_in_time(axis, points);
+    points.iter().zip(left).map(|(point, residual)| TracePoint { residual, ..*point }).collect()
 }
 
 /// The residuals of several logs about each one's own mean: that they jump from one to the next is neither noise nor a ramp's.
@@ -90,6 +97,19 @@ pub fn missing<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Characteristics)
         }
     }
     missing.into_iter().map(|(sentence, names)| format!("{}: {sentence}", names.join(", "))).collect()
+}
+
+/// Where hysteresis may be a drift in time, a sentence each.
+pub fn doubtful<'a>(axes: impl IntoIterator<Item = (&'a AxisFit, &'a Characteristics)>) -> Vec<String> {
+    let doubt = |(axis, found): (&AxisFit, &Characteristics)| {
+        let Hysteresis { mean, less_drift_in_time, .. } = found.hysteresis.as_ref().ok()?;
+        let (less, unit) = ((*less_drift_in_time)?, axis.calibration.rate_unit);
+        Some(format!(
+            "{}: heating less cooling is {mean:.2e} {unit} on average as recorded, and {less:.2e} less the drift in time that the fit found: of a single cycle nobody can tell the two apart; record another cycle",
+            axis.name
+        ))
+    };
+    axes.into_iter().filter_map(doubt).collect()
 }
 
 /// The least and the greatest temperature.

@@ -8,6 +8,7 @@
 
 mod band;
 mod curve;
+mod levels;
 mod nested;
 
 use std::ops::Range;

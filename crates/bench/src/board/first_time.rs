@@ -86,6 +86,7 @@ impl Board {
         let store_answered = self.faults()?.trim_errors == errors;
         let before_counts = self.readings(setup)?;
         let recalled = self.recall(tap, setup)?;
+        self.go_on()?;
         Ok(FirstTime { tap: tap.get(), store_answered, before_counts, recalled, after_power_up: None })
     }
 
@@ -105,7 +106,12 @@ impl Board {
         self.started = false;
         self.set_mode(&Axis::BOTH, super::Mode::Off, None)?;
         found.after_power_up = Some(self.recall(Taps::new(found.tap).unwrap_or(Taps::MIDDLE), setup)?);
-        // What the board had begun goes on.
+        self.go_on()?;
+        Ok(())
+    }
+
+    /// Puts the axes back in the modes in which the board was met: what it was at goes on.
+    fn go_on(&mut self) -> Result<(), ClientError> {
         for (axis, mode) in Axis::BOTH.into_iter().zip(self.identity.modes) {
             self.set_mode(&[axis], mode, None)?;
         }

@@ -11,7 +11,7 @@ use zerorate_cal::log::SensorChoice;
 use zerorate_cal::log_fit::{AxisFit, FitOptions};
 use zerorate_cal::source::Source;
 use zerorate_cal::units::RateUnit;
-use zerorate_characterise::{AxisNoise, Characteristics, NoiseOf, missing, noise};
+use zerorate_characterise::{AxisNoise, Characteristics, NoiseOf, doubtful, missing, noise};
 use zerorate_fit::allan::{Allan, Coefficient};
 
 use super::Outcome;
@@ -205,7 +205,9 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
     if axes.is_empty() {
         return;
     }
-    page.heading(&format!("Sensitivities of the bias, per {degree}; thermal hysteresis; ramp, per {degree}/s"));
+    page.heading(&format!(
+        "Sensitivities of the bias, per {degree}; thermal hysteresis, mean and largest; ramp, per {degree}/s"
+    ));
     let mut grid = Grid::new("lrrrrl");
     grid.head(["axis", "mean", "steepest", "hysteresis", "ramp", "unit"]);
     for (axis, found) in axes {
@@ -218,13 +220,18 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
             found.hysteresis.as_ref().map_or("-".to_owned(), |found| {
                 let share = Some(found.share).filter(|share| share.is_finite());
                 let share = share.map(|share| format!(" ({:.0} %)", 100.0 * share)).unwrap_or_default();
-                format!("{:.2e} +- {:.0e} at {:.0}{share}", found.largest, found.standard_error, found.at)
+                format!(
+                    "{:.2e} +- {:.0e}; {:.2e} at {:.0}{share}",
+                    found.mean, found.mean_standard_error, found.largest, found.at
+                )
             }),
             ramp.map_or("-".to_owned(), |found| format!("{:.1e} +- {:.1e}", found.value, found.standard_error)),
             axis.calibration.rate_unit.to_string(),
         ]);
     }
     page.grid(&grid);
+    let doubtful = doubtful(axes.iter().map(|(axis, found)| (*axis, found)));
+    doubtful.iter().for_each(|sentence| page.sentence("  - ", sentence));
     let missing = missing(axes.iter().map(|(axis, found)| (axis.name.as_str(), found)));
     missing.iter().for_each(|sentence| page.sentence("  - ", sentence));
 }

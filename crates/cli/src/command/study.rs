@@ -46,7 +46,7 @@ const EXAMPLES: &str = "\
 Examples:
   zerorate study --units 100
   zerorate study --units 100 --plant paper --json > study.json
-  zerorate setup > bench.toml; zerorate study --setup bench.toml
+  zerorate setup --plant typical > bench.toml; zerorate study --setup bench.toml
       what a wider dead band, a faster ramp, another drift model would do";
 
 /// A study as JSON has it.

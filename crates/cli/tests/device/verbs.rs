@@ -145,8 +145,8 @@ fn the_power_up_tap_is_stored_only_when_it_is_agreed_to() {
     board.device(&["first-time"], folder.path()).ends(2, &["--yes", "wears"]);
     let done = board.device(&["first-time", "--yes", "--json"], folder.path()).json();
     assert_eq!(
-        (&done["tap"], &done["store_answered"], &done["after_power_up"]),
-        (&511.into(), &true.into(), &Value::Null)
+        (&done["tap"], &done["store_answered"], &done["after_power_up"], &done["fault"]),
+        (&511.into(), &true.into(), &Value::Null, &Value::Null)
     );
     // Eight taps are 248 counts, and recalled they are gone again.
     for axis in [0, 1] {
@@ -164,7 +164,9 @@ fn a_potentiometer_that_keeps_no_tap_is_found() {
     assert!(board.order("break memory").contains("WornMemory"));
     // Its maker stored tap 511; a board with another middle shows that this one is not kept.
     fs::write(folder.path().join("setup.toml"), "[board]\nmiddle_tap = 520\n").unwrap();
-    board.device(&["first-time", "--yes", "--setup", "setup.toml"], folder.path()).ends(1, &["does not keep its tap"]);
+    board
+        .device(&["first-time", "--yes", "--setup", "setup.toml"], folder.path())
+        .ends(1, &["was to be stored", "does not keep its tap"]);
 }
 
 /// Runs first-time with a power cycle, which `cycle` carries out when it is asked for; it ends with `code`.
@@ -208,7 +210,11 @@ fn so_it_is_on_a_board_that_goes_to_work_when_its_power_comes() {
     first_time_over_a_power_cycle(&port, folder.path(), 0, || {
         board.order("power");
     });
+    let modes = || board.device(&["info", "--json"], folder.path()).json()["modes"].clone();
     assert_eq!(board.device(&["info", "--json"], folder.path()).json()["acquiring"], true);
+    assert_eq!(modes(), serde_json::json!(["hybrid", "hybrid"]), "it goes on");
+    board.device(&["first-time", "--yes"], folder.path()).ends(0, &["is stored for power-up"]);
+    assert_eq!(modes(), serde_json::json!(["hybrid", "hybrid"]), "and after a check without a power cycle, too");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 use zerorate_core::drift::{Drift, MAX_ORDER, Polynomial, Scale, Shape, Table, ValidRange};
 
+use super::levels::Levels;
 use super::timeless;
 use crate::model::Model;
 use crate::model_fit::{CUBIC, ModelFit, rows};
@@ -70,10 +71,12 @@ impl Curve {
         let used: Vec<usize> = (0..series.rate.len()).filter(|&group| series.is_used(group) && keep(group)).collect();
         let level = used.iter().map(|&group| series.rate[group]).sum::<f64>() / used.len().max(1) as f64;
         let (first, last) = (*series.time_s.first()?, *series.time_s.last()?);
+        let levels = Levels::of(series, &used);
         let of_groups: Vec<Vec<f64>> = (used.iter())
             .map(|&group| {
                 let mut row = self.columns(scale.x(series.temperature[group].clamp(valid.min(), valid.max())));
                 row.extend(self.in_time.then(|| 2.0 * (series.time_s[group] - first) / (last - first) - 1.0));
+                row.extend(levels.columns(series.log[group]));
                 row
             })
             .collect();

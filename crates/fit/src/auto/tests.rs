@@ -194,6 +194,28 @@ fn several_logs_have_a_history_each_and_no_drift_in_time() {
     assert!(fit.fit.statistics.held_out.unwrap().rms < 4e-4, "{:?}", fit.fit.statistics.held_out);
 }
 
+/// Three ramps, up, down and up, over other temperatures each, each with a level of its own: a named curve is not bent by them.
+#[test]
+fn the_levels_of_logs_do_not_bend_a_curve() {
+    let log: Vec<u32> = (0..900).map(|group| group / 300).collect();
+    let temperature = |group: usize| {
+        let along = (group % 300) as f64 / 300.0;
+        [5.0 + 40.0 * along, 55.0 - 45.0 * along, 30.0 * along][group / 300]
+    };
+    let level = |group: usize| [0.0, 5.0, -1.0][group / 300];
+    let made = Made::new((0..900).map(temperature).collect(), |group, t| cubic(t) + level(group));
+    for model in [Model::Poly(3), Model::Auto] {
+        let fit = made.fit_of_logs(model, &log);
+        let left = |t: f64| cubic(t) - fit.fit.model.drift.evaluate(t).0;
+        let all: Vec<f64> = (0..=50).map(|t| left(f64::from(t))).collect();
+        let [least, most] = [f64::min, f64::max].map(|of| all.iter().copied().reduce(of).unwrap());
+        assert!(most - least < 2e-3, "{model}: {least} to {most}");
+        let offsets: Vec<f64> = fit.fit.statistics.by_log.iter().map(|log| log.offset.unwrap()).collect();
+        let true_offsets = [0.0, 5.0, -1.0].map(|level| level - 4.0 / 3.0);
+        assert!(offsets.iter().zip(true_offsets).all(|(own, put)| (own - put).abs() < 5e-3), "{offsets:?}");
+    }
+}
+
 /// Two ramps of 400 groups, 0.25 C apart: one drifts by 0.01 a degree, the other by 0.02 from 5 on. Of the second the first
 /// alone leaves 0.01 a degree, a line through both 0.005.
 #[test]

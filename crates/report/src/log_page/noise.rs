@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::units::WrittenRate;
-use zerorate_characterise::{Characteristics, missing};
+use zerorate_characterise::{Characteristics, doubtful, missing};
 use zerorate_fit::allan::{Allan, AllanPoint, Coefficient};
 
 use super::degree;
@@ -65,7 +65,8 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)]) -> Markup {
         ];
         cells.push(match &found.hysteresis {
             Ok(found) => html! {
-                (axis.rate(found.largest, 3)) " ± " (axis.rate(found.standard_error, 1)) " at " (fixed(found.at, 0))
+                (axis.rate(found.mean, 3)) " ± " (axis.rate(found.mean_standard_error, 1)) "; "
+                (axis.rate(found.largest, 3)) " at " (fixed(found.at, 0))
                 @if found.share.is_finite() { " (" (fixed(100.0 * found.share, 0)) " %)" }
             },
             Err(_) => html! { "–" },
@@ -76,10 +77,12 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)]) -> Markup {
         });
         rows.push(cells);
     }
+    let doubtful = doubtful(axes.iter().map(|(axis, found)| (axis.axis, found)));
     let missing = missing(axes.iter().map(|(axis, found)| (axis.axis.name.as_str(), found)));
     let caption = html! {
-        "Sensitivities of the bias, as IEEE Std 952 names them. Hysteresis is heating less cooling at equal temperature where it is "
-        "largest, in brackets over the peak to peak of the curve; ± is one standard error by the noise of the averages; the ramp sensitivity is of what the model leaves."
+        "Sensitivities of the bias, as IEEE Std 952 names them. Hysteresis is heating less cooling at equal temperature: its mean, "
+        "and where it is largest, in brackets over the peak to peak of the curve. ± is one standard error by the noise from one average "
+        "to the next; a rate that wanders differs by more. The ramp sensitivity is of what the curve leaves."
     };
     let heads = [
         "Axis",
@@ -90,6 +93,7 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)]) -> Markup {
     ];
     html! {
         (Table { caption, heads: &heads, rows, numbers_from: 1 }.markup())
+        @for sentence in &doubtful { p.small { (told(sentence)) "." } }
         @for sentence in &missing { p.small { (told(sentence)) "." } }
     }
 }

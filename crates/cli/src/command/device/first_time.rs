@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 use clap::Args;
+use serde::Serialize;
 use zerorate_bench::board::{self, MOST_STORES, Recalled};
 use zerorate_bench::setup::SetUp;
 
@@ -43,6 +44,14 @@ Examples:
   zerorate device --port serial:/dev/ttyUSB0 first-time
   zerorate device --port serial:/dev/ttyUSB0 first-time --yes --power-cycle";
 
+/// What was checked, as JSON has it.
+#[derive(Serialize)]
+struct Checked<'a> {
+    #[serde(flatten)]
+    found: &'a board::FirstTime,
+    fault: Option<&'static str>,
+}
+
 impl FirstTime {
     pub fn run(&self, device: &Device) -> Result<Outcome> {
         let setup = self.setup.as_deref().map_or_else(|| Ok(SetUp::paper()), SetUp::read)?;
@@ -59,7 +68,7 @@ impl FirstTime {
             board.check_after_power_cycle(&mut found, &setup, POWER_CYCLE, go_on)?;
         }
         if device.json {
-            super::print_json(&found)?;
+            super::print_json(&Checked { found: &found, fault: found.fault() })?;
         } else {
             self.page(&found).print()?;
         }
@@ -68,7 +77,12 @@ impl FirstTime {
 
     fn page(&self, found: &board::FirstTime) -> Page {
         let mut page = Page::default();
-        page.line(format!("Tap {} is stored for power-up on both axes", found.tap));
+        let is = if found.fault().is_none() {
+            "is stored for power-up on both axes"
+        } else {
+            "was to be stored for power-up"
+        };
+        page.line(format!("Tap {} {is}", found.tap));
         let counts = |[x, y]: [f64; 2]| format!("X {x:.1}, Y {y:.1} counts");
         let recalled =
             |found: &Recalled| format!("{}; moved away {}", counts(found.recalled_counts), counts(found.away_counts));
