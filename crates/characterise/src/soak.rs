@@ -19,6 +19,10 @@ const SOAK: f64 = 0.1;
 /// A soak lasts this long, at least: a ramp of a degree a minute does not.
 const LEAST_SOAK_S: f64 = 120.0;
 
+/// And so many times as long as the rest of the log takes for as much of the temperature: a slow ramp does not, nor the place
+/// where it turns round, which takes twice.
+const REST: f64 = 3.0;
+
 /// Samples kept of one sensor, at most; a longer log is averaged by pairs until it fits.
 const MOST: usize = 1 << 17;
 
@@ -222,10 +226,15 @@ impl Series {
 
     fn of_soak(&self, axis: usize, name: &str, temperatures: &[f64]) -> AxisNoise {
         let unit = self.stream.temperature_unit;
-        let (from, to) = longest_soak(temperatures, SOAK * unit.min_span());
+        let span = SOAK * unit.min_span();
+        let (from, to) = longest_soak(temperatures, span);
+        let around = [&temperatures[..from], &temperatures[to..]];
+        let crossed: usize = around.iter().map(|part| crossings(part, span)).sum();
+        let (soak, rest) = ((to - from) as f64, (temperatures.len() - (to - from)) as f64);
+        let is_ramp = crossed > 0 && soak < REST * rest / crossed as f64;
         let mut found = self.describe(name, NoiseOf::Soak, from, to, temperatures);
         let [start_s, end_s] = found.time_s;
-        found.noise = if end_s - start_s >= LEAST_SOAK_S {
+        found.noise = if end_s - start_s >= LEAST_SOAK_S && !is_ramp {
             self.allan(&self.values(axis)[from..to]).map_err(|error| error.to_string())
         } else {
             let [min, max] = extremes(temperatures);
@@ -292,6 +301,19 @@ fn smoothed(values: &[f64]) -> Vec<f64> {
         (sums[to] - sums[from]) / f64::from(counts[to] - counts[from])
     };
     (0..values.len()).map(mean).collect()
+}
+
+/// How often temperatures go by as much as `span`.
+fn crossings(temperatures: &[f64], span: f64) -> usize {
+    let mut finite = temperatures.iter().copied().filter(|temperature| temperature.is_finite());
+    let Some(mut mark) = finite.next() else { return 0 };
+    finite
+        .filter(|now| {
+            let crosses = (now - mark).abs() >= span;
+            mark = if crosses { *now } else { mark };
+            crosses
+        })
+        .count()
 }
 
 /// The longest run of places whose temperatures stay within `most` of each other: the first, and the one after the last.
@@ -367,6 +389,23 @@ mod tests {
         let found = noise(&ramp, &Columns::default(), None, None).unwrap().remove(0);
         let refused = found.noise.unwrap_err();
         assert!(refused.contains("the temperature goes from") && refused.contains("take a soak"), "{refused}");
+    }
+
+    #[test]
+    fn a_slow_ramp_is_no_soak_and_neither_is_the_place_where_it_turns_round() {
+        // 40 C in two hours: 180 s a degree.
+        let up = |row: i32| 5.0 + f64::from(row) * 40.0 / 7200.0;
+        let ramp = |turns: bool| {
+            let temperature = |row: i32| if turns { up(row.min(7200 - row)) } else { up(row) };
+            let rows: String = (0..7200)
+                .map(|row| format!("{row},{},{}\n", temperature(row), f64::from(row * 7 % 13) + temperature(row)))
+                .collect();
+            Source::bytes("ramp.csv", format!("time_s,temperature_c,gyro_x_rad_s\n{rows}").into_bytes())
+        };
+        for turns in [false, true] {
+            let found = noise(&ramp(turns), &Columns::default(), None, None).unwrap().remove(0);
+            assert!(found.noise.is_err_and(|why| why.contains("take a soak")), "turns: {turns}");
+        }
     }
 
     #[test]
