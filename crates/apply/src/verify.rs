@@ -146,6 +146,7 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
         verified.missed = options.limits.missed(&verified)?;
         axes.push(verified);
     }
+    notes.extend(unknown(&fit.axes, &places, &calibrated));
     let absent = calibrated.iter().zip(&places).filter(|(_, place)| place.is_none());
     let missing: Vec<String> = absent.map(|(own, _)| missing(own, &fit)).collect();
     let is_within = missing.is_empty() && axes.iter().all(|axis| axis.missed.is_empty());
@@ -183,6 +184,17 @@ fn conditioned(log: &Source, options: &VerifyOptions) -> Result<LogFit, LogFitEr
         ..FitOptions::default()
     };
     fit(std::slice::from_ref(log), &options)
+}
+
+/// The axes of a log that the calibration does not have, of the quantities that it has: nothing was said of them.
+fn unknown(logged: &[AxisFit], places: &[Option<usize>], calibrated: &[Known<'_>]) -> Option<String> {
+    let is_acceleration = |unit: RateUnit| unit == RateUnit::MetresPerS2;
+    let alike = |axis: &AxisFit| {
+        calibrated.iter().any(|own| is_acceleration(own.unit) == is_acceleration(axis.calibration.rate_unit))
+    };
+    let others = logged.iter().enumerate().filter(|(place, axis)| !places.contains(&Some(*place)) && alike(axis));
+    let names: Vec<&str> = others.map(|(_, axis)| axis.name.as_str()).collect();
+    (!names.is_empty()).then(|| format!("not in the calibration, and not verified: {}", names.join(", ")))
 }
 
 /// Why there is nothing of an axis.

@@ -138,6 +138,15 @@ fn another_log_is_refused_with_what_it_has() {
 }
 
 #[test]
+fn an_axis_that_the_calibration_does_not_have_is_named() {
+    let mut own = calibration();
+    own.axes.remove("gyro_y_rad_s");
+    let verified = second(0.0, 0.0, &Limits::default(), &own).unwrap();
+    assert_eq!(verified.axes.len(), 1);
+    assert_eq!(verified.notes, ["not in the calibration, and not verified: gyro_y_rad_s"]);
+}
+
+#[test]
 fn temperatures_outside_the_calibrated_range_are_counted_and_warned_of() {
     let mut own = calibration();
     let narrow = zerorate_core::drift::ValidRange::new(0.0, 40.0).unwrap();

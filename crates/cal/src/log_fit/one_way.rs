@@ -7,6 +7,9 @@ use crate::quality::{Reason, ReasonKind};
 /// Less than this share of the span passed both ways, and most of the curve is of one direction.
 const BOTH_WAYS: f64 = 0.5;
 
+/// Less than this share is none: a turn's rounding.
+const NONE: f64 = 0.005;
+
 /// A reason, where a log's temperatures went one way over most of their span; those of a log each, in the order of time.
 pub(super) fn reason(logs: &[Vec<f64>]) -> Option<Reason> {
     let (mut up, mut down) = (Vec::new(), Vec::new());
@@ -34,8 +37,11 @@ pub(super) fn reason(logs: &[Vec<f64>]) -> Option<Reason> {
         return None;
     }
     let way = if length(&up) >= length(&down) { "rises" } else { "falls" };
-    let how_much = if share < 0.005 {
+    let lesser = length(&up).min(length(&down)) / span;
+    let how_much = if share < NONE && lesser < NONE {
         format!("the temperature only {way}")
+    } else if share < NONE {
+        "the temperature rises over one part of its span and falls over another".to_owned()
     } else {
         format!("the temperature {way}, and only {:.0} % of its span was passed both ways", 100.0 * share)
     };
@@ -113,6 +119,8 @@ mod tests {
         assert!(told(&[noisy]).is_some());
         assert!(told(&[through(&[-20.0, 20.0]), through(&[0.0, 60.0])]).is_some());
         assert_eq!(told(&[through(&[-20.0, 60.0]), through(&[60.0, -20.0])]), None);
+        let apart = told(&[through(&[5.0, 25.0]), through(&[55.0, 35.0])]).unwrap();
+        assert!(apart.starts_with("the temperature rises over one part of its span and falls over another:"), "{apart}");
     }
 
     #[test]
