@@ -36,7 +36,7 @@ pub struct Hysteresis {
     pub rms: f64,
     /// The largest over the peak to peak of the bias, 0 to 1 and more; NaN, in JSON null, where the bias does not change.
     pub share: f64,
-    /// The mean less the drift in time that the fit found, where that makes another: of one cycle nobody can tell the two
+    /// The mean less the drift in time that the fit found, where that makes another: one cycle does not tell the two
     /// apart.
     pub less_drift_in_time: Option<f64>,
 }

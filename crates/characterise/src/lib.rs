@@ -105,7 +105,7 @@ pub fn doubtful<'a>(axes: impl IntoIterator<Item = (&'a AxisFit, &'a Characteris
         let Hysteresis { mean, less_drift_in_time, .. } = found.hysteresis.as_ref().ok()?;
         let (less, unit) = ((*less_drift_in_time)?, axis.calibration.rate_unit);
         Some(format!(
-            "{}: heating less cooling is {mean:.2e} {unit} on average as recorded, and {less:.2e} less the drift in time that the fit found: of a single cycle nobody can tell the two apart; record another cycle",
+            "{}: heating less cooling is {mean:.2e} {unit} on average as recorded, and {less:.2e} less the drift in time that the fit found: one cycle does not tell the two apart, several do",
             axis.name
         ))
     };

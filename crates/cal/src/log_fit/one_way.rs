@@ -120,7 +120,10 @@ mod tests {
         assert!(told(&[through(&[-20.0, 20.0]), through(&[0.0, 60.0])]).is_some());
         assert_eq!(told(&[through(&[-20.0, 60.0]), through(&[60.0, -20.0])]), None);
         let apart = told(&[through(&[5.0, 25.0]), through(&[55.0, 35.0])]).unwrap();
-        assert!(apart.starts_with("the temperature rises over one part of its span and falls over another:"), "{apart}");
+        assert!(
+            apart.starts_with("the temperature rises over one part of its span and falls over another:"),
+            "{apart}"
+        );
     }
 
     #[test]
