@@ -83,7 +83,7 @@ fn a_log_that_knows_its_date_is_told_by_it_and_another_by_its_files() {
     assert_eq!(calibration["sources"][1]["started"], "2026-03-01T14:33:00Z");
     assert!(page.contains("Recorded") && page.contains("2026-03-01 14:03 UTC, 2026-03-01 14:33 UTC"));
     assert!(!page.contains("File last changed"));
-    zerorate(folder.path(), &["info", "c.json"]).says(&["warm.ulg (log, recorded 2026-03-01T14:33:00Z, SHA-256"]);
+    zerorate(folder.path(), &["info", "c.json"]).says(&["warm.ulg (px4-log, recorded 2026-03-01T14:33:00Z, SHA-256"]);
     let (printed, calibration, page) = fit(&["log.csv"]);
     assert!(printed.get("started").is_none() && calibration["sources"][0].get("started").is_none());
     assert!(page.contains("File last changed") && !page.contains("Recorded"));
