@@ -188,7 +188,6 @@ fn conditioned(log: &Source, options: &VerifyOptions) -> Result<LogFit, LogFitEr
 
 /// The axes of a log that the calibration does not have, of the quantities that it has: nothing was said of them.
 fn unknown(logged: &[AxisFit], places: &[Option<usize>], calibrated: &[Known<'_>]) -> Option<String> {
-    let is_acceleration = |unit: RateUnit| unit == RateUnit::MetresPerS2;
     let alike = |axis: &AxisFit| {
         calibrated.iter().any(|own| is_acceleration(own.unit) == is_acceleration(axis.calibration.rate_unit))
     };
@@ -197,11 +196,14 @@ fn unknown(logged: &[AxisFit], places: &[Option<usize>], calibrated: &[Known<'_>
     (!names.is_empty()).then(|| format!("not in the calibration, and not verified: {}", names.join(", ")))
 }
 
+fn is_acceleration(unit: RateUnit) -> bool {
+    unit == RateUnit::MetresPerS2
+}
+
 /// Why there is nothing of an axis.
 fn missing(own: &Known<'_>, fit: &LogFit) -> String {
     let verdict =
         fit.verdicts.iter().find(|axis| axis.name == own.name).filter(|axis| !axis.judgement.reasons.is_empty());
-    let is_acceleration = |unit: RateUnit| unit == RateUnit::MetresPerS2;
     if let Some(verdict) = verdict {
         format!("{}: nothing that can be used: {}", own.name, verdict.why())
     } else if is_acceleration(own.unit) && !fit.axes.iter().any(|axis| is_acceleration(axis.calibration.rate_unit)) {

@@ -50,8 +50,13 @@ struct Difference {
 }
 
 impl Hysteresis {
-    /// The two directions, bin by bin.
-    pub(super) fn of(axis: &AxisFit, points: &[TracePoint], warming: &[bool]) -> Result<Self, String> {
+    /// The two directions, bin by bin; `less_drift_in_time` is what the curve leaves of each point but for that drift.
+    pub(super) fn of(
+        axis: &AxisFit,
+        points: &[TracePoint],
+        warming: &[bool],
+        less_drift_in_time: &[f64],
+    ) -> Result<Self, String> {
         let ((min, max), unit) = (span(points), axis.temperature_unit);
         if max - min < unit.min_span() {
             return Err(format!(
@@ -72,7 +77,7 @@ impl Hysteresis {
         }
         let noise = noise(&points.iter().map(|point| point.residual).collect::<Vec<_>>());
         let largest = both.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())).ok_or("no temperature")?;
-        let (standard_error, (mean, mean_error)) = (noise * largest.error, mean(&both));
+        let (standard_error, (mean, mean_error)) = (noise * largest.error, mean_of(&both));
         let mean_standard_error = noise * mean_error;
         let is_noise = |value: f64, error: f64| value.abs() <= TELLING * error;
         if is_noise(largest.value, standard_error) && is_noise(mean, mean_standard_error) {
@@ -82,7 +87,7 @@ impl Hysteresis {
             ));
         }
         let squares: f64 = both.iter().map(|own| own.value.powi(2) - (noise * own.error).powi(2)).sum();
-        let less = self::mean(&differences(points, warming, &less_drift_in_time(axis, points))).0;
+        let less = mean_of(&differences(points, warming, less_drift_in_time)).0;
         Ok(Self {
             mean,
             mean_standard_error,
@@ -97,19 +102,10 @@ impl Hysteresis {
 }
 
 /// The mean over the bins, each counting alike, and its error for noise of one.
-fn mean(differences: &[Difference]) -> (f64, f64) {
+fn mean_of(differences: &[Difference]) -> (f64, f64) {
     let bins = differences.len() as f64;
     let value = differences.iter().map(|own| own.value).sum::<f64>() / bins;
     (value, differences.iter().map(|own| own.error.powi(2)).sum::<f64>().sqrt() / bins)
-}
-
-/// What the curve leaves of the rates less the log's own drift in time: what the model leaves, and what it says that the
-/// drift remembers.
-pub(super) fn less_drift_in_time(axis: &AxisFit, points: &[TracePoint]) -> Vec<f64> {
-    let biases = axis.calibration.fit.model.biases(points.iter().map(|point| (point.time_s, point.temperature)));
-    let curve = axis.calibration.drift();
-    let left = |(point, bias): (&TracePoint, f64)| point.residual + bias - curve.evaluate(point.temperature).0;
-    points.iter().zip(biases).map(left).collect()
 }
 
 /// Heating less cooling in each bin, within a log: from one log to the next the rate may jump for reasons of its own.

@@ -58,20 +58,29 @@ impl Characteristics {
             .collect();
         let temperatures: Vec<f64> = points.iter().map(|point| point.temperature).collect();
         let warming = warming(&temperatures);
+        let left = less_drift_in_time(axis, &points);
         Self {
             temperature_sensitivity: TemperatureSensitivity::of(axis),
-            hysteresis: Hysteresis::of(axis, &points, &warming),
-            ramp_sensitivity: RampSensitivity::of(&level(&of_curve(axis, &points)), &warming),
+            hysteresis: Hysteresis::of(axis, &points, &warming, &left),
+            ramp_sensitivity: RampSensitivity::of(&level(&of_curve(&points, &left)), &warming),
             residual_noise: residual_noise(&level(&points)).map_err(|error| error.to_string()),
         }
     }
 }
 
+/// What the curve leaves of the rates less the log's own drift in time: what the model leaves, and what it says that the
+/// drift remembers.
+fn less_drift_in_time(axis: &AxisFit, points: &[TracePoint]) -> Vec<f64> {
+    let biases = axis.calibration.fit.model.biases(points.iter().map(|point| (point.time_s, point.temperature)));
+    let curve = axis.calibration.drift();
+    let left = |(point, bias): (&TracePoint, f64)| point.residual + bias - curve.evaluate(point.temperature).0;
+    points.iter().zip(biases).map(left).collect()
+}
+
 /// The points with what the curve alone leaves in place of their residuals: a model that remembers takes a part that goes with
 /// the temperature's speed for a lag.
-fn of_curve(axis: &AxisFit, points: &[TracePoint]) -> Vec<TracePoint> {
-    let left = hysteresis::less_drift_in_time(axis, points);
-    points.iter().zip(left).map(|(point, residual)| TracePoint { residual, ..*point }).collect()
+fn of_curve(points: &[TracePoint], left: &[f64]) -> Vec<TracePoint> {
+    points.iter().zip(left).map(|(point, residual)| TracePoint { residual: *residual, ..*point }).collect()
 }
 
 /// The residuals of several logs about each one's own mean: that they jump from one to the next is neither noise nor a ramp's.

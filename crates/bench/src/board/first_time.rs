@@ -73,8 +73,8 @@ impl FirstTime {
 }
 
 impl Board {
-    /// Writes both wipers to a tap, stores it for power-up, moves them away and has the potentiometer recall it. The wipers
-    /// are left at that tap.
+    /// Writes both wipers to a tap, stores it for power-up, moves them away and has the potentiometer recall it. Then
+    /// the board goes on in the modes in which it was met.
     ///
     /// # Errors
     /// [`ClientError`].

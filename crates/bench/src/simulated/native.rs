@@ -115,7 +115,7 @@ impl BareBoard {
         let Ok(store) = FlashStore::new(self.flash.clone(), 0..FLASH_BYTES) else {
             unreachable!("the pages are enough")
         };
-        self.fed_at.set(self.plant.borrow().time().0);
+        self.fed_at.set(self.now().0);
         Application::start(Parts {
             acquisition: A::connect(&self.plant),
             trim: Max5494Trim::new(PotentiometerSpi::new(&self.plant), PlantDelay::new(&self.plant)),

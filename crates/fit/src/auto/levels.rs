@@ -21,8 +21,8 @@ impl Levels {
             (*min, *max) = (min.min(temperature), max.max(temperature));
         }
         let shares = |log: &u32, (min, max): (f64, f64)| {
-            let others = spans.iter().filter(|(other, _)| *other != log);
-            others.into_iter().any(|(_, other)| max.min(other.1) - min.max(other.0) >= SHARED * (max - min))
+            let mut others = spans.iter().filter(|(other, _)| *other != log);
+            others.any(|(_, other)| max.min(other.1) - min.max(other.0) >= SHARED * (max - min))
         };
         let free: Vec<u32> = spans.iter().filter(|(log, span)| shares(log, **span)).map(|(log, _)| *log).collect();
         Self(if free.len() < 2 { Vec::new() } else { free })
