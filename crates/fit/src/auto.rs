@@ -33,6 +33,11 @@ use nested::Outer;
 /// start a little colder.
 const BEYOND: f64 = 1.0 / 8.0;
 
+/// How much the held-out residuals say of the next run against those of the fit of everything: as much (Toussaint and
+/// Sharpe, *An efficient method for estimating the probability of misclassification*, 1975). A fit that lacks a whole fold
+/// is worse than the one that is deployed, and a residual of what was fitted is smaller than one to come.
+const HELD_OUT_SHARE: f64 = 0.5;
+
 /// What came of a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroupFit {
@@ -122,8 +127,14 @@ impl Attempt {
             true => ResidualStatistics::by_folds(&outer.residuals),
             false => ResidualStatistics::NONE,
         };
-        let held_out_deployed = outer.complete().then(|| nested::zeroed(series, &outer.deployed));
-        let band = band::band(series, measured, held_out_deployed.as_deref(), &nested::zeroed(series, &deployed));
+        let band = band::band(series, measured, &[(&deployed, 1.0)]);
+        let zeroed = nested::zeroed(series, &deployed);
+        let next_run_band = if outer.complete() {
+            let held_out = nested::zeroed(series, &outer.deployed);
+            band::band(series, measured, &[(&held_out, HELD_OUT_SHARE), (&zeroed, 1.0 - HELD_OUT_SHARE)])
+        } else {
+            band::band(series, measured, &[(&zeroed, 1.0)])
+        };
         let used = (0..series.rate.len()).filter(|&group| series.is_used(group)).count() as u64;
         let statistics = FitStatistics {
             candidates,
@@ -135,7 +146,10 @@ impl Attempt {
             ..FitStatistics::new(ResidualOver::Groups, used, in_sample, held_out, made.covariance.clone())
         };
         let static_cubic = nested::static_cubic(series, measured, made, outer);
-        GroupFit { fit: DriftFit { model: made.model.clone(), measured, static_cubic, band, statistics }, residuals }
+        GroupFit {
+            fit: DriftFit { model: made.model.clone(), measured, static_cubic, band, next_run_band, statistics },
+            residuals,
+        }
     }
 }
 

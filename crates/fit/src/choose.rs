@@ -152,7 +152,7 @@ impl Choice {
             ..FitStatistics::new(over, *rows, in_sample, held_out, covariance.clone())
         };
         let model = DriftModel::of_curve(self.drift(valid));
-        DriftFit { model, measured: valid, static_cubic: None, band: Vec::new(), statistics }
+        DriftFit { model, measured: valid, static_cubic: None, band: Vec::new(), next_run_band: Vec::new(), statistics }
     }
 }
 

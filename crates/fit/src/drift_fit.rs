@@ -17,19 +17,21 @@ pub struct DriftFit {
     pub measured: ValidRange,
     /// The best static cubic beside it; `None` where it was not fitted.
     pub static_cubic: Option<StaticCubic>,
-    /// The prediction band over temperature, coldest first; empty where it was not found.
+    /// Over temperature, coldest first: 95 of 100 group means of this recording are within it of what the model predicts
+    /// without its drift in time. Empty where it was not found.
     pub band: Vec<BandPoint>,
+    /// The same of the next run, after a zero at its start: wider, for that run was not fitted.
+    pub next_run_band: Vec<BandPoint>,
     /// How well it holds.
     pub statistics: FitStatistics,
 }
 
-/// A point of the prediction band.
+/// A point of a band.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BandPoint {
     /// In the calibration's temperature unit.
     pub temperature: f64,
-    /// 95 of 100 group means at this temperature are expected within this of what the model predicts without its drift in
-    /// time, rate units: of a recording that it was not fitted to, but for what the zero has moved by between the two.
+    /// Rate units, to either side of what the model predicts.
     pub half_width: f64,
 }
 

@@ -72,6 +72,8 @@ struct AxisForm {
     static_cubic: Option<StaticCubicForm>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     band: Vec<BandPoint>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    next_run_band: Vec<BandPoint>,
     rate_unit: RateUnit,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sensor: Option<Sensor>,
@@ -88,17 +90,18 @@ struct AxisForm {
 
 impl From<AxisCalibration> for AxisForm {
     fn from(axis: AxisCalibration) -> Self {
-        let model = axis.model().to_string();
-        let DriftFit { model: DriftModel { drift, history, time_drift }, measured, static_cubic, band, statistics } =
-            axis.fit;
+        let name = axis.model().to_string();
+        let DriftFit { model, measured, static_cubic, band, next_run_band, statistics } = axis.fit;
+        let DriftModel { drift, history, time_drift } = model;
         Self {
-            model,
+            model: name,
             history: history.as_ref().map(|history| HistoryForm::of(history, &drift)),
             drift: DriftForm::from(&drift),
             measured_temperature: Some([measured.min(), measured.max()]),
             time_drift,
             static_cubic: static_cubic.map(StaticCubicForm::from),
             band,
+            next_run_band,
             rate_unit: axis.rate_unit,
             sensor: axis.sensor,
             reference_temperature: axis.reference_temperature,
@@ -128,6 +131,7 @@ impl TryFrom<AxisForm> for AxisCalibration {
                 measured,
                 static_cubic,
                 band: form.band,
+                next_run_band: form.next_run_band,
                 statistics: form.fit.unwrap_or_else(FitStatistics::unknown),
             },
             rate_unit: form.rate_unit,

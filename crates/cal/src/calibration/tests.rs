@@ -323,6 +323,7 @@ fn a_calibration_with_a_history_reads_back_as_it_was_written() {
     with_history(axis);
     axis.fit.model.time_drift = Some(TimeDrift::straight(1e-3, 2122.25));
     axis.fit.band = vec![BandPoint { temperature: 8500.0, half_width: 1.0 / 3.0 }];
+    axis.fit.next_run_band = vec![BandPoint { temperature: 8500.0, half_width: 2.0 / 3.0 }];
     let in_sample = ResidualStatistics { rms: 0.1, pp: 0.7, rms_standard_error: None };
     axis.fit.static_cubic = Some(StaticCubic { drift: axis.drift().clone(), in_sample, held_out: None });
     let text = calibration.to_json().unwrap();

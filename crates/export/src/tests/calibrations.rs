@@ -24,7 +24,10 @@ pub fn axis(drift: Drift, rate_unit: RateUnit) -> AxisCalibration {
     let statistics = FitStatistics::unknown();
     let measured = drift.valid;
     let model = DriftModel::of_curve(drift);
-    AxisCalibration::of_fit(DriftFit { model, measured, static_cubic: None, band: Vec::new(), statistics }, rate_unit)
+    AxisCalibration::of_fit(
+        DriftFit { model, measured, static_cubic: None, band: Vec::new(), next_run_band: Vec::new(), statistics },
+        rate_unit,
+    )
 }
 
 pub fn calibration(axes: Vec<(&str, AxisCalibration)>) -> Calibration {

@@ -14,30 +14,20 @@ const WINDOW: f64 = 1.0 / 8.0;
 /// The share of groups that lie within the band.
 const COVERED: f64 = 0.95;
 
-/// How much the held-out residuals say against those of the fit of everything: as much (Toussaint and Sharpe, *An efficient
-/// method for estimating the probability of misclassification*, 1975). A fit that lacks a whole fold is worse than the one
-/// that is deployed, and a residual of what was fitted is smaller than one to come.
-const HELD_OUT_SHARE: f64 = 0.5;
+/// A residual of each group (NaN for none), and how much it says.
+pub(super) type Weighed<'a> = (&'a [f64], f64);
 
-/// The band from residuals of the model as it is deployed, after a zero at each log's start, one a group (NaN for none), held
-/// out and in-sample. Its shape is their root mean square nearby, by a normal window; its size is what 95 of 100 of them do
-/// not exceed (normalised conformal prediction: Papadopoulos et al. 2008; Lei et al. 2018), whatever their distribution: a
-/// loop of hysteresis has two values and no tails, a few jumps have tails and no width. They hold the model's error, the
-/// coefficients' and what the zero drifts by in time, beside the noise.
-pub(super) fn band(
-    series: &Series<'_>,
-    measured: ValidRange,
-    held_out: Option<&[f64]>,
-    in_sample: &[f64],
-) -> Vec<BandPoint> {
+/// The band from residuals. Its shape is their root mean square nearby, by a normal window; its size is what 95 of 100 of
+/// them do not exceed (normalised conformal prediction: Papadopoulos et al. 2008; Lei et al. 2018), whatever their
+/// distribution: a loop of hysteresis has two values and no tails, a few jumps have tails and no width. They hold what the
+/// model's error and the zero's drift in time are in them, beside the noise.
+pub(super) fn band(series: &Series<'_>, measured: ValidRange, residuals: &[Weighed<'_>]) -> Vec<BandPoint> {
     let span = measured.max() - measured.min();
-    let share = if held_out.is_some() { HELD_OUT_SHARE } else { 0.0 };
-    let weighed = |residuals: &[f64], weight: f64| -> Vec<Residual> {
+    let weighed = |&(residuals, weight): &Weighed<'_>| -> Vec<Residual> {
         let all = series.temperature.iter().zip(residuals).filter(|(_, residual)| residual.is_finite());
         all.map(|(&temperature, residual)| Residual { size: residual.abs(), temperature, weight }).collect()
     };
-    let mut residuals = weighed(held_out.unwrap_or_default(), share);
-    residuals.extend(weighed(in_sample, 1.0 - share));
+    let residuals: Vec<Residual> = residuals.iter().flat_map(weighed).collect();
     let nearby = |temperature: f64| {
         let near =
             |own: &Residual| own.weight * (-0.5 * ((own.temperature - temperature) / (WINDOW * span)).powi(2)).exp();

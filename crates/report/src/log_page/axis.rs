@@ -45,10 +45,10 @@ impl Time {
     }
 }
 
-/// The edges of the prediction band, below and above, in the order of time: about what a device would have predicted, which
+/// The edges of the next run's band, below and above, in the order of time: about what a device would have predicted, which
 /// with a history is a loop.
 fn band(axis: &AxisFit, scale: RateScale) -> Vec<Vec<(f64, f64)>> {
-    let band = &axis.calibration.fit.band;
+    let band = &axis.calibration.fit.next_run_band;
     if band.is_empty() {
         return Vec::new();
     }
@@ -110,11 +110,11 @@ pub(crate) fn figure(fit: &LogFit, axis: &AxisFit, units: Option<WrittenRate>, p
         }
     }
     key.push((Ink::Curve, Sample::Line, "fitted curve"));
-    if !axis.calibration.fit.band.is_empty() {
+    if !axis.calibration.fit.next_run_band.is_empty() {
         key.push((
             Ink::Aim,
             Sample::Line,
-            "95 of 100 averages of a run like this one lie between, after a zero at its start",
+            "95 of 100 averages of the next run lie between, if it is like this one, after a zero at its start",
         ));
     }
     if !fit.excluded.is_empty() && time.unit_s.is_some() {
