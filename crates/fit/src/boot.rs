@@ -23,6 +23,23 @@ pub fn take_zero_off(residuals: &mut [f64], time_s: &[f64], used: &[usize]) {
     }
 }
 
+/// How the noise of the zero itself varies the sum of squares of what is left of a run, which all of it shifts: a variance.
+/// `used` are the run's rows, their zero taken off.
+///
+/// The noise s of a row is by neighbours' differences, `s^2 = sum (r[k+1] - r[k])^2 / 2 n` (von Neumann et al., 1941), so that
+/// what a curve leaves is no part of it. A zero of b rows has the variance `v = s^2 / b`. So has the mean m of what is left,
+/// and the variance of the square of such a mean is `4 m^2 v + 2 v^2`, with `m^2 - v` in the place of a square that was
+/// found with that noise in it.
+pub(crate) fn variance_by_the_zero(residuals: &[f64], time_s: &[f64], used: &[usize]) -> f64 {
+    let left: Vec<f64> = used.iter().map(|&row| residuals[row]).filter(|left| left.is_finite()).collect();
+    let count = left.len() as f64;
+    let differences = left.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
+    let zero = differences / (2.0 * (count - 1.0)) / booted(time_s, used) as f64;
+    let mean = left.iter().sum::<f64>() / count;
+    let variance = count.powi(2) * (4.0 * (mean.powi(2) - zero).max(0.0) * zero + 2.0 * zero.powi(2));
+    if variance.is_finite() { variance } else { 0.0 }
+}
+
 /// What is left of a run after its zero was taken off, about nothing: rates less predictions in, one a time.
 #[must_use]
 pub fn left_after_zero(mut residuals: Vec<f64>, time_s: &[f64]) -> ResidualStatistics {
@@ -48,5 +65,42 @@ mod tests {
         assert!((left_after_zero(vec![1.0, 4.0], &[f64::NAN; 2]).rms - 3.0).abs() < 1e-12);
         assert!((left_after_zero(vec![1.0, 4.0], &[0.0, 1.0]).rms - 3.0).abs() < 1e-12);
         assert!(left_after_zero(Vec::new(), &[]).rms.is_nan());
+    }
+
+    /// Runs of noise alone, about a level that the curve misses by `missed` from the start on.
+    fn variances(missed: f64) -> (f64, f64) {
+        let mut state = 5_u64;
+        let mut noise = || {
+            let uniform = |state: &mut u64| {
+                *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (*state >> 11) as f64 / (1_u64 << 53) as f64
+            };
+            (0..12).map(|_| uniform(&mut state)).sum::<f64>() - 6.0
+        };
+        let times: Vec<f64> = (0..200).map(|row| 10.0 * f64::from(row)).collect();
+        let all: Vec<usize> = (0..200).collect();
+        let runs = (0..2000).map(|_| {
+            let mut left: Vec<f64> = all.iter().map(|&row| noise() + if row < 3 { 0.0 } else { missed }).collect();
+            take_zero_off(&mut left, &times, &all);
+            (
+                left.iter().filter(|left| left.is_finite()).map(|left| left * left).sum::<f64>(),
+                variance_by_the_zero(&left, &times, &all),
+            )
+        });
+        let runs: Vec<(f64, f64)> = runs.collect();
+        let mean = |of: &dyn Fn(&(f64, f64)) -> f64| runs.iter().map(of).sum::<f64>() / runs.len() as f64;
+        let level = mean(&|run| run.0);
+        (mean(&|run| (run.0 - level).powi(2)), mean(&|run| run.1))
+    }
+
+    #[test]
+    fn what_the_zero_varies_is_told() {
+        for missed in [0.0, 0.5, 3.0] {
+            let (truth, told) = variances(missed);
+            // The noise's own share of the variance, two a row, is the folds' to tell.
+            let ratio = (told + 2.0 * 197.0) / truth;
+            // Twice it where there is nothing but that noise: a square is never taken for less than none.
+            assert!((0.85..2.1).contains(&ratio), "missed by {missed}: {told} for {truth}");
+        }
     }
 }

@@ -11,7 +11,8 @@ pub struct ResidualStatistics {
     pub rms: f64,
     /// Peak to peak.
     pub pp: f64,
-    /// How well the rms is known, by how much the folds differ ([`Self::of_folds`]); `None` where it is not of folds.
+    /// How well the rms is known, by how much the folds differ ([`Self::of_folds`]) and, where a zero was taken once, by its
+    /// noise; `None` where it is not of folds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rms_standard_error: Option<f64>,
 }
@@ -45,6 +46,13 @@ impl ResidualStatistics {
     pub fn by_folds(residuals: &[f64]) -> Self {
         let fold = |fold| Residuals::of(residuals[rows_of_fold(fold, residuals.len())].iter().copied());
         Self::of_folds(&(0..FOLDS).map(fold).collect::<Vec<_>>())
+    }
+
+    /// The same, where the sum of squares of its `count` residuals has a variance of its own beside the folds' differences.
+    #[must_use]
+    pub(crate) fn varied_by(self, variance: f64, count: usize) -> Self {
+        let more = variance.sqrt() / count as f64 / (2.0 * self.rms);
+        Self { rms_standard_error: self.rms_standard_error.map(|error| error.hypot(more)), ..self }
     }
 
     /// The size of values about their mean, and the mean.

@@ -78,6 +78,12 @@ def rms_error(residuals):
     return np.std(mean_squares, ddof=1) / np.sqrt(FOLDS) / (2 * np.sqrt(np.nanmean(np.square(residuals))))
 
 
+def error_by_zero(left, averaged):
+    """By the noise of the mean of some averages, which was taken off all others: as of the square of a mean."""
+    zero, mean = np.mean(np.diff(left) ** 2) / 2 / averaged, np.mean(left)
+    return np.sqrt(4 * max(mean**2 - zero, 0) * zero + 2 * zero**2) / (2 * rms(left))
+
+
 def rms(values):
     return np.sqrt(np.mean(np.square(values)))
 
@@ -256,7 +262,8 @@ def errors_of_folds(differences, zerorate, folder, log):
         zeroed[:3] = np.nan
         printed = fitted["axes"][name]["uncorrected"]["rms_standard_error"]
         # The first half minute is left out of a fold.
-        differences.hold(f"{name} uncorrected.rms_standard_error", printed, rms_error(zeroed), 0.05)
+        error = np.hypot(rms_error(zeroed), error_by_zero(zeroed[3:], 3))
+        differences.hold(f"{name} uncorrected.rms_standard_error", printed, error, 0.05)
 
 
 def trends(differences, zerorate, folder, fitted):

@@ -5,7 +5,7 @@ use std::ops::Range;
 use zerorate_core::drift::{Drift, ValidRange};
 
 use super::{in_recording, predict};
-use crate::boot::take_zero_off;
+use crate::boot::{take_zero_off, variance_by_the_zero};
 use crate::choose::standard_error;
 use crate::drift_fit::{Candidate, HeldOut, LogLeft, StaticCubic, finite};
 use crate::folds::{FOLDS, rows_of_fold};
@@ -138,7 +138,12 @@ impl Outer {
     /// What is left of the predicted groups where the zero is taken once, where each log begins, and not anew with each
     /// fold: a device is switched on once a log.
     fn of_whole_logs(&self, series: &Series<'_>, left: &[f64]) -> Option<ResidualStatistics> {
-        let left = ResidualStatistics::by_folds(&zeroed(series, &predicted(left, &self.deployed)));
+        let predicted = predicted(left, &self.deployed);
+        let left = zeroed(series, &predicted);
+        let logs = logs_of(series, &predicted);
+        let by_zeros = logs.iter().map(|log| variance_by_the_zero(&left, series.time_s, log)).sum();
+        let left = ResidualStatistics::by_folds(&left)
+            .varied_by(by_zeros, left.iter().filter(|left| left.is_finite()).count());
         (self.complete() && left.rms.is_finite()).then_some(left)
     }
 
@@ -234,12 +239,15 @@ fn predicted(left: &[f64], deployed: &[f64]) -> Vec<f64> {
 
 /// What is left once a zero was taken where each log begins; NaN while it is taken.
 pub(super) fn zeroed(series: &Series<'_>, left: &[f64]) -> Vec<f64> {
-    let known: Vec<usize> = (0..left.len()).filter(|&group| left[group].is_finite()).collect();
     let mut zeroed = left.to_vec();
-    for log in known.chunk_by(|&a, &b| series.log[a] == series.log[b]) {
-        take_zero_off(&mut zeroed, series.time_s, log);
-    }
+    logs_of(series, left).iter().for_each(|log| take_zero_off(&mut zeroed, series.time_s, log));
     zeroed
+}
+
+/// The groups of each log of which something is left.
+fn logs_of(series: &Series<'_>, left: &[f64]) -> Vec<Vec<usize>> {
+    let known: Vec<usize> = (0..left.len()).filter(|&group| left[group].is_finite()).collect();
+    known.chunk_by(|&a, &b| series.log[a] == series.log[b]).map(<[usize]>::to_vec).collect()
 }
 
 /// The static cubic of everything, with what it leaves of the rates less the recording's own drift in time.

@@ -70,7 +70,8 @@ impl LogPage<'_> {
                     "Of a whole log like this one, its zero taken in the " (fit.zero_taken_in()) ": held out, and without the "
                     "log’s own drift in time. Before is the same without a model. "
                 } @else { "Before is about its own mean. " }
-                "± is one standard error, by how much the eight folds of the log differ."
+                "± is one standard error, by how much the eight folds of the log differ"
+                @if is_deployed(fit) { " and by the noise of the zero" } "."
             },
             heads: &["Axis", left_rms, left_pp, "Before, rms", "Before, pp", "Times smaller, by rms", "Model", "Samples"],
             rows: axes.iter().map(row).collect(),

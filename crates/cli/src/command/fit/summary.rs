@@ -208,7 +208,8 @@ fn terms(page: &mut Page, fit: &LogFit) {
                  takes its zero in the {zero_taken_in} and the prediction off from then on: each eighth of the log as a model \
                  predicts it that was chosen and fitted on the other seven, and without the log's own drift in time, which no \
                  device knows. Uncorrected is the same without a model. zerorate verify measures the same two of another \
-                 run. \u{b1} is one standard error of the rms, by how much the eight folds differ; pp is peak to peak."
+                 run. \u{b1} is one standard error of the rms, by how much the eight folds differ and by \
+                 the noise of the zero; pp is peak to peak."
             ),
         );
     }
