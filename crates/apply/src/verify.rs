@@ -56,7 +56,7 @@ pub struct Verified {
     /// Whether every axis of the calibration is there and meets its limits; `None` where no limit was given and none is
     /// missing: then nothing was tested.
     pub passed: Option<bool>,
-    /// Whether the calibration was fitted on this very log, or on rows of it: what is left is then in-sample, and no test.
+    /// Whether the calibration was fitted on this very log, on rows of it or on a copy: what is left is then in-sample, and no test.
     pub in_sample: bool,
     /// The temperature's unit.
     pub temperature_unit: TemperatureUnit,
@@ -89,9 +89,9 @@ pub enum VerifyError {
 /// Why a log is no test of a calibration.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum NoTest {
-    /// The log is the one that the calibration was fitted on, by its hash or by the hashes of runs of its rows.
+    /// The log is the one that the calibration was fitted on, by its hash, by the hashes of runs of its rows or by its noise.
     #[error(
-        "the calibration was fitted on this very log, or on rows of it, so it is no test of it: give a log of another run, or allow it (`in_sample`) to look all the same"
+        "the calibration was fitted on this very log, on rows of it or on a copy, so it is no test of it: give a log of another run, or allow it (`in_sample`) to look all the same"
     )]
     InSample,
     /// The log is no good for this.

@@ -8,9 +8,11 @@ mod averages;
 mod gather;
 mod grouped;
 mod json;
+mod noise_signs;
 mod one_way;
 mod overlap;
 mod plain;
+mod repeated;
 mod still;
 mod words;
 
@@ -99,6 +101,16 @@ pub enum LogFitError {
         second: String,
         /// How much of it, in words.
         part: String,
+    },
+    /// A log is another in other numbers.
+    #[error(
+        "{second}: a copy of {first} in other numbers (rounded, or of another unit or clock), for it has the same noise: what is held out would be fitted all the same; give each run once"
+    )]
+    Copied {
+        /// The log.
+        first: String,
+        /// Its copy.
+        second: String,
     },
     /// The plain fit was asked for of several logs.
     #[error("the plain fit is of one log, to compare it with other tools: give one log, or leave out `plain`")]

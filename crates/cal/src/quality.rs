@@ -95,6 +95,8 @@ pub enum ReasonKind {
     CoarseTemperature,
     /// Warning: the file was cut off or is damaged; what is whole of it was read.
     Truncated,
+    /// Warning: the same numbers stand in the log twice, rows or columns.
+    Repeated,
     /// Warning: the temperature went one way over most of its span, so that hysteresis was not seen.
     OneDirection,
     /// Warning: more is left of an axis than was recorded: of a verification, or of a fit's own held-out folds.
@@ -140,6 +142,7 @@ impl ReasonKind {
             | Self::WorseThanUncorrected
             | Self::OutsideRange
             | Self::Truncated
+            | Self::Repeated
             | Self::GuessedUnit => Verdict::Warning,
             Self::AssumedUnit => Verdict::Good,
         }

@@ -30,7 +30,7 @@ pub struct Origin {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub changed: Option<String>,
     /// What a log's rows are known by, whatever form they are kept in: the hashes of some runs of 64 successive rows, 16
-    /// hexadecimal digits each.
+    /// hexadecimal digits each, and for each sensor the signs of its noise.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<String>,
 }

@@ -2,7 +2,9 @@
 
 use std::time::SystemTime;
 
+use super::noise_signs::NoiseSigns;
 use super::overlap::{Fingerprint, LogRows};
+use super::repeated;
 use super::still::{Still, Stillness};
 use super::{FitOptions, LogFitError};
 use crate::condition::{GROUP_S, Group, Grouping, Length, MIN_GROUPS, Tally};
@@ -75,8 +77,12 @@ impl Logs {
             taken = Taking::new(options, lengths, self.logs);
             ending = file.read(&mut taken)?;
         }
-        let rows = LogRows(taken.sensors.iter_mut().map(|taken| std::mem::take(&mut taken.fingerprint)).collect());
+        let autopilot = file.autopilot();
+        let runs = taken.sensors.iter_mut().map(|taken| std::mem::take(&mut taken.fingerprint)).collect();
+        let (seen, sensors) = taken.finish();
+        let rows = LogRows { runs, noise: sensors.iter().map(|sensor| NoiseSigns::of(&sensor.groups)).collect() };
         self.refuse_overlap(source, sources, &rows)?;
+        self.reasons.extend(repeated::reasons(source.short_name(), &rows, &sensors));
         self.rows.push(rows);
         self.started.push(ending.started);
         for note in ending.notes {
@@ -85,7 +91,7 @@ impl Logs {
             }
         }
         self.reasons.extend(ending.reasons);
-        self.add(source, file.autopilot(), taken)
+        self.add(source, autopilot, seen, sensors)
     }
 
     /// Refuses a log that shares rows with one before it.
@@ -96,6 +102,10 @@ impl Logs {
                 let (first, second) = (first.name().to_owned(), source.name().to_owned());
                 return Err(LogFitError::Overlapping { first, second, part });
             }
+            if own.are_copied_from(theirs) {
+                let (first, second) = (first.name().to_owned(), source.name().to_owned());
+                return Err(LogFitError::Copied { first, second });
+            }
         }
         Ok(())
     }
@@ -105,16 +115,16 @@ impl Logs {
         &mut self,
         source: &Source,
         autopilot: Option<imu_logs::Format>,
-        taken: Taking<'_>,
+        seen: Vec<Sensor>,
+        mut sensors: Vec<Gathered>,
     ) -> Result<(), LogFitError> {
         let first = self.sensors.is_empty() && self.logs == 0;
-        for sensor in taken.seen {
+        for sensor in seen {
             if !self.seen.contains(&sensor) {
                 self.seen.push(sensor);
             }
         }
-        let mut sensors: Vec<Gathered> =
-            taken.sensors.into_iter().map(Taken::finish).filter(|gathered| gathered.rows > 0).collect();
+        sensors.retain(|gathered| gathered.rows > 0);
         if sensors.is_empty() {
             self.empty.push(source.short_name().to_owned());
             return Ok(());
@@ -230,6 +240,11 @@ struct Taken {
 impl<'a> Taking<'a> {
     fn new(options: &'a FitOptions, lengths: Vec<Length>, log: u32) -> Self {
         Self { options, lengths, log, places: Vec::new(), sensors: Vec::new(), seen: Vec::new() }
+    }
+
+    /// The sensors that the log has, and the groups of those wanted.
+    fn finish(self) -> (Vec<Sensor>, Vec<Gathered>) {
+        (self.seen, self.sensors.into_iter().map(Taken::finish).collect())
     }
 
     /// The lengths of groups by which a log that turned out to be short is to be read again, if any.

@@ -4,8 +4,9 @@
 //! on where the log begins, so that what overlaps gives the same runs in both (fingerprints by a rolling hash: Schleimer,
 //! Wilkerson and Aiken, "Winnowing", 2003). Times are no part of a row: they are told from each log's own start.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
+use super::noise_signs::NoiseSigns;
 use crate::log::Rows;
 
 /// Rows in a run: more than noise repeats, in the coarsest of sensors.
@@ -25,37 +26,55 @@ const MOST_WRITTEN: usize = 16;
 /// Runs in common from which on two logs overlap.
 const LEAST_IN_COMMON: usize = 2;
 
+/// The part of a log from which on it is said to stand in itself twice: of coarse numbers a few runs are alike by chance.
+const LEAST_TWICE: f64 = 0.01;
+
 /// An odd number of well mixed bits, the base of the rolling hash (the golden ratio's).
 const BASE: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// What the rows of one log are known by, a sensor each.
+/// What the rows of one log are known by, a sensor each: by runs of them, and by their noise.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct LogRows(pub(super) Vec<Fingerprint>);
+pub struct LogRows {
+    pub(super) runs: Vec<Fingerprint>,
+    pub(super) noise: Vec<NoiseSigns>,
+}
 
 impl LogRows {
-    /// What a calibration keeps of it: a few runs a sensor, 16 hexadecimal digits each.
+    /// What a calibration keeps of it: a few runs a sensor, 16 hexadecimal digits each, and the signs of each one's noise.
     #[must_use]
     pub fn written(&self) -> Vec<String> {
         let few = |sensor: &Fingerprint| {
             let mut few = sensor.clone();
             few.thin(MOST_WRITTEN);
-            few.kept
+            few.kept.into_keys()
         };
-        self.0.iter().flat_map(few).map(|run| format!("{run:016x}")).collect()
+        let runs = self.runs.iter().flat_map(few).map(|run| format!("{run:016x}"));
+        runs.chain(self.noise.iter().filter_map(NoiseSigns::written)).collect()
     }
 
-    /// Whether some of these rows are among those that a calibration was fitted on.
+    /// Whether some of these rows are among those that a calibration was fitted on, or these are a copy of them.
     #[must_use]
     pub fn are_among(&self, written: &[String]) -> bool {
         let runs = || written.iter().filter_map(|run| u64::from_str_radix(run, 16).ok());
-        let common = |own: &Fingerprint| runs().filter(|run| own.kept.contains(run)).count();
-        self.0.iter().any(|own| common(own) >= LEAST_IN_COMMON)
+        let common = |own: &Fingerprint| runs().filter(|run| own.kept.contains_key(run)).count();
+        let noise = |own: &NoiseSigns| written.iter().any(|written| own.is_of(written));
+        self.runs.iter().any(|own| common(own) >= LEAST_IN_COMMON) || self.noise.iter().any(noise)
     }
 
     /// The part of these rows that another log has too; `None` where the two have nothing in common.
     pub(super) fn part_in(&self, other: &Self) -> Option<f64> {
-        let parts = self.0.iter().flat_map(|own| other.0.iter().filter_map(|other| own.part_in(other)));
+        let parts = self.runs.iter().flat_map(|own| other.runs.iter().filter_map(|other| own.part_in(other)));
         parts.max_by(f64::total_cmp)
+    }
+
+    /// Whether these rows are a copy of another log's, in other numbers.
+    pub(super) fn are_copied_from(&self, other: &Self) -> bool {
+        self.noise.iter().any(|own| other.noise.iter().any(|other| own.are_of(other)))
+    }
+
+    /// The part of these rows that stand in the log before, too; `None` where all are there once.
+    pub(super) fn part_twice(&self) -> Option<f64> {
+        self.runs.iter().filter_map(Fingerprint::part_twice).max_by(f64::total_cmp)
     }
 }
 
@@ -71,14 +90,15 @@ pub(super) struct Fingerprint {
     base_of_run: u64,
     /// Of the hashes with so many zeros at their end all are kept.
     zeros: u32,
-    kept: BTreeSet<u64>,
+    /// How often each was met.
+    kept: BTreeMap<u64, u32>,
 }
 
 impl Default for Fingerprint {
     fn default() -> Self {
         let base_of_run = (0..RUN).fold(1_u64, |power, _| power.wrapping_mul(BASE));
         let last = [(0, false); RUN];
-        Self { last, rows: 0, changes: 0, rolling: 0, base_of_run, zeros: 0, kept: BTreeSet::new() }
+        Self { last, rows: 0, changes: 0, rolling: 0, base_of_run, zeros: 0, kept: BTreeMap::new() }
     }
 }
 
@@ -103,7 +123,7 @@ impl Fingerprint {
         if self.rows < RUN || self.changes < LEAST_CHANGES || run.trailing_zeros() < self.zeros {
             return;
         }
-        self.kept.insert(run);
+        *self.kept.entry(run).or_default() += 1;
         self.thin(MOST_KEPT);
     }
 
@@ -111,7 +131,7 @@ impl Fingerprint {
     fn thin(&mut self, most: usize) {
         while self.kept.len() > most {
             self.zeros += 1;
-            self.kept.retain(|run| run.trailing_zeros() >= self.zeros);
+            self.kept.retain(|run, _| run.trailing_zeros() >= self.zeros);
         }
     }
 
@@ -120,10 +140,17 @@ impl Fingerprint {
         let of_both = |run: &&u64| run.trailing_zeros() >= zeros;
         let (own, common) = self
             .kept
-            .iter()
+            .keys()
             .filter(of_both)
-            .fold((0, 0), |(own, common), run| (own + 1, common + usize::from(other.kept.contains(run))));
+            .fold((0, 0), |(own, common), run| (own + 1, common + usize::from(other.kept.contains_key(run))));
         (common >= LEAST_IN_COMMON).then(|| common as f64 / f64::from(own))
+    }
+
+    fn part_twice(&self) -> Option<f64> {
+        let all: u32 = self.kept.values().sum();
+        let again = all as usize - self.kept.len();
+        let part = again as f64 / f64::from(all);
+        (again >= LEAST_IN_COMMON && part >= LEAST_TWICE).then_some(part)
     }
 }
 
@@ -168,11 +195,21 @@ mod tests {
 
     #[test]
     fn the_few_runs_that_are_written_tell_a_log_from_others() {
-        let written = LogRows(vec![rows(0..60_000), rows(900_000..960_000)]).written();
+        let of_runs = |runs| LogRows { runs, noise: Vec::new() };
+        let written = of_runs(vec![rows(0..60_000), rows(900_000..960_000)]).written();
         assert!(written.len() <= 2 * MOST_WRITTEN && written.len() > MOST_WRITTEN / 2, "{}", written.len());
-        let of = |range| LogRows(vec![rows(range)]);
+        let of = |range| of_runs(vec![rows(range)]);
         assert!(of(0..60_000).are_among(&written) && of(20_000..60_000).are_among(&written));
         assert!(!of(100_000..160_000).are_among(&written) && !of(0..60_000).are_among(&[]));
+    }
+
+    #[test]
+    fn rows_that_stand_in_a_log_twice_are_told() {
+        let mut twice = Fingerprint::default();
+        (0..60_000).chain(20_000..50_000).for_each(|row| twice.push(mixed(row)));
+        let part = twice.part_twice().unwrap();
+        assert!((part - 30_000.0 / 90_000.0).abs() < 0.03, "{part}");
+        assert_eq!(rows(0..60_000).part_twice(), None);
     }
 
     #[test]

@@ -213,6 +213,70 @@ fn logs_that_overlap_are_refused_and_successive_ones_are_not() {
     );
 }
 
+/// Half an hour of a gyro with noise of its own, in the numbers that `write` makes of them.
+fn half_hour(name: &str, seed: u32, write: impl Fn(f64, f64) -> String) -> Source {
+    let mut state = seed;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24) - 0.5
+    };
+    let line = |row: i32| {
+        let t = 20.0 + 30.0 * (f64::from(row) / 573.0).sin();
+        format!("{},{}\n", 0.5 * f64::from(row), write(t, 0.1 + 1e-3 * t + 0.05 * noise()))
+    };
+    let rows: String = (0..3600).map(line).collect();
+    Source::bytes(name, format!("time_s,temperature_c,gyro_x_rad_s\n{rows}").into_bytes())
+}
+
+#[test]
+fn a_copy_in_other_numbers_is_refused_and_a_second_run_is_not() {
+    let exact = |t: f64, rate: f64| format!("{t},{rate}");
+    let first = half_hour("first.csv", 7, exact);
+    let copies = [
+        half_hour("copy.csv", 7, |t, rate| format!("{t:.2},{rate:.4}")),
+        half_hour("copy.csv", 7, |t, rate| format!("{t},{}", 57.29578 * rate)),
+    ];
+    for copy in copies {
+        let refused = fit_logs(&[first.clone(), copy], &FitOptions::default()).unwrap_err().to_string();
+        assert!(refused.starts_with("copy.csv: a copy of first.csv in other numbers"), "{refused}");
+    }
+    for seed in 8..20 {
+        assert!(fit_logs(&[first.clone(), half_hour("second.csv", seed, exact)], &FitOptions::default()).is_ok());
+    }
+}
+
+#[test]
+fn a_run_joined_to_itself_and_a_column_saved_as_two_are_told() {
+    let lines = |log: &Source| String::from_utf8(log.start(u64::MAX).unwrap()).unwrap();
+    let once = half_hour("once.csv", 7, |t, rate| format!("{t},{rate}"));
+    let fitted =
+        |text: String| fit_logs(&[Source::bytes("log.csv", text.into_bytes())], &FitOptions::default()).unwrap();
+    let again: String = lines(&once)
+        .lines()
+        .skip(1)
+        .enumerate()
+        .map(|(row, line)| {
+            let rest = line.split_once(',').unwrap().1;
+            format!("{},{rest}\n", 1800.0 + 0.5 * row as f64)
+        })
+        .collect();
+    let told = fitted(lines(&once) + &again);
+    assert!(
+        told.reasons().any(|text| text.starts_with("log.csv: about 50 % of the rows stand in it twice")),
+        "{:?}",
+        told.judgement
+    );
+    let two = half_hour("two.csv", 7, |t, rate| format!("{t},{rate},{rate}"));
+    let told = fitted(lines(&two).replace("gyro_x_rad_s", "gyro_x_rad_s,gyro_y_rad_s"));
+    let expected = "gyro_x_rad_s and gyro_y_rad_s are the same numbers: one of the two was not measured";
+    assert!(
+        told.reasons().any(|text| text == expected) && told.judgement.verdict == Verdict::Warning,
+        "{:?}",
+        told.judgement
+    );
+    assert!(!kinds(&fitted(lines(&once))).contains(&ReasonKind::Repeated));
+}
+
 #[test]
 fn a_gyro_that_reads_one_number_is_rejected_and_the_others_are_fitted_as_if_alone() {
     let (temperatures, mut rates) = cycle();

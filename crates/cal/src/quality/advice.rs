@@ -44,6 +44,7 @@ impl ReasonKind {
                 "A temperature in coarse steps makes the curve less exact: take the gyro’s own sensor at its full resolution, \
                  or warm slowly."
             }
+            Self::Repeated => "Look at how the file was made: a run joined to itself, or one column saved as two.",
             Self::Truncated => "Stop the log before the power goes, and copy the whole file.",
             Self::OneDirection => {
                 "Log on until the unit has cooled again, or log a second run that cools and fit both: only a temperature that \
