@@ -99,6 +99,8 @@ struct Versioned<'a> {
 #[derive(Deserialize)]
 struct Head {
     schema: Option<serde_json::Value>,
+    /// What a summary does not have.
+    kind: Option<serde_json::Value>,
 }
 
 impl Calibration {
@@ -148,10 +150,12 @@ impl Calibration {
     /// As [`Self::read`].
     pub fn from_json(text: &str) -> Result<Self, CalibrationFault> {
         let head: Head = serde_json::from_str(text)?;
+        let known = u64::from(OLDEST_SCHEMA)..=u64::from(SCHEMA);
         match head.schema.as_ref().map(serde_json::Value::as_u64) {
-            Some(Some(found)) if (u64::from(OLDEST_SCHEMA)..=u64::from(SCHEMA)).contains(&found) => {
-                Ok(serde_json::from_str(text)?)
-            }
+            Some(Some(found)) if known.contains(&found) => match head.kind {
+                Some(_) => Ok(serde_json::from_str(text)?),
+                None => Err(CalibrationFault::NotOne),
+            },
             Some(Some(found)) => Err(CalibrationFault::UnknownSchema { found }),
             Some(None) | None => Err(CalibrationFault::NotOne),
         }

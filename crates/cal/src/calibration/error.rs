@@ -18,7 +18,7 @@ pub enum CalibrationFault {
     Read(#[from] io::Error),
     /// The file is something else.
     #[error(
-        "this is not a calibration (JSON with a number under \"schema\"): give the calibration.json that calibrate or fit wrote"
+        "this is not a calibration (JSON with \"schema\" and \"kind\"): give the calibration.json that calibrate or fit wrote"
     )]
     NotOne,
     /// A schema that this code does not know.

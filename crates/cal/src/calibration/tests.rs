@@ -226,6 +226,9 @@ fn files_that_are_something_else_are_refused() {
     let refused = |source: &Source| Calibration::read(source).unwrap_err();
     let record = refused(&Source::bytes("device-record.bin", [0x5a, 0x52, 0xff, 0x00]));
     assert!(matches!(record.fault, CalibrationFault::NotOne), "{record}");
+    let summary =
+        refused(&Source::bytes("summary.json", *br#"{ "schema": 2, "plant": "paper", "axes": { "x": {} } }"#));
+    assert!(matches!(summary.fault, CalibrationFault::NotOne), "{summary}");
     let none = refused(&"/nowhere/none".into());
     assert!(none.to_string().starts_with("/nowhere/none: cannot be read"), "{none}");
 }
