@@ -68,12 +68,24 @@ pub fn check(results: &[&TestResult], limits: &Limits, centre_counts: f64) -> Ve
 
 /// Counts, held against the most that they may be.
 fn at_most(what: String, limit: f64, measured: f64) -> Check {
+    let places = decimals(limit, measured);
     Check {
         what,
-        limit: format!("at most {limit:.1} counts"),
-        measured: format!("{measured:.1} counts"),
+        limit: format!("at most {limit:.places$} counts"),
+        measured: format!("{measured:.places$} counts"),
         passed: measured <= limit,
     }
+}
+
+/// As many decimals as tell a limit from zero and from what was measured, one at least: 40.04 of 40 is not 40.0 of 40.0.
+fn decimals(limit: f64, measured: f64) -> usize {
+    let written = |number: f64, places: usize| format!("{number:.places$}");
+    let tell = |&places: &usize| {
+        let of_limit = written(limit, places);
+        (limit == measured || of_limit != written(measured, places))
+            && (limit == 0.0 || of_limit != written(0.0, places))
+    };
+    (1..6).find(tell).unwrap_or(1)
 }
 
 /// The checks of a test. `by_trim` is the same axis's by the potentiometer alone, where it was run.
@@ -102,4 +114,22 @@ fn check_one(result: &TestResult, by_trim: Option<&TestResult>, limits: &Limits,
         });
     }
     checks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_measured_is_told_from_its_limit() {
+        let told = |limit, measured| {
+            let check = at_most(String::new(), limit, measured);
+            (check.limit, check.measured, check.passed)
+        };
+        let strings = |limit: &str, measured: &str, passed| (limit.to_owned(), measured.to_owned(), passed);
+        assert_eq!(told(40.0, 36.21), strings("at most 40.0 counts", "36.2 counts", true));
+        assert_eq!(told(40.0, 40.004), strings("at most 40.000 counts", "40.004 counts", false));
+        assert_eq!(told(0.02, 0.3), strings("at most 0.02 counts", "0.30 counts", false));
+        assert_eq!(told(40.0, 40.0), strings("at most 40.0 counts", "40.0 counts", true));
+    }
 }
