@@ -95,6 +95,8 @@ pub enum ReasonKind {
     CoarseTemperature,
     /// Warning: the file was cut off or is damaged; what is whole of it was read.
     Truncated,
+    /// Warning: within the range, temperatures that were not measured.
+    Unmeasured,
     /// Warning: the same numbers stand in the log twice, rows or columns.
     Repeated,
     /// Warning: the temperature went one way over most of its span, so that hysteresis was not seen.
@@ -143,6 +145,7 @@ impl ReasonKind {
             | Self::OutsideRange
             | Self::Truncated
             | Self::Repeated
+            | Self::Unmeasured
             | Self::GuessedUnit => Verdict::Warning,
             Self::AssumedUnit => Verdict::Good,
         }

@@ -31,7 +31,7 @@ use nested::Outer;
 /// How far past the measured temperatures a curve chosen by `auto` is believed before it is held, as a fraction of the span
 /// at each end. It was tested that far: with the groups at either end held out, as many as a fold. The next flight may
 /// start a little colder.
-const BEYOND: f64 = 1.0 / 8.0;
+pub const BEYOND: f64 = 1.0 / 8.0;
 
 /// How much the held-out residuals say of the next run against those of the fit of everything: as much (Toussaint and
 /// Sharpe, *An efficient method for estimating the probability of misclassification*, 1975). A fit that lacks a whole fold

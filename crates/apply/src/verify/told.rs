@@ -17,10 +17,10 @@ pub(super) fn reasons(fit: &LogFit, axes: &[VerifiedAxis], unit: TemperatureUnit
     judgement.reasons
 }
 
-/// A narrow span, one direction, and how well the log's own curve does are no faults of a log that is not fitted.
+/// A narrow span, a hole in it, one direction, and how well the log's own curve does are no faults of a log that is not fitted.
 fn is_of_a_fit_alone(reason: &Reason) -> bool {
-    use ReasonKind::{NarrowSpan, OneDirection, WorseThanUncorrected};
-    matches!(reason.kind, NarrowSpan | OneDirection | WorseThanUncorrected)
+    use ReasonKind::{NarrowSpan, OneDirection, Unmeasured, WorseThanUncorrected};
+    matches!(reason.kind, NarrowSpan | OneDirection | Unmeasured | WorseThanUncorrected)
 }
 
 fn worse(axes: &[VerifiedAxis]) -> impl Iterator<Item = Reason> {

@@ -148,6 +148,8 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
     let temperatures: Vec<Vec<f64>> =
         whole_logs.map(|log| log.iter().map(|group| group.temperature).collect()).collect();
     one_way::reason(&temperatures).into_iter().for_each(|reason| judgement.add(reason));
+    let temperatures = used().map(|(_, group)| group.temperature);
+    words::of_hole(temperatures, stream.temperature_unit.name()).into_iter().for_each(|reason| judgement.add(reason));
     let columns = Columns::of(groups, axis);
     let fitted = match auto::fit(&columns.series(), valid, options.model) {
         Ok(fitted) => fitted,

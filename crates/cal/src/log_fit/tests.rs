@@ -246,6 +246,22 @@ fn a_copy_in_other_numbers_is_refused_and_a_second_run_is_not() {
 }
 
 #[test]
+fn temperatures_between_two_logs_that_neither_has_are_told() {
+    let about = |name: &str, seed: u32, middle: f64| {
+        half_hour(name, seed, move |t, rate| format!("{},{rate}", middle + (t - 20.0) / 3.0))
+    };
+    let told = |logs: &[Source]| {
+        let fit = fit_logs(logs, &FitOptions::default()).unwrap();
+        let of_holes = fit.judgement.reasons.into_iter().filter(|reason| reason.kind == ReasonKind::Unmeasured);
+        of_holes.map(|reason| reason.text).collect::<Vec<_>>()
+    };
+    let (cold, hot) = (about("cold.csv", 1, 0.0), about("hot.csv", 2, 40.0));
+    let [hole] = &told(&[cold.clone(), hot.clone()])[..] else { panic!() };
+    assert!(hole.starts_with("no temperature between 10.0 and 30.0 C was measured"), "{hole}");
+    assert!(told(&[cold, hot, about("middle.csv", 3, 20.0)]).is_empty());
+}
+
+#[test]
 fn a_run_joined_to_itself_and_a_column_saved_as_two_are_told() {
     let lines = |log: &Source| String::from_utf8(log.start(u64::MAX).unwrap()).unwrap();
     let once = half_hour("once.csv", 7, |t, rate| format!("{t},{rate}"));

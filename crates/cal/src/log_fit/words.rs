@@ -1,5 +1,6 @@
 //! What conditioning found, in words.
 
+use zerorate_fit::auto::BEYOND;
 use zerorate_fit::drift_fit::FitStatistics;
 use zerorate_fit::folds::TELLING;
 
@@ -42,6 +43,23 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
         let text = format!("{}: {then}", of_step(step, name, &stream.unit.to_string(), unit));
         judgement.add(Reason::new(ReasonKind::Step, text));
     }
+}
+
+/// The widest hole among the temperatures that were measured, where a curve is drawn over more of it than it is believed
+/// past an end, from either side.
+pub(super) fn of_hole(temperatures: impl Iterator<Item = f64>, unit: &str) -> Option<Reason> {
+    let mut measured: Vec<f64> = temperatures.collect();
+    measured.sort_by(f64::total_cmp);
+    let span = measured.last()? - measured.first()?;
+    let hole = measured.windows(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+    let text = || {
+        format!(
+            "no temperature between {:.1} and {:.1} {unit} was measured: there the curve is a guess; add a log that \
+             goes through it",
+            hole[0], hole[1]
+        )
+    };
+    (hole[1] - hole[0] > 2.0 * BEYOND * span).then(|| Reason::new(ReasonKind::Unmeasured, text()))
 }
 
 /// Whether the temperature comes in steps that a curve feels: a fiftieth of the least span, 0.2 C.

@@ -44,6 +44,7 @@ impl ReasonKind {
                 "A temperature in coarse steps makes the curve less exact: take the gyro’s own sensor at its full resolution, \
                  or warm slowly."
             }
+            Self::Unmeasured => "Log once more through the temperatures that are missing, and fit all logs together.",
             Self::Repeated => "Look at how the file was made: a run joined to itself, or one column saved as two.",
             Self::Truncated => "Stop the log before the power goes, and copy the whole file.",
             Self::OneDirection => {
