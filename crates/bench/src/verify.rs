@@ -82,7 +82,7 @@ fn decimals(limit: f64, measured: f64) -> usize {
     let written = |number: f64, places: usize| format!("{number:.places$}");
     let tell = |&places: &usize| {
         let of_limit = written(limit, places);
-        (limit == measured || of_limit != written(measured, places))
+        (limit.total_cmp(&measured).is_eq() || of_limit != written(measured, places))
             && (limit == 0.0 || of_limit != written(0.0, places))
     };
     (1..6).find(tell).unwrap_or(1)

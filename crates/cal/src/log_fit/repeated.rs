@@ -23,7 +23,7 @@ pub(super) fn reasons(log: &str, rows: &LogRows, sensors: &[Gathered]) -> Vec<Re
 /// The pairs of a sensor's axes whose rates are the same in all groups, and are not all one number.
 fn alike<'a>(stream: &'a Stream, groups: &[Group]) -> Vec<(&'a str, &'a str)> {
     let rates = |axis: usize| groups.iter().map(move |group| group.axes[axis].rate).filter(|rate| rate.is_finite());
-    let changes = |axis: usize| rates(axis).zip(rates(axis).skip(1)).any(|(rate, next)| rate != next);
+    let changes = |axis: usize| rates(axis).zip(rates(axis).skip(1)).any(|(rate, next)| rate.total_cmp(&next).is_ne());
     let is_same = |a: usize, b: usize| rates(a).eq(rates(b)) && rates(a).count() as u64 >= MIN_GROUPS && changes(a);
     let names = &stream.names;
     let pairs = (0..names.len()).flat_map(|a| (a + 1..names.len()).map(move |b| (a, b)));
