@@ -5,8 +5,11 @@ use maud::{Markup, html};
 
 /// What a page has where there is no number.
 const NONE: &str = "\u{2013}";
-/// In a column of a terminal, smaller numbers are the rounding of larger ones, and are written as 0.
-const LEAST: f64 = 1e-6;
+/// In a column of a terminal, numbers smaller than this part of the largest are its rounding, and have no say in decimals;
+/// and so are numbers smaller than this, of whatever column.
+const ROUNDING: (f64, f64) = (1e-5, 1e-12);
+/// With more decimals than this a column is written in powers of ten.
+const MOST_DECIMALS: usize = 6;
 
 /// For a page: a number with so many decimals; an en dash when it is none.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
@@ -46,13 +49,20 @@ pub fn thousands(count: u64) -> String {
 }
 
 /// For a terminal: numbers of one column, all with as many decimals: the largest has three significant digits at least
-/// and the smallest two. What is no number is a hyphen.
+/// and the smallest two. Numbers far below one are powers of ten. What is no number is a hyphen.
 #[must_use]
 pub fn aligned(values: &[f64]) -> Vec<String> {
-    let exponents = || values.iter().filter(|value| value.abs() > LEAST).filter_map(|value| exponent(*value, 3));
+    let most = values.iter().filter(|value| value.is_finite()).fold(0.0_f64, |most, value| most.max(value.abs()));
+    let least = ROUNDING.1.max(ROUNDING.0 * most);
+    let exponents = || values.iter().filter(|value| value.abs() > least).filter_map(|value| exponent(*value, 3));
     let (largest, smallest) = (exponents().max(), exponents().min());
     let decimals = largest.map_or(0, |it| decimals(it, 3)).max(smallest.map_or(0, |it| decimals(it, 2)));
-    let text = |value: &f64| if value.is_finite() { format!("{value:.decimals$}") } else { "-".to_owned() };
+    let text = |value: &f64| match value {
+        value if !value.is_finite() => "-".to_owned(),
+        value if decimals > MOST_DECIMALS && value.abs() > least => format!("{value:.2e}"),
+        _ if decimals > MOST_DECIMALS => "0".to_owned(),
+        value => format!("{value:.decimals$}"),
+    };
     values.iter().map(text).collect()
 }
 
@@ -165,6 +175,7 @@ mod tests {
         assert_eq!(aligned(&[4.151, 0.951, 1.4]), ["4.15", "0.95", "1.40"]);
         assert_eq!(aligned(&[0.0, f64::NAN, 8200.0]), ["0", "-", "8200"]);
         assert_eq!(aligned(&[3e-17, 0.0]), ["0", "0"]);
+        assert_eq!(aligned(&[4.67e-7, 3e-17, 2.1e-8]), ["4.67e-7", "0", "2.10e-8"]);
         assert_eq!([0.00123, 9.999, -0.5].map(three_digits), ["0.00123", "10.0", "-0.500"]);
         assert_eq!([thousands(8379), thousands(1_200_000)], ["8379", "1 200 000"]);
     }

@@ -146,7 +146,7 @@ impl Logs {
         let mut missing = Vec::new();
         for own in &mut self.sensors {
             match sensors.iter().position(|other| is_same(&own.stream, &other.stream)) {
-                Some(place) => own.append(sensors.swap_remove(place)),
+                Some(place) => own.append(sensors.swap_remove(place), starts_s),
                 None => missing.push(describe(&own.stream)),
             }
         }
@@ -198,11 +198,13 @@ fn describe(stream: &Stream) -> String {
 }
 
 impl Gathered {
-    fn append(&mut self, mut next: Self) {
+    /// Appends another log, whose rows are counted and timed from its own start.
+    fn append(&mut self, mut next: Self, starts_s: f64) {
         for group in &mut next.groups {
             group.first_row += self.rows;
             group.end_row += self.rows;
         }
+        next.still.iter_mut().flatten().for_each(|still| still.come_after(self.rows, starts_s));
         self.groups.append(&mut next.groups);
         self.rows += next.rows;
         self.temperature_step = self.temperature_step.min(next.temperature_step);

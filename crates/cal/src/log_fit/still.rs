@@ -71,6 +71,12 @@ impl Stillness {
 }
 
 impl Still {
+    /// Counts rows and times from the first of several logs.
+    pub(super) fn come_after(&mut self, rows: u64, seconds: f64) {
+        self.rows = (self.rows.0 + rows, self.rows.1 + rows);
+        self.time_s = (self.time_s.0 + seconds, self.time_s.1 + seconds);
+    }
+
     fn span(&self) -> f64 {
         length(self.temperature)
     }

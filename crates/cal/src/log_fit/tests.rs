@@ -312,6 +312,18 @@ fn a_gyro_that_reads_one_number_is_rejected_and_the_others_are_fitted_as_if_alon
 }
 
 #[test]
+fn where_it_reads_one_number_in_a_second_log_is_told_from_the_first_logs_start() {
+    let logs = [
+        half_hour("first.csv", 7, |t, rate| format!("{t},{rate}")),
+        half_hour("second.csv", 7, |t, _| format!("{t},0.0125")),
+    ];
+    let told = fit_logs(&logs, &FitOptions::default()).unwrap();
+    // 60 s lie between two logs.
+    let text = told.reasons().find(|text| text.contains("nothing else")).unwrap();
+    assert!(text.contains("from 1860 s to 3659 s (rows 3601 to 7200"), "{text}");
+}
+
+#[test]
 fn a_fit_that_leaves_more_than_nothing_does_is_told() {
     // A rate that wanders in time and knows nothing of the temperature, which comes by twice: a random walk, seed 4.
     let mut state = 4_u64;
