@@ -61,6 +61,20 @@ fn a_stuck_temperature_holds_its_tap_is_said_and_is_believed_again_when_it_moves
 }
 
 #[test]
+fn a_sensor_that_stands_still_in_its_own_noise_is_found_by_the_other_axis() {
+    let mut rig = Rig::at_work();
+    rig.groups(5);
+    rig.inject(Fault::FrozenTemperature(Axis::X));
+    rig.plant.borrow_mut().chamber_set_point(Celsius(60.0)).unwrap();
+    let frozen = rig.groups(200);
+    let checks = (checks(&frozen, Axis::X), checks(&frozen, Axis::Y));
+    assert!(checks.0[150..].iter().all(|&check| check == TemperatureCheck::Stuck), "{:?}", checks.0);
+    assert!(checks.1.iter().all(|&check| check == TemperatureCheck::Believed), "{:?}", checks.1);
+    rig.plant.borrow_mut().clear_faults();
+    assert_eq!(self::checks(&rig.groups(6), Axis::X).last(), Some(&TemperatureCheck::Believed));
+}
+
+#[test]
 fn one_bad_group_does_not_throw_the_tap_and_a_jump_that_stays_moves_it_to_what_the_model_asks() {
     let mut rig = Rig::at_work();
     let before = rig.groups(5)[4].axes[0].tap;

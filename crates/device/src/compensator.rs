@@ -203,7 +203,8 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         let before = with_samples.then(|| self.axes.each_ref().map(|axis| axis.state.clone()));
         let axes = Axis::BOTH.map(|axis| {
             let sums = self.set.sums[axis.index()];
-            self.axes[axis.index()].close(sums, missed, self.timing, &mut self.part, &mut self.faults)
+            let other = self.axes[1 - axis.index()].temperature.believed();
+            self.axes[axis.index()].close(sums, other, missed, self.timing, &mut self.part, &mut self.faults)
         });
         self.group = GroupNumber(group.0.wrapping_add(1));
         let acquisition_errors = self.faults.acquisition_errors;

@@ -7,6 +7,8 @@ use zerorate_core::units::Axis;
 pub enum Fault {
     /// An axis's temperature channel repeats its last sample.
     StuckTemperature(Axis),
+    /// An axis's temperature sensor stands still, and the converter's last bit goes on moving.
+    FrozenTemperature(Axis),
     /// An axis's temperature channel is off by so many counts, for so many scans: a loose contact, a glitch.
     TemperatureOff {
         /// The axis.

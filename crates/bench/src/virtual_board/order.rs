@@ -7,7 +7,7 @@ use zerorate_sim::Fault;
 
 /// The orders, for help texts.
 const KNOWN: &str = "chamber C, feed VOLTS, gyros, voltmeter, power, break \
-                     stuck-x|stuck-y|torn-x|torn-y|jump-x|jump-y|saturated-x|saturated-y|overrun|no-scans|port|trim|memory|spi, \
+                     stuck-x|stuck-y|frozen-x|frozen-y|torn-x|torn-y|jump-x|jump-y|saturated-x|saturated-y|overrun|no-scans|port|trim|memory|spi, \
                      byte-errors RATE, mend, status, quit";
 
 /// What a person does at the bench of a virtual board.
@@ -67,6 +67,8 @@ fn fault(what: &str) -> Option<Fault> {
     match what {
         "stuck-x" => Some(Fault::StuckTemperature(Axis::X)),
         "stuck-y" => Some(Fault::StuckTemperature(Axis::Y)),
+        "frozen-x" => Some(Fault::FrozenTemperature(Axis::X)),
+        "frozen-y" => Some(Fault::FrozenTemperature(Axis::Y)),
         "saturated-x" => Some(Fault::SaturatedInput(Axis::X)),
         "saturated-y" => Some(Fault::SaturatedInput(Axis::Y)),
         "torn-x" => Some(Fault::TemperatureAt { axis: Axis::X, counts: 0 }),

@@ -3,7 +3,7 @@
 use zerorate_core::compensate::{AxisCompensation, AxisLaw, Mode};
 use zerorate_core::drift::Coverage;
 use zerorate_core::group::GroupSums;
-use zerorate_core::units::{Axis, Taps};
+use zerorate_core::units::{Axis, Taps, TemperatureCode};
 use zerorate_core::wire::{AxisReport, FaultCounts, Refusal};
 
 use super::temperature::{self, TemperatureWatch};
@@ -74,10 +74,11 @@ impl AxisAtWork {
         self.state.lose_groups(groups);
     }
 
-    /// Closes a group that comes after so many missed ones: law, then wiper.
+    /// Closes a group that comes after so many missed ones: law, then wiper. `other` is the other axis's temperature.
     pub(super) fn close(
         &mut self,
         sums: GroupSums,
+        other: Option<TemperatureCode>,
         missed: u32,
         timing: Timing,
         part: &mut impl TrimPart,
@@ -85,7 +86,7 @@ impl AxisAtWork {
     ) -> AxisReport {
         self.state.skip_samples(sums.n);
         let (tap, mode) = (self.state.tap(), self.state.mode());
-        let (temperature, code) = self.temperature.check(&sums, missed, timing);
+        let (temperature, code) = self.temperature.check(&sums, other, missed, timing);
         let outcome = self.state.close_group_at(self.law.as_ref(), &sums, code);
         // Written with every group, moved or not: where the wiper stands nobody knows after a write that failed, or after a
         // dip of the analogue supply, which puts it back to its tap of power-up. A write that fails leaves the shadow as it

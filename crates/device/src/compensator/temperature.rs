@@ -3,7 +3,7 @@
 //! The law moves the wiper by the temperature alone, so a broken temperature reading would throw the tap. What is not
 //! believed leaves tap and correction where the last believed temperature put them.
 
-use zerorate_core::group::GroupSums;
+use zerorate_core::group::{CODES_PER_COUNT, GroupSums};
 use zerorate_core::units::TemperatureCode;
 use zerorate_core::wire::{FaultCounts, TemperatureCheck};
 
@@ -27,6 +27,11 @@ const BELIEVED_AFTER: u8 = 3;
 /// same as following it.)
 const STUCK_SAMPLES: u32 = 1000;
 
+/// An axis that has not moved by a count while the other moved by 3 K is stuck, however its last bits move: both gyros
+/// stand on one board, and the paper finds their temperatures alike.
+const STANDS_COUNTS: u32 = 1;
+const OTHER_MOVES_COUNTS: u32 = 102;
+
 /// What is known of one axis's temperature.
 #[derive(Debug, Clone, Default)]
 pub(super) struct TemperatureWatch {
@@ -35,19 +40,31 @@ pub(super) struct TemperatureWatch {
     jumped: Option<(TemperatureCode, u8)>,
     /// A temperature that does not move, and for how many samples.
     still: Option<(TemperatureCode, u32)>,
+    /// Where the axis last moved from, and the other axis's temperature then.
+    moved: Option<[TemperatureCode; 2]>,
 }
 
 impl TemperatureWatch {
-    /// Looks at a group that comes after so many missed ones: what is to be thought of its temperature, and the code
-    /// that the law is to take; `None` where none was believed yet.
+    /// The temperature that was believed last; `None` where none was yet.
+    pub(super) const fn believed(&self) -> Option<TemperatureCode> {
+        self.believed
+    }
+
+    /// Looks at a group that comes after so many missed ones, the other axis's temperature beside it: what is to be thought
+    /// of its temperature, and the code that the law is to take; `None` where none was believed yet.
     pub(super) fn check(
         &mut self,
         sums: &GroupSums,
+        other: Option<TemperatureCode>,
         missed: u32,
         timing: Timing,
     ) -> (TemperatureCheck, Option<TemperatureCode>) {
         let Some(code) = sums.temperature_code() else { return (TemperatureCheck::Believed, self.believed) };
-        let check = self.judge(code, sums, missed, timing);
+        let left_behind = self.is_left_behind(code, other);
+        let check = match self.judge(code, sums, missed, timing) {
+            TemperatureCheck::Believed if left_behind => TemperatureCheck::Stuck,
+            check => check,
+        };
         match check {
             TemperatureCheck::Believed => (self.believed, self.jumped) = (Some(code), None),
             TemperatureCheck::Jumped => {}
@@ -87,13 +104,25 @@ impl TemperatureWatch {
         self.still = (!sums.temperature_scatters(0)).then(|| (code, samples.saturating_add(sums.n)));
         self.still.is_some_and(|(_, samples)| samples >= STUCK_SAMPLES)
     }
+
+    /// Whether the axis stands still while the other moves.
+    fn is_left_behind(&mut self, code: TemperatureCode, other: Option<TemperatureCode>) -> bool {
+        let Some(other) = other else { return false };
+        let counts = |a: TemperatureCode, b: TemperatureCode| u32::from(a.0.abs_diff(b.0)) / CODES_PER_COUNT;
+        let [own_then, other_then] = *self.moved.get_or_insert([code, other]);
+        if counts(code, own_then) > STANDS_COUNTS {
+            self.moved = Some([code, other]);
+            return false;
+        }
+        counts(other, other_then) >= OTHER_MOVES_COUNTS
+    }
 }
 
 /// How far a temperature moves at most from one group to the next, with so many missed between them.
 fn limit_codes(missed: u32, timing: Timing) -> u64 {
     let counts =
         NOISE_COUNTS + (u64::from(missed) + 1).saturating_mul(timing.period_us() * FASTEST_COUNTS_PER_S) / 1_000_000;
-    counts * u64::from(zerorate_core::group::CODES_PER_COUNT)
+    counts * u64::from(CODES_PER_COUNT)
 }
 
 /// Counts what was thought of a temperature.
@@ -128,7 +157,7 @@ mod tests {
     fn checks(groups: &[GroupSums]) -> std::vec::Vec<(TemperatureCheck, Option<u16>)> {
         let mut watch = TemperatureWatch::default();
         let check = |sums| {
-            let (check, code) = watch.check(sums, 0, Timing::PAPER);
+            let (check, code) = watch.check(sums, None, 0, Timing::PAPER);
             (check, code.map(|code| code.0 / 4))
         };
         groups.iter().map(check).collect()
@@ -151,15 +180,30 @@ mod tests {
         let ramp: std::vec::Vec<_> = (0..20).map(|k| about(9000 + 102 * k)).collect();
         assert!(checks(&ramp).iter().all(|(check, _)| *check == Believed));
         let mut watch = TemperatureWatch::default();
-        watch.check(&about(9000), 0, Timing::PAPER);
-        assert_eq!(watch.clone().check(&about(9500), 0, Timing::PAPER).0, Jumped);
-        assert_eq!(watch.check(&about(9500), 4, Timing::PAPER).0, Believed);
+        watch.check(&about(9000), None, 0, Timing::PAPER);
+        assert_eq!(watch.clone().check(&about(9500), None, 0, Timing::PAPER).0, Jumped);
+        assert_eq!(watch.check(&about(9500), None, 4, Timing::PAPER).0, Believed);
     }
 
     #[test]
     fn a_reading_that_does_not_move_is_stuck_from_its_second_group_on() {
         let stuck = checks(&[about(9000), flat(9000), flat(9000), flat(9000), about(9000)]);
         assert_eq!(stuck.map_checks(), [Believed, Believed, Stuck, Stuck, Believed]);
+    }
+
+    #[test]
+    fn a_sensor_that_stands_while_the_other_moves_is_stuck_whatever_its_last_bits_do() {
+        let mut watch = TemperatureWatch::default();
+        let mut check =
+            |own: u16, other: u16| watch.check(&about(own), Some(TemperatureCode(4 * other)), 0, Timing::PAPER).0;
+        // Y warms by 3 K in thirty groups, and X does not; then it goes on.
+        let stands: std::vec::Vec<_> = (0..40).map(|k| check(9000 + k % 2, 9100 + 4 * k)).collect();
+        assert!(
+            stands[..25].iter().all(|check| *check == Believed) && stands[27..].iter().all(|check| *check == Stuck)
+        );
+        assert_eq!(check(9010, 9260), Believed, "it moves again");
+        // In a soak both stand.
+        assert!((0..1000).all(|_| check(9010, 9260) == Believed));
     }
 
     #[test]

@@ -100,7 +100,9 @@ impl Plant {
             sums.package_c += channel.thermal.package_c();
             sums.die_c += channel.thermal.die_c();
             sums.signals_v.iter_mut().zip(channel.filtered_v()).for_each(|(sum, volts)| *sum += volts);
-            if !self.faults.contains(Fault::StuckTemperature(channel.axis)) {
+            if self.faults.contains(Fault::FrozenTemperature(channel.axis)) {
+                held[0] ^= 1;
+            } else if !self.faults.contains(Fault::StuckTemperature(channel.axis)) {
                 held[0] = self.converter.convert(temperature_v);
             }
             if !self.faults.is_empty() {
