@@ -101,7 +101,8 @@ pub struct LogArguments {
     pub files: Vec<PathBuf>,
 
     /// The drift model: poly:1 to poly:5, table:1 to table:32 (straight pieces), or auto: curve,
-    /// history (hysteresis, lag) and drift in time, each as strong as the data say; the cubic where that predicts better
+    /// history (hysteresis, lag) and drift in time, each as strong as the data say; the cubic where that predicts
+    /// clearly better
     #[arg(long, value_name = "MODEL", default_value = "auto")]
     model: Model,
 
@@ -118,7 +119,8 @@ pub struct LogArguments {
     #[arg(long, value_name = "SENSOR")]
     sensor: Option<SensorChoice>,
 
-    /// Seconds over which rows are averaged before the fit; without this about 10, and less where the log is short
+    /// Seconds over which rows are averaged before the fit; without this about 10, more where a row comes
+    /// seldom, and less where the log is short
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     group_seconds: Option<f64>,
 

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::code::{
     Axis, Curve, IntAxis, IntCurve, IntTerm, STEP_MS, Term, axes, identifier, number, quoted, remarks, sizes,
 };
-use super::{ExportError, Exported, left_out, origin};
+use super::{ExportError, Exported, origin, to_know};
 use zerorate_cal::calibration::Calibration;
 
 /// The code, the same for all calibrations.
@@ -17,7 +17,7 @@ pub(super) fn write(calibration: &Calibration) -> Result<Exported, ExportError> 
         "bias = zr_bias(&ZR_AXES[i], temperature), or for an axis with terms zr_advance at every step and zr_bias_with_history; subtract it from the reading".to_owned(),
         "the same in integers, for processors without floating point: zr_int_bias, zr_int_advance, zr_int_bias_with_history".to_owned(),
     ];
-    notes.extend(left_out(calibration));
+    notes.extend(to_know(calibration));
     let mut text =
         "/* The drift of a gyroscope over temperature, for a microcontroller. C99, header only.\n".to_owned();
     for line in origin(calibration).iter().chain(&remarks(&axes)).chain(&notes) {

@@ -222,16 +222,18 @@ fn origin(calibration: &Calibration) -> Vec<String> {
     lines
 }
 
-/// What a model may have and no format holds.
-fn left_out(calibration: &Calibration) -> Option<String> {
+/// What to know of a calibration in whatever format: the axes that it does not help, and what a model may have and no format
+/// holds.
+fn to_know(calibration: &Calibration) -> Vec<String> {
     let drifts = calibration.axes.iter().filter(|(_, axis)| axis.fit.model.time_drift.is_some());
     let names: Vec<String> = drifts.map(|(name, _)| one_line(name)).collect();
-    (!names.is_empty()).then(|| {
+    let left_out = (!names.is_empty()).then(|| {
         format!(
             "the drift in time ('+ time', '+ start-up') of {} is not exported: it is that log's own, and no other run repeats it",
             names.join(", ")
         )
-    })
+    });
+    calibration.no_gains().map(|text| one_line(&text)).chain(left_out).collect()
 }
 
 /// A text from outside as it may stand in a comment: nothing in it ends the comment or the line.

@@ -4,7 +4,7 @@ use serde::Serialize;
 use zerorate_core::drift::Coverage;
 
 use super::sensors::sensors;
-use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, left_out};
+use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, to_know};
 use zerorate_cal::calibration::{AxisCalibration, CREATED_BY, Calibration, Origin};
 use zerorate_cal::units::TemperatureUnit;
 
@@ -39,7 +39,7 @@ pub(super) fn write_json(calibration: &Calibration, options: &ExportOptions) -> 
     };
     // Nothing in the form can fail to be written: its keys are texts and its numbers are a calibration's, which are finite.
     let text = serde_json::to_string_pretty(&form).unwrap_or_default() + "\n";
-    Ok(Exported { text, sensors, notes: left_out(calibration).into_iter().collect() })
+    Ok(Exported { text, sensors, notes: to_know(calibration) })
 }
 
 /// The static curves at equal steps of temperature over all that was measured; a cell is empty where an axis was not.
@@ -71,5 +71,5 @@ pub(super) fn write_csv(calibration: &Calibration) -> Exported {
         let _ = writer.write_record(&row);
     }
     let text = writer.into_inner().ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default();
-    Exported { text, sensors: Vec::new(), notes: left_out(calibration).into_iter().collect() }
+    Exported { text, sensors: Vec::new(), notes: to_know(calibration) }
 }

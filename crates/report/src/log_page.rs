@@ -24,7 +24,7 @@ use super::page::{self, Chapter, Table, told};
 use super::rate::RateScale;
 
 /// The page of a log's fit, and what its caller knows besides.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct LogPage<'a> {
     /// The fit.
     pub fit: &'a LogFit,
@@ -39,7 +39,7 @@ pub struct LogPage<'a> {
     /// The command to type next, if there is one.
     pub next_command: Option<&'a str>,
     /// The command that writes the parameters of a program to a file, if there is one.
-    pub export_command: Option<fn(Format) -> String>,
+    pub export_command: Option<&'a dyn Fn(Format) -> String>,
 }
 
 impl LogPage<'_> {
@@ -219,7 +219,7 @@ fn definitions(fit: &LogFit) -> Markup {
             "Deployed",
             html! {
                 "What a device has left of a whole log like this one, in averages over " (fit.averaged_over()) ": it takes its "
-                "zero in the " (fit.zero_taken_in()) ", and the prediction off from then on. Held out, and without the log’s own drift in time. "
+                "zero in the " (fit.zero_taken_in()) ", and the prediction off from then on. Held out; the log’s own drift in time, which no device knows, is left in it. "
                 code { "zerorate verify" } " measures the same of another run."
             },
         ),

@@ -4,6 +4,7 @@ use super::VerifiedAxis;
 use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::quality::{Judgement, Reason, ReasonKind};
 use zerorate_cal::units::TemperatureUnit;
+use zerorate_fit::folds::TELLING;
 
 /// A larger share of the log outside what was measured is told. Two runs of one chamber's ramp end a few averages apart, and
 /// that is less.
@@ -13,7 +14,11 @@ const TOLD_OUTSIDE: f64 = 0.02;
 pub(super) fn reasons(fit: &LogFit, axes: &[VerifiedAxis], unit: TemperatureUnit) -> Vec<Reason> {
     let of_log = fit.judgement.reasons.iter().filter(|reason| !is_of_a_fit_alone(reason)).cloned();
     let mut judgement = Judgement::default();
-    of_log.chain(worse(axes)).chain(outside(axes, unit)).for_each(|reason| judgement.add(reason));
+    of_log
+        .chain(worse(axes))
+        .chain(worse_from_a_zero(axes))
+        .chain(outside(axes, unit))
+        .for_each(|reason| judgement.add(reason));
     judgement.reasons
 }
 
@@ -28,6 +33,18 @@ fn worse(axes: &[VerifiedAxis]) -> impl Iterator<Item = Reason> {
         let text = format!(
             "{}: worse than uncorrected: {:.3e} {} rms is left of {:.3e} that were recorded",
             axis.name, axis.corrected.rms, axis.rate_unit, axis.raw.rms
+        );
+        Reason::new(ReasonKind::WorseThanUncorrected, text)
+    })
+}
+
+/// An axis that is no worse about its mean, of which a device with its zero at the start has more left all the same.
+fn worse_from_a_zero(axes: &[VerifiedAxis]) -> impl Iterator<Item = Reason> {
+    let worse = |axis: &&VerifiedAxis| !axis.worse && axis.deployed.rms > TELLING * axis.uncorrected.rms;
+    axes.iter().filter(worse).map(|axis| {
+        let text = format!(
+            "{}: less a zero at the start, worse than uncorrected: {:.3e} {} rms is left of {:.3e}",
+            axis.name, axis.deployed.rms, axis.rate_unit, axis.uncorrected.rms
         );
         Reason::new(ReasonKind::WorseThanUncorrected, text)
     })

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use zerorate_core::drift::{Drift, ValidRange};
 use zerorate_fit::drift_fit::{BandPoint, DriftFit, FitStatistics};
+use zerorate_fit::folds::TELLING;
 use zerorate_fit::model::Model;
 use zerorate_fit::predict::{DriftModel, TimeDrift};
 
@@ -10,6 +11,9 @@ use super::drift_form::{DriftForm, HistoryForm, StaticCubicForm};
 use super::trim::TrimCalibration;
 use crate::log::Sensor;
 use crate::units::RateUnit;
+
+/// More left than uncorrected is told from chance by so many standard errors.
+const SIGMAS: f64 = 2.0;
 
 /// One axis: its drift, how well it was fitted, and its trim where it has one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -47,6 +51,25 @@ impl AxisCalibration {
     #[must_use]
     pub fn measured_drift(&self) -> Drift {
         self.fit.measured_drift()
+    }
+
+    /// What is to be known of an axis whose calibration leaves a device more than it had: its folds are of this log, and the
+    /// next log is no easier. `None` where it helps, and where nobody knows.
+    #[must_use]
+    pub fn no_gain(&self, name: &str) -> Option<String> {
+        let (left, uncorrected) = (self.fit.statistics.deployed?, self.fit.statistics.uncorrected?.rms);
+        let deployed = left.rms;
+        // So little more may be chance; that it does not help is none.
+        let telling = ((TELLING - 1.0) * uncorrected).max(SIGMAS * left.rms_standard_error.unwrap_or(0.0));
+        let what = match deployed {
+            _ if deployed < uncorrected => return None,
+            _ if deployed <= uncorrected + telling => "it does not help on a log like this one",
+            _ => "do not use it",
+        };
+        let unit = self.rate_unit;
+        Some(format!(
+            "{name}: a device that takes this off has {deployed:.3e} {unit} rms left of data that were not fitted, and {uncorrected:.3e} without it: {what}"
+        ))
     }
 
     /// The drift's shape and size.

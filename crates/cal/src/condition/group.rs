@@ -26,8 +26,13 @@ const MAX_GROUP_ROWS: u64 = 1 << 16;
 /// A time between rows of as many groups, or of as many [`GROUP_S`], is a gap, and ends a group.
 const GAP: f64 = 1.5;
 
-/// A row further than this many standard deviations from its group's median is a spike.
+/// A row further than this many standard deviations from its group's median is a spike, in a group of thirty rows or more.
 const SPIKE_SIGMA: f64 = 8.0;
+
+/// Of fewer rows the standard deviation, which is by their absolute deviations' median, is known less well. With a limit
+/// that grows by this power of thirty over their number one row in a million of normal noise is beyond it, of ten rows as of
+/// thirty (found by drawing them); with 8 of ten it was one in 1500.
+const FEW_ROWS: (f64, f64) = (30.0, 1.3);
 
 /// Fewer values than this are not searched for spikes.
 const MIN_SEARCHED: usize = 7;
@@ -347,7 +352,9 @@ fn outliers(values: &[f64], margin: f64) -> Vec<bool> {
         return outliers;
     }
     let (centre, sigma) = centre_and_sigma(&finite);
-    let limit = (SPIKE_SIGMA * sigma).max(margin);
+    // A margin says by itself what is far.
+    let few = if margin > 0.0 { 1.0 } else { (FEW_ROWS.0 / finite.len() as f64).powf(FEW_ROWS.1).max(1.0) };
+    let limit = (SPIKE_SIGMA * few * sigma).max(margin);
     for (outlier, value) in outliers.iter_mut().zip(values) {
         *outlier = (value - centre).abs() > limit;
     }

@@ -127,8 +127,10 @@ impl Survey {
             return;
         };
         let name = &table.names()[time];
-        if self.last_time <= self.first_time {
-            self.notes.push(format!("'{name}' does not move: taken as no time (`time` names another column)"));
+        let moves = self.last_time > self.first_time;
+        if !moves {
+            let how = if self.first_time.is_nan() { "has no numbers" } else { "does not move" };
+            self.notes.push(format!("'{name}' {how}: taken as no time (`time` names another column)"));
             return;
         }
         let guessed = TimeUnit::by_duration(self.last_time - self.first_time);

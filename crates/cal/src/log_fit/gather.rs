@@ -79,8 +79,9 @@ impl Logs {
         }
         let autopilot = file.autopilot();
         let runs = taken.sensors.iter_mut().map(|taken| std::mem::take(&mut taken.fingerprint)).collect();
+        let noise = taken.sensors.iter_mut().map(|taken| std::mem::take(&mut taken.noise)).collect();
+        let rows = LogRows { runs, noise };
         let (seen, sensors) = taken.finish();
-        let rows = LogRows { runs, noise: sensors.iter().map(|sensor| NoiseSigns::of(&sensor.groups)).collect() };
         self.refuse_overlap(source, sources, &rows)?;
         self.reasons.extend(repeated::reasons(source.short_name(), &rows, &sensors));
         self.rows.push(rows);
@@ -233,6 +234,7 @@ struct Taken {
     stream: Stream,
     grouping: Grouping,
     fingerprint: Fingerprint,
+    noise: NoiseSigns,
     stillness: Vec<Stillness>,
     rows: u64,
     first_s: f64,
@@ -278,6 +280,7 @@ impl Sink for Taking<'_> {
                 stream: stream.clone(),
                 grouping,
                 fingerprint,
+                noise: NoiseSigns::default(),
                 stillness,
                 rows: 0,
                 first_s,
@@ -294,6 +297,7 @@ impl Sink for Taking<'_> {
         taken.last_s = rows.time_s[rows.time_s.len() - 1];
         taken.grouping.push_rows(rows);
         taken.fingerprint.push_rows(rows);
+        taken.noise.push_rows(rows);
         taken.stillness.iter_mut().enumerate().for_each(|(axis, stillness)| stillness.push_rows(rows, axis));
     }
 }

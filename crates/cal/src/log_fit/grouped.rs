@@ -145,8 +145,8 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
     });
     let (_, valid) = admit(judgement, options, stream, axis, used().count() as u64, span)?;
     let whole_logs = groups.chunk_by(|a, b| a.log == b.log);
-    let temperatures: Vec<Vec<f64>> =
-        whole_logs.map(|log| log.iter().map(|group| group.temperature).collect()).collect();
+    let passed = |group: &Group| (group.temperature, group.axes[axis].rows > 0);
+    let temperatures: Vec<Vec<(f64, bool)>> = whole_logs.map(|log| log.iter().map(passed).collect()).collect();
     one_way::reason(&temperatures).into_iter().for_each(|reason| judgement.add(reason));
     let temperatures = used().map(|(_, group)| group.temperature);
     words::of_hole(temperatures, stream.temperature_unit.name()).into_iter().for_each(|reason| judgement.add(reason));
@@ -158,7 +158,6 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
             return None;
         }
     };
-    words::of_gain(&fitted.fit.statistics, name, stream).into_iter().for_each(|reason| judgement.add(reason));
     let point = |(group, residual): (&Group, &f64)| TracePoint {
         log: group.log,
         time_s: group.time_s,
@@ -167,6 +166,8 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
         residual: *residual,
     };
     let mut calibration = AxisCalibration::of_fit(fitted.fit, stream.unit);
+    let no_gain = calibration.no_gain(name).map(|text| Reason::new(ReasonKind::WorseThanUncorrected, text));
+    no_gain.into_iter().for_each(|reason| judgement.add(reason));
     calibration.sensor = stream.sensor;
     calibration.reference_temperature = is_accelerometer(stream).then_some(f64::midpoint(valid.min(), valid.max()));
     calibration.fit.statistics.samples_used = used().map(|(_, group)| u64::from(group.axes[axis].rows)).sum();

@@ -1,14 +1,17 @@
-//! What a log's noise is known by: a copy of it that was rounded, saved in other units or with other times has other rows,
+//! What a log's noise is known by: a copy of it that was rounded, saved in other units or with other times has other numbers,
 //! and the same noise.
 //!
-//! Of each four successive averages the third difference, `a - 3 b + 3 c - d`, is noise alone: what a drift does in four
-//! averages is a parabola at most. No average is in two of them, so that their signs are as many throws of a coin; two runs
-//! agree in half of them, a copy in nearly all.
+//! Of four successive rows the third difference, `a - 3 b + 3 c - d`, is noise alone: what a drift does in four rows is a
+//! parabola at most. Four rows of each 64 are looked at, so that the signs are as many throws of a coin, and not of one
+//! moment; two runs agree in half of them, a copy in nearly all.
 
-use crate::condition::Group;
+use crate::log::Rows;
 
-/// Averages of which a sign is made.
+/// Rows of which a sign is made.
 const OF: usize = 4;
+
+/// From the first of four rows to that of the next four.
+const EVERY: u64 = 64;
 
 /// Signs that are kept of a sensor's log.
 const MOST: usize = 192;
@@ -21,38 +24,54 @@ const ALIKE: f64 = 0.95;
 
 /// The signs of one sensor's noise from the log's beginning: `+`, `-`, and `0` where there is none.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct NoiseSigns(String);
+pub(super) struct NoiseSigns {
+    signs: String,
+    rows: u64,
+    /// The rows of the four that are being taken in, one after the other.
+    four: Vec<f64>,
+}
 
 impl NoiseSigns {
-    /// Of a log's groups, all axes of the first four, then of the next.
-    pub(super) fn of(groups: &[Group]) -> Self {
-        let sign = |four: &[Group], axis: usize| {
-            let [a, b, c, d] = [0, 1, 2, 3].map(|place: usize| four[place].axes[axis].rate);
-            match a - 3.0 * b + 3.0 * c - d {
-                difference if difference > 0.0 => '+',
-                difference if difference < 0.0 => '-',
-                _ => '0',
+    /// Takes in successive rows.
+    pub(super) fn push_rows(&mut self, rows: &Rows<'_>) {
+        let axes = rows.values.len();
+        for row in 0..rows.temperature.len() {
+            let place = self.rows % EVERY;
+            self.rows += 1;
+            if place >= OF as u64 || self.signs.len() >= MOST {
+                continue;
             }
-        };
-        let signs = groups.chunks_exact(OF).flat_map(|four| (0..four[0].axes.len()).map(move |axis| sign(four, axis)));
-        Self(signs.take(MOST).collect())
+            self.four.extend(rows.values.iter().map(|axis| axis[row]));
+            if self.four.len() == OF * axes {
+                let four = std::mem::take(&mut self.four);
+                self.signs.extend((0..axes).map(|axis| sign([0, 1, 2, 3].map(|row| four[row * axes + axis]))));
+            }
+        }
     }
 
     /// As a calibration keeps them; `None` where there are too few to tell anything.
     pub(super) fn written(&self) -> Option<String> {
-        (self.0.len() >= LEAST).then(|| self.0.clone())
+        (self.signs.len() >= LEAST).then(|| self.signs.clone())
     }
 
-    /// Whether two logs have one noise.
+    /// Whether this is the noise of a log whose signs were written.
     pub(super) fn is_of(&self, other: &str) -> bool {
-        let both = self.0.bytes().zip(other.bytes()).filter(|(own, other)| *own != b'0' && *other != b'0');
-        let (signs, alike) =
-            both.fold((0, 0), |(signs, alike), (own, other)| (signs + 1, alike + usize::from(own == other)));
+        let both = self.signs.bytes().zip(other.bytes()).filter(|(own, other)| *own != b'0' && *other != b'0');
+        let count = |(signs, alike), (own, other)| (signs + 1, alike + usize::from(own == other));
+        let (signs, alike) = both.fold((0, 0), count);
         signs >= LEAST && alike as f64 >= ALIKE * signs as f64
     }
 
-    /// The same of another log's signs.
+    /// Whether two logs have one noise.
     pub(super) fn are_of(&self, other: &Self) -> bool {
-        self.is_of(&other.0)
+        self.is_of(&other.signs)
+    }
+}
+
+fn sign([a, b, c, d]: [f64; OF]) -> char {
+    match a - 3.0 * b + 3.0 * c - d {
+        difference if difference > 0.0 => '+',
+        difference if difference < 0.0 => '-',
+        _ => '0',
     }
 }

@@ -10,17 +10,18 @@ const BOTH_WAYS: f64 = 0.5;
 /// Less than this share is none: a turn's rounding.
 const NONE: f64 = 0.005;
 
-/// A reason, where a log's temperatures went one way over most of their span; those of a log each, in the order of time.
-pub(super) fn reason(logs: &[Vec<f64>]) -> Option<Reason> {
+/// A reason, where a log's temperatures went one way over most of their span; those of a log each, in the order of time, and
+/// whether a rate was measured there.
+pub(super) fn reason(logs: &[Vec<(f64, bool)>]) -> Option<Reason> {
     let (mut up, mut down) = (Vec::new(), Vec::new());
-    for temperatures in logs {
-        let warming = warming(temperatures);
+    for log in logs {
+        let warming = warming(&log.iter().map(|(temperature, _)| *temperature).collect::<Vec<_>>());
         let mut start = 0;
         for leg in warming.chunk_by(|a, b| a == b) {
             // Where it turns belongs to both ways.
             let end = start + leg.len();
-            let passed = temperatures[start..(end + 1).min(temperatures.len())].iter().filter(|t| t.is_finite());
-            let ends = passed.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (min.min(*t), max.max(*t)));
+            let passed = log[start..(end + 1).min(log.len())].iter().filter(|(t, measured)| *measured && t.is_finite());
+            let ends = passed.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), (t, _)| (min.min(*t), max.max(*t)));
             if leg[0] {
                 up.push(ends)
             } else {
@@ -91,7 +92,16 @@ mod tests {
     }
 
     fn told(logs: &[Vec<f64>]) -> Option<String> {
-        reason(logs).map(|reason| reason.text)
+        let measured = |log: &Vec<f64>| log.iter().map(|t| (*t, true)).collect();
+        reason(&logs.iter().map(measured).collect::<Vec<_>>()).map(|reason| reason.text)
+    }
+
+    #[test]
+    fn a_way_back_without_rates_is_none() {
+        let cycle = through(&[-20.0, 60.0, -20.0]);
+        let half = cycle.len() / 2;
+        let log = cycle.iter().enumerate().map(|(row, t)| (*t, row < half)).collect();
+        assert!(reason(&[log]).is_some_and(|reason| reason.text.starts_with("the temperature only rises:")));
     }
 
     #[test]

@@ -145,7 +145,7 @@ impl Axis {
         let missing = missing_temperature + missing_rate;
         self.judgement.dropped(ReasonKind::MissingValues, &name, what, missing, self.all_rows);
         let trace = trace.finish();
-        let temperatures = vec![trace.iter().map(|point| point.temperature).collect()];
+        let temperatures = vec![trace.iter().map(|point| (point.temperature, point.rate.is_finite())).collect()];
         one_way::reason(&temperatures).into_iter().for_each(|reason| self.judgement.add(reason));
         let mut tally = Tally::default();
         tally.add(DropReason::MissingTemperature, missing_temperature);

@@ -1,8 +1,6 @@
 //! What conditioning found, in words.
 
 use zerorate_fit::auto::BEYOND;
-use zerorate_fit::drift_fit::FitStatistics;
-use zerorate_fit::folds::TELLING;
 
 use super::gather::Gathered;
 use super::still::Still;
@@ -108,25 +106,6 @@ pub(super) fn of_still(still: &Still, name: &str, stream: &Stream) -> Reason {
     Reason::new(ReasonKind::StuckReading, text)
 }
 
-/// A fit by which a device has more left than without: its folds are of this log, the next log is no easier.
-pub(super) fn of_gain(statistics: &FitStatistics, name: &str, stream: &Stream) -> Option<Reason> {
-    let (deployed, uncorrected) = (statistics.deployed?.rms, statistics.uncorrected?.rms);
-    if deployed < uncorrected {
-        return None;
-    }
-    // So little more may be chance; that it does not help is none.
-    let what = if deployed <= TELLING * uncorrected {
-        "it does not help on a log like this one"
-    } else {
-        "do not use it; record the whole range of temperature, both ways"
-    };
-    let text = format!(
-        "{name}: a device that takes this off has {deployed:.3e} {} rms left of data that were not fitted, and {uncorrected:.3e} without it: {what}",
-        stream.unit
-    );
-    Some(Reason::new(ReasonKind::WorseThanUncorrected, text))
-}
-
 /// A time as people say it.
 fn lasting(seconds: f64) -> String {
     match seconds {
@@ -141,7 +120,7 @@ fn of_step(step: &Step, name: &str, rate_unit: &str, unit: &str) -> String {
     let place =
         if step.time_s.is_finite() { format!("{:.0} s (row {row}, ", step.time_s) } else { format!("row {row} (") };
     format!(
-        "{name}: the rate steps by {:.3e} {rate_unit} at {place}{:.1} {unit}) and stays, with no temperature change to match",
+        "{name}: the rate steps by {:.3e} {rate_unit} at about {place}{:.1} {unit}) and stays, with no temperature change to match",
         step.size, step.temperature
     )
 }

@@ -52,7 +52,8 @@ impl ReasonKind {
                  was passed both ways shows hysteresis."
             }
             Self::WorseThanUncorrected => {
-                "Fit a log that goes over the whole range both ways: a curve of one direction can be wrong by the whole hysteresis."
+                "Fit several logs of the unit that go over the whole range both ways: a curve of one direction is wrong by the \
+                 hysteresis, and a drift in time bends the curve of a single log."
             }
             Self::OutsideRange => "Calibrate over all temperatures that the unit will meet.",
             Self::NoSensor => {

@@ -128,11 +128,12 @@ impl Apply {
         output::check("--out", &self.out, &[&self.log, &self.calibration])?;
         let calibration = Calibration::read(&(&self.calibration).into())?;
         let log = Source::from(&self.log);
-        let told = if autopilot_format(&log)?.is_some() {
+        let mut told = if autopilot_format(&log)?.is_some() {
             self.sensors(&log, &calibration)?
         } else {
             self.table(&calibration)?
         };
+        told.notes.extend(calibration.no_gains());
         if self.json {
             told.notes.iter().for_each(|note| screen::note(note));
             screen::print_json(&Done {

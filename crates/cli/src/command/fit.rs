@@ -152,7 +152,7 @@ impl Fit {
         if let Some(path) = &places.report {
             let next = places.out.as_ref().map(|out| self.use_command(fit, out).1);
             let about = About { serial: calibration.unit_serial.as_deref(), labels: &calibration.labels, units };
-            output::write(path, &page(fit, about, origins, next.as_deref()))?;
+            output::write(path, &page(fit, about, origins, next.as_deref(), places.out.as_deref()))?;
             written.push(path.clone());
         }
         if let Some(path) = &self.record {
@@ -217,12 +217,19 @@ impl Fit {
     }
 }
 
-/// The page of a fit, with the commands that go on from it.
-pub(super) fn page(fit: &LogFit, about: About, origins: &[Origin], next_command: Option<&str>) -> String {
-    let export_command: fn(Format) -> String =
-        |format| format!("zerorate export calibration.json --format {format} --out {}", format.file_name());
+/// The page of a fit, with the commands that go on from it where the calibration is kept.
+pub(super) fn page(
+    fit: &LogFit,
+    about: About,
+    origins: &[Origin],
+    next_command: Option<&str>,
+    calibration: Option<&Path>,
+) -> String {
+    let name = output::argument(calibration.unwrap_or(Path::new("calibration.json")));
+    let export_command =
+        |format: Format| format!("zerorate export {name} --format {format} --out {}", format.file_name());
     let About { serial, labels, units } = about;
-    let export_command = Some(export_command);
+    let export_command: Option<&dyn Fn(Format) -> String> = Some(&export_command);
     let fit = &in_options(fit.clone());
     LogPage { fit, units, serial, labels, sources: origins, next_command, export_command }.to_html()
 }

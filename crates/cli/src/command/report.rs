@@ -111,7 +111,7 @@ impl Report {
         self.force.text("--out", &out, &calibration.sources, None)?;
         let units = self.shown.of(fit.axes.iter().map(|axis| axis.calibration.rate_unit))?;
         let about = About { serial: calibration.unit_serial.as_deref(), labels: &calibration.labels, units };
-        output::write(&out, &super::fit::page(&fit, about, &calibration.sources, None))?;
+        output::write(&out, &super::fit::page(&fit, about, &calibration.sources, None, Some(&path)))?;
         self.tell(&out, Some(log), &fit.source(), &fit.notes)
     }
 

@@ -19,10 +19,15 @@ impl Log {
     /// 70 minutes: cool, heat, cool, as the shared recording. Each rate is a parabola of temperature times its factor,
     /// with uniform noise.
     pub fn cycle() -> Self {
+        Self::cycle_of_run(1)
+    }
+
+    /// The same unit on another day: its noise is another.
+    pub fn cycle_of_run(run: u64) -> Self {
         let rows = 8400;
         let temperature_c: Vec<f64> =
             (0..rows).map(|row| 28.0 + 45.0 * (TAU * 1.2 * f64::from(row) / f64::from(rows) + 1.0).cos()).collect();
-        let mut state = 1_u64;
+        let mut state = run;
         let mut noise = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             1e-3 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)

@@ -10,7 +10,7 @@ fn calibrated() -> TempDir {
     let folder = folder_with("log.csv", Log::cycle().csv());
     let ran = zerorate(folder.path(), &["fit", "log.csv", "--out", "calibration.json"]);
     assert_eq!(ran.code, 0, "{}", ran.err);
-    let mut second = Log::cycle();
+    let mut second = Log::cycle_of_run(2);
     second.rates.iter_mut().for_each(|rate| rate.iter_mut().for_each(|value| *value += 0.004));
     fs::write(folder.path().join("second.csv"), second.csv()).unwrap();
     folder
@@ -61,9 +61,9 @@ fn limits_come_from_a_file_and_its_mistakes_are_named_by_line() {
 
 #[test]
 fn a_table_is_verified_by_the_calibration_of_an_autopilots_log_and_the_other_way_round() {
-    let mut log = Log::cycle();
-    let folder = folder_with("flight.ulg", log.ulg());
+    let folder = folder_with("flight.ulg", Log::cycle().ulg());
     assert_eq!(zerorate(folder.path(), &["fit", "flight.ulg", "--out", "flight.json"]).code, 0);
+    let mut log = Log::cycle_of_run(2);
     log.rates.push(log.rates[0].iter().map(|rate| 0.5 * rate).collect());
     log.rates.iter_mut().flatten().for_each(|rate| *rate += 0.002);
     fs::write(folder.path().join("table.csv"), log.csv()).unwrap();

@@ -67,8 +67,10 @@ impl LogPage<'_> {
                 b { @if is_deployed(fit) { "What a deployed device has left" } @else { "What is left, held out" } } ", in "
                 (scale.unit()) ". "
                 @if is_deployed(fit) {
-                    "Of a whole log like this one, its zero taken in the " (fit.zero_taken_in()) ": held out, and without the "
-                    "log’s own drift in time. Before is the same without a model. "
+                    "Of a whole log like this one, its zero taken in the " (fit.zero_taken_in()) ": held out. The log’s own "
+                    "drift in time, which no device knows, is left in it. "
+                    @if !fit.steps.is_empty() { "The steps told below are taken out of it. " }
+                    "Before is the same without a model. "
                 } @else { "Before is about its own mean. " }
                 "± is one standard error, by how much the eight folds of the log differ"
                 @if is_deployed(fit) { " and by the noise of the zero" } "."

@@ -53,7 +53,7 @@ pub(super) fn to_copy(id: &str, text: &str) -> Markup {
 }
 
 /// The parameters of each program; none for rates or temperatures in counts, or for a rejected log.
-pub(super) fn chapter(fit: &LogFit, command: Option<fn(Format) -> String>) -> Option<Markup> {
+pub(super) fn chapter(fit: &LogFit, command: Option<&dyn Fn(Format) -> String>) -> Option<Markup> {
     let in_counts = |unit: RateUnit| unit == RateUnit::Counts;
     let known = fit.axes.first().is_some_and(|axis| axis.temperature_unit == TemperatureUnit::C);
     if !known || fit.axes.iter().any(|axis| in_counts(axis.calibration.rate_unit)) {

@@ -57,8 +57,8 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
             "Held out: each fold of the log, predicted by a fit of the others; ± to the best: one standard error of how \
              far that is from the best one's. Deployed: the same without drift in time, less \
              the mean of its {}. Cold and hot end: the coldest and the hottest groups held out, as many as a fold. Taken (*) is \
-             the last one, whose curve and memories are as strong as the data say; or the cubic, where that one predicts folds \
-             worse, as deployed.",
+             the last one, whose curve and memories are as strong as the data say; or the cubic, where that one predicts \
+             folds more than a twentieth worse, as deployed.",
             fit.zero_taken_in()
         ),
     );

@@ -201,14 +201,15 @@ fn terms(page: &mut Page, fit: &LogFit) {
     let axes: Vec<&AxisFit> = fit.axes.iter().collect();
     if deployed(&axes) {
         let (averaged_over, zero_taken_in) = (fit.averaged_over(), fit.zero_taken_in());
+        let steps = if fit.steps.is_empty() { "" } else { " The steps told above are taken out of it." };
         page.sentence(
             "  ",
             &format!(
                 "Deployed is what a device has left of a whole log like this one, in averages over {averaged_over}, if it \
                  takes its zero in the {zero_taken_in} and the prediction off from then on: each eighth of the log as a model \
-                 predicts it that was chosen and fitted on the other seven, and without the log's own drift in time, which no \
-                 device knows. Uncorrected is the same without a model. zerorate verify measures the same two of another \
-                 run. \u{b1} is one standard error of the rms, by how much the eight folds differ and by \
+                 predicts it that was chosen and fitted on the other seven. The log's own drift in time, which no device knows, is \
+                 left in it.{steps} Uncorrected is the same without a model. zerorate verify measures the same two of \
+                 another run, over 10 s. \u{b1} is one standard error of the rms, by how much the eight folds differ and by \
                  the noise of the zero; pp is peak to peak."
             ),
         );
