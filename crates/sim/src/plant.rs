@@ -144,6 +144,17 @@ impl Plant {
         self.port.data_ready()
     }
 
+    /// When the acquisition port scans next, nanoseconds on the plant's time; `None` while it does not.
+    #[must_use]
+    pub fn next_scan_ns(&self) -> Option<u64> {
+        self.port_scans().then_some(self.port_scan_ns)
+    }
+
+    /// Lets time pass up to an instant in nanoseconds; none if it has gone by.
+    pub fn pass_until_ns(&mut self, until_ns: u64) {
+        self.pass_ns(until_ns.saturating_sub(self.now_ns));
+    }
+
     /// Lets the acquisition port scan until a set is full, and tells that set's truth; `None` if the port does not run.
     pub fn run_set(&mut self) -> Option<Truth> {
         while self.port_scans() {

@@ -34,6 +34,79 @@ trait Slave {
     fn deselect(plant: &mut Plant);
 }
 
+/// What a part does at its pins.
+#[derive(Debug, Clone, Copy)]
+struct SlavePins {
+    bus: Bus,
+    select: fn(&mut Plant),
+    exchange: fn(&mut Plant, u8) -> u8,
+    deselect: fn(&mut Plant),
+}
+
+impl SlavePins {
+    fn of<S: Slave>() -> Self {
+        Self { bus: S::BUS, select: S::select, exchange: S::exchange, deselect: S::deselect }
+    }
+}
+
+/// How a part answers while chip select is low.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Selected {
+    Well,
+    /// What it sends does not arrive.
+    Mute,
+    /// It does not hear.
+    Deaf,
+}
+
+/// A part's pins. A part that a fault keeps from hearing does nothing, and its line back stays low: whoever clocks it has no
+/// other sign of it.
+#[derive(Debug)]
+pub struct Pins {
+    plant: SharedPlant,
+    slave: SlavePins,
+    selected: Option<Selected>,
+}
+
+impl Pins {
+    /// Chip select falls; nothing if it is low.
+    pub fn select(&mut self) {
+        if self.selected.is_some() {
+            return;
+        }
+        let plant = &mut *self.plant.borrow_mut();
+        let selected = match (plant.transfer_fails(self.slave.bus), plant.transfer_is_mute(self.slave.bus)) {
+            (true, _) => Selected::Deaf,
+            (false, true) => Selected::Mute,
+            (false, false) => Selected::Well,
+        };
+        if selected != Selected::Deaf {
+            (self.slave.select)(plant);
+        }
+        self.selected = Some(selected);
+    }
+
+    /// Eight clocks: a byte in and a byte out.
+    pub fn exchange(&mut self, byte: u8) -> u8 {
+        let plant = &mut *self.plant.borrow_mut();
+        match self.selected {
+            Some(Selected::Well) => (self.slave.exchange)(plant, byte),
+            Some(Selected::Mute) => {
+                _ = (self.slave.exchange)(plant, byte);
+                0
+            }
+            Some(Selected::Deaf) | None => 0,
+        }
+    }
+
+    /// Chip select rises; nothing if it is high.
+    pub fn deselect(&mut self) {
+        if self.selected.take().is_some_and(|selected| selected != Selected::Deaf) {
+            (self.slave.deselect)(&mut self.plant.borrow_mut());
+        }
+    }
+}
+
 /// Does a transaction's operations. Bytes that are only read clock zeros in.
 fn transact<S: Slave>(shared: &SharedPlant, operations: &mut [Operation<'_, u8>]) -> Result<(), BusFault> {
     let plant = &mut *shared.borrow_mut();
@@ -81,6 +154,12 @@ macro_rules! spi_handle {
             pub fn new(plant: &SharedPlant) -> Self {
                 Self(Rc::clone(plant))
             }
+
+            /// The part's pins, for a processor that is emulated down to its own.
+            #[must_use]
+            pub fn pins(self) -> Pins {
+                Pins { plant: self.0, slave: SlavePins::of::<$slave>(), selected: None }
+            }
         }
 
         impl ErrorType for $name {
@@ -124,12 +203,14 @@ impl Slave for PortSlave {
     fn select(plant: &mut Plant) {
         plant.port.select();
     }
+    /// A register takes its word with the last byte of it: from then on the port scans, whatever time chip select takes.
     fn exchange(plant: &mut Plant, byte: u8) -> u8 {
-        plant.port.exchange(byte)
+        let sent = plant.port.exchange(byte);
+        plant.port_written();
+        sent
     }
     fn deselect(plant: &mut Plant) {
         plant.port.deselect();
-        plant.port_written();
     }
 }
 

@@ -1,0 +1,211 @@
+//! A chip on the simulated bench, and the host on its line: speaks the device's own protocol, in virtual time.
+
+use anyhow::{Context, Result, bail, ensure};
+use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES};
+use zerorate_core::wire::frame::{self, Receiver};
+use zerorate_core::wire::{
+    Answer, CHUNK, Command, FaultCounts, GroupReport, Identity, Message, Request, SampleWindow, Upload,
+};
+use zerorate_sim::{Plant, SharedPlant};
+
+use crate::chip::board::Board;
+use crate::chip::memory::Image;
+use crate::chip::rcc::Reset;
+use crate::chip::time::{MILLISECOND, SECOND, Ticks};
+use crate::machine::Machine;
+
+/// How long an answer may take: longer than a commit.
+const PATIENCE: Ticks = 20 * SECOND;
+
+/// After which a command is sent again, as `zerorate-bench` does it on a line in real time.
+const ANSWER: Ticks = 500 * MILLISECOND;
+
+/// A chip, its plant, and the host.
+pub struct Bench {
+    pub machine: Machine,
+    pub plant: SharedPlant,
+    receiver: Receiver,
+    sequence: u16,
+    /// The groups that have come and nobody has taken.
+    groups: Vec<GroupReport>,
+    /// Frames that could not be read since they were last looked at.
+    pub damaged: u32,
+    /// Commands that were sent again.
+    pub sent_again: u32,
+}
+
+impl Bench {
+    /// A chip whose power has just come, with what its flash for records holds.
+    ///
+    /// # Errors
+    /// What Unicorn says.
+    pub fn new(image: &Image, plant: Plant, records: Option<&[u8]>) -> Result<Self> {
+        let plant = plant.share();
+        let mut machine = Machine::new(image, Board::new(&plant))?;
+        if let Some(records) = records {
+            machine.chip().flash.records.copy_from_slice(records);
+        }
+        Ok(Self { machine, plant, receiver: Receiver::new(), sequence: 0, groups: Vec::new(), damaged: 0, sent_again: 0 })
+    }
+
+    /// Power goes, and comes again.
+    ///
+    /// # Errors
+    /// What Unicorn says.
+    pub fn power_cycle(&mut self) -> Result<()> {
+        self.plant.borrow_mut().power_cycle();
+        self.receiver = Receiver::new();
+        self.machine.power_on()
+    }
+
+    pub fn now(&mut self) -> Ticks {
+        self.machine.chip().clock
+    }
+
+    /// Lets time pass.
+    ///
+    /// # Errors
+    /// What the machine cannot go on from.
+    pub fn pass(&mut self, time: Ticks) -> Result<()> {
+        let until = self.now() + time;
+        self.machine.run_until(until)
+    }
+
+    /// Asks, and waits for the answer.
+    ///
+    /// # Errors
+    /// None comes.
+    pub fn ask(&mut self, request: Request) -> Result<Answer> {
+        self.sequence += 1;
+        let sequence = self.sequence;
+        let command = Command { sequence, at: None, request };
+        let bytes = frame::encode(&command).ok().context("a frame that cannot be")?;
+        let until = self.now() + PATIENCE;
+        while self.now() < until {
+            let again = self.now() + ANSWER;
+            self.send(&[0]);
+            self.send(&bytes);
+            while self.now() < again {
+                if let Some((to, answer)) = self.hear(again)?
+                    && to == sequence
+                {
+                    return Ok(answer);
+                }
+            }
+            self.sent_again += 1;
+        }
+        bail!("no answer within {} s", PATIENCE / SECOND)
+    }
+
+    fn send(&mut self, bytes: &[u8]) {
+        let chip = self.machine.chip();
+        chip.usart.send(bytes, chip.clock);
+    }
+
+    /// Asks for something to be done.
+    ///
+    /// # Errors
+    /// It was refused, or no answer came.
+    pub fn order(&mut self, request: Request) -> Result<()> {
+        match self.ask(request)? {
+            Answer::Done => Ok(()),
+            other => bail!("not done: {other:?}"),
+        }
+    }
+
+    /// # Errors
+    /// No answer, or another.
+    pub fn identify(&mut self) -> Result<Identity> {
+        match self.ask(Request::Identity)? {
+            Answer::Identity(identity) => Ok(identity),
+            other => bail!("an answer to another question: {other:?}"),
+        }
+    }
+
+    /// # Errors
+    /// No answer, or another.
+    pub fn faults(&mut self) -> Result<FaultCounts> {
+        match self.ask(Request::Faults)? {
+            Answer::Faults(faults) => Ok(faults),
+            other => bail!("an answer to another question: {other:?}"),
+        }
+    }
+
+    /// Writes a record and has it committed.
+    ///
+    /// # Errors
+    /// It was refused, or no answer came.
+    pub fn deploy(&mut self, record: &DeviceRecord) -> Result<()> {
+        let mut buffer = [0; MAX_RECORD_BYTES];
+        let bytes = record.encode(&mut buffer).ok().context("a record that cannot be")?;
+        for (part, chunk) in bytes.chunks(CHUNK).enumerate() {
+            let offset = u16::try_from(part * CHUNK)?;
+            self.order(Request::WriteCalibration { offset, bytes: chunk.iter().copied().collect() })?;
+        }
+        self.order(Request::CommitCalibration { length: u16::try_from(bytes.len())? })
+    }
+
+    /// Asks for groups.
+    ///
+    /// # Errors
+    /// No answer came.
+    pub fn stream(&mut self) -> Result<()> {
+        self.order(Request::SetStream { groups: true, samples: SampleWindow::NONE })
+    }
+
+    /// The next group, waited for so long.
+    ///
+    /// # Errors
+    /// None came.
+    pub fn group_within(&mut self, time: Ticks) -> Result<GroupReport> {
+        let until = self.now() + time;
+        while self.groups.is_empty() {
+            ensure!(self.now() < until, "no group within {} ms", time / MILLISECOND);
+            self.hear(until)?;
+        }
+        Ok(self.groups.remove(0))
+    }
+
+    /// The next groups.
+    ///
+    /// # Errors
+    /// One did not come within four seconds.
+    pub fn groups(&mut self, n: usize) -> Result<Vec<GroupReport>> {
+        (0..n).map(|_| self.group_within(4 * SECOND)).collect()
+    }
+
+    /// Forgets the groups that have come.
+    pub fn forget_groups(&mut self) {
+        self.groups.clear();
+    }
+
+    /// Runs until the host has bytes, and takes them in; an answer among them.
+    fn hear(&mut self, until: Ticks) -> Result<Option<(u16, Answer)>> {
+        self.machine.run(until, |machine| !machine.chip().usart.heard.is_empty())?;
+        let bytes = std::mem::take(&mut self.machine.chip().usart.heard);
+        for byte in bytes {
+            match self.receiver.push::<Upload>(byte) {
+                Some(Ok(Upload { message: Message::Answer { to, answer, .. }, .. })) => return Ok(Some((to, answer))),
+                Some(Ok(Upload { message: Message::Group(report), .. })) => self.groups.push(report),
+                Some(Err(_)) => self.damaged += 1,
+                Some(Ok(_)) | None => {}
+            }
+        }
+        Ok(None)
+    }
+
+    /// How often a kind of reset has come since power came to the bench.
+    pub fn resets(&self, kind: Reset) -> usize {
+        self.machine.resets.iter().filter(|&&reset| reset == kind).count()
+    }
+
+    /// Fails if the program did what the chip would not have taken, or what is not modelled.
+    ///
+    /// # Errors
+    /// It did.
+    pub fn nothing_wrong(&mut self) -> Result<()> {
+        let wrong = &self.machine.chip().wrong;
+        ensure!(wrong.is_empty(), "the program: {}", wrong.join("; "));
+        Ok(())
+    }
+}

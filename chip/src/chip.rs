@@ -1,0 +1,301 @@
+//! The chip: its parts, and which of them an address means. The core is Unicorn's (`machine`).
+
+pub mod board;
+mod exti;
+pub mod flash;
+pub mod float;
+mod gpio;
+pub mod memory;
+pub mod nvic;
+pub mod rcc;
+mod spi;
+mod system;
+pub mod time;
+mod timer;
+mod usart;
+mod watchdog;
+
+use self::board::{Board, Bus};
+use self::exti::Exti;
+use self::flash::Flash;
+use self::gpio::Gpio;
+use self::nvic::Nvic;
+use self::rcc::{Rcc, Reset};
+use self::spi::Spi;
+use self::system::System;
+use self::time::{NEVER, Ticks};
+use self::timer::Timer;
+use self::usart::Usart;
+use self::watchdog::IndependentWatchdog;
+
+/// The pins of the two chip selects (firmware/README.md).
+const PORT_SELECT: u32 = 4;
+const POTENTIOMETER_SELECT: u32 = 12;
+
+/// Everything about the core.
+pub struct Chip {
+    /// Virtual time.
+    pub clock: Ticks,
+    /// When the core is to be looked after; it runs undisturbed until then.
+    pub alarm: Ticks,
+    /// What an instruction takes.
+    pub instruction: Ticks,
+    pub rcc: Rcc,
+    gpio_a: Gpio,
+    gpio_b: Gpio,
+    exti: Exti,
+    spi: [Spi; 2],
+    selected: [bool; 2],
+    pub usart: Usart,
+    timer: Timer,
+    pub flash: Flash,
+    pub watchdog: IndependentWatchdog,
+    pub nvic: Nvic,
+    pub system: System,
+    pub board: Board,
+    /// What the program did that the chip would not have taken, or that is not modelled.
+    pub wrong: Vec<String>,
+}
+
+impl Chip {
+    pub fn new(board: Board) -> Self {
+        Self {
+            clock: 0,
+            alarm: 0,
+            instruction: 1,
+            rcc: Rcc::new(),
+            gpio_a: Gpio::default(),
+            gpio_b: Gpio::default(),
+            exti: Exti::default(),
+            spi: Default::default(),
+            selected: [false; 2],
+            usart: Usart::default(),
+            timer: Timer::new(),
+            flash: Flash::new(),
+            watchdog: IndependentWatchdog::new(),
+            nvic: Nvic::new(),
+            system: System::default(),
+            board,
+            wrong: Vec::new(),
+        }
+    }
+
+    /// Everything but memory as after a reset.
+    pub fn reset(&mut self, reset: Reset) {
+        self.rcc.reset(reset);
+        self.gpio_a.reset();
+        self.gpio_b.reset();
+        self.move_selects();
+        self.exti.reset();
+        self.spi.iter_mut().for_each(Spi::reset);
+        self.usart.reset();
+        self.timer.reset();
+        self.flash.reset();
+        self.watchdog.reset();
+        self.nvic.reset();
+        self.system.reset();
+        self.instruction = self.rcc.core_ticks();
+    }
+
+    /// What has happened up to now happens; interrupts that are asked for are pending. The reset that it ends in, if any.
+    pub fn settle(&mut self) -> Option<Reset> {
+        self.shift(0);
+        self.shift(1);
+        self.usart.advance(self.clock);
+        self.timer.advance(self.clock);
+        self.pass(self.clock);
+        let asks = [
+            (nvic::EXTI0, self.exti.asks(0)),
+            (nvic::EXTI1, self.exti.asks(1)),
+            (nvic::TIM2, self.timer.asks()),
+            (nvic::USART2, self.usart.asks()),
+        ];
+        asks.into_iter().filter(|&(_, asks)| asks).for_each(|(interrupt, _)| self.nvic.asked(interrupt));
+        if self.watchdog.due() <= self.clock {
+            return Some(Reset::Watchdog);
+        }
+        std::mem::take(&mut self.system.reset_asked).then_some(Reset::Software)
+    }
+
+    /// When something happens by itself next.
+    pub fn due(&self) -> Ticks {
+        [self.usart.due(), self.timer.due(), self.board.due(), self.watchdog.due()].into_iter().min().unwrap_or(NEVER)
+    }
+
+    fn pass(&mut self, to: Ticks) {
+        if let Some(rises) = self.board.pass(to) {
+            self.gpio_b.driven = self.gpio_b.driven & !1 | u32::from(rises);
+            self.exti.edge_of_pb0(rises);
+        }
+    }
+
+    /// Bytes whose last clock has come reach the part.
+    fn shift(&mut self, index: usize) {
+        let bus = [Bus::Port, Bus::Potentiometer][index];
+        while let Some((at, byte)) = self.spi[index].finished(self.clock) {
+            self.pass(at);
+            let answer = self.board.exchange(bus, byte);
+            // Nobody drives the potentiometer's line back.
+            self.spi[index].take(answer);
+        }
+    }
+
+    /// The chip selects as the pins have them now.
+    fn move_selects(&mut self) {
+        let low = [self.gpio_a.pulls_low(PORT_SELECT), self.gpio_b.pulls_low(POTENTIOMETER_SELECT)];
+        for (index, bus) in [Bus::Port, Bus::Potentiometer].into_iter().enumerate() {
+            if low[index] == self.selected[index] {
+                continue;
+            }
+            self.selected[index] = low[index];
+            self.shift(index);
+            self.pass(self.clock);
+            if low[index] {
+                self.board.select(bus);
+            } else {
+                if self.spi[index].is_shifting() {
+                    self.wrong.push(format!("{bus:?}: chip select rose within a byte"));
+                }
+                self.board.deselect(bus, self.clock);
+            }
+            // A set may have been released.
+            self.pass(self.clock);
+        }
+    }
+
+    /// A word of a peripheral's register, by the peripheral's address.
+    pub fn load(&mut self, address: u32) -> u32 {
+        let (base, offset) = (address & !0x3FF, address & 0x3FC);
+        if !self.rcc.clocks(address) {
+            self.wrong.push(format!("{address:#010x} read, its clock off"));
+            return 0;
+        }
+        let plain = |word| (word, None);
+        let now = self.clock;
+        let (word, waits) = match base {
+            0x4000_0000 => plain(self.timer.read(offset)),
+            0x4000_3000 => plain(self.watchdog.read(offset)),
+            0x4000_3800 => {
+                self.shift(1);
+                self.spi[1].read(offset)
+            }
+            0x4000_4400 => {
+                self.usart.advance(now);
+                self.usart.read(offset)
+            }
+            0x4001_3000 => {
+                self.shift(0);
+                self.spi[0].read(offset)
+            }
+            0x4001_3800 => plain(self.exti.read_syscfg(offset)),
+            0x4001_3C00 => plain(self.exti.read(offset)),
+            0x4002_0000 => plain(self.gpio_a.read(offset)),
+            0x4002_0400 => plain(self.gpio_b.read(offset)),
+            0x4002_3800 => self.rcc.read(offset, now),
+            0x4002_3C00 => plain(self.flash.read(offset)),
+            // PWR (the regulator's scale) and port H (the crystal's pins): taken, and without effect.
+            0x4000_7000 => plain(0xC000),
+            0x4002_1C00 => plain(0),
+            _ => {
+                self.wrong.push(format!("{address:#010x} read, which is not modelled"));
+                plain(0)
+            }
+        };
+        self.wait(waits);
+        word
+    }
+
+    /// A write of a word, or of a part of one in its lower bits, to a peripheral's register.
+    pub fn store(&mut self, address: u32, word: u32) {
+        let (base, offset) = (address & !0x3FF, address & 0x3FC);
+        if !self.rcc.clocks(address) {
+            self.wrong.push(format!("{address:#010x} written, its clock off"));
+            return;
+        }
+        let now = self.clock;
+        let done = match base {
+            0x4000_0000 => {
+                self.timer.write(offset, word, now, self.rcc.timer_ticks());
+                Ok(())
+            }
+            0x4000_3000 => {
+                self.watchdog.write(offset, word, now);
+                Ok(())
+            }
+            0x4000_3800 => {
+                self.shift(1);
+                self.spi[1].write(offset, word, now, self.rcc.bus_1_ticks())
+            }
+            0x4000_4400 => {
+                self.usart.advance(now);
+                self.usart.write(offset, word, now, self.rcc.bus_1_ticks())
+            }
+            0x4001_3000 => {
+                self.shift(0);
+                self.spi[0].write(offset, word, now, self.rcc.bus_2_ticks())
+            }
+            0x4001_3800 => {
+                self.exti.write_syscfg(offset, word);
+                Ok(())
+            }
+            0x4001_3C00 => {
+                self.exti.write(offset, word);
+                Ok(())
+            }
+            0x4002_0000 | 0x4002_0400 => {
+                let gpio = if base == 0x4002_0000 { &mut self.gpio_a } else { &mut self.gpio_b };
+                gpio.write(offset, word);
+                self.move_selects();
+                Ok(())
+            }
+            0x4002_3800 => {
+                self.rcc.write(offset, word, now);
+                self.instruction = self.rcc.core_ticks();
+                Ok(())
+            }
+            0x4002_3C00 => {
+                self.clock += self.flash.write(offset, word);
+                Ok(())
+            }
+            0x4000_7000 | 0x4002_1C00 => Ok(()),
+            _ => Err("written, which is not modelled"),
+        };
+        if let Err(what) = done {
+            self.wrong.push(format!("{address:#010x}: {what}"));
+        }
+        // What was written may raise an interrupt or move an alarm; buses and pins do neither.
+        if !matches!(base, 0x4001_3000 | 0x4000_3800 | 0x4002_0000) {
+            self.alarm = 0;
+        }
+    }
+
+    /// A word of the core's own registers, from 0xE000E000 on.
+    pub fn load_core(&mut self, offset: u32) -> u32 {
+        if (0x100..0x500).contains(&offset) {
+            return self.nvic.read(offset - 0x100);
+        }
+        let Some((word, waits)) = self.system.read(offset, self.clock, self.nvic.current()) else {
+            self.wrong.push(format!("{offset:#05x} of the core read, which is not modelled"));
+            return 0;
+        };
+        self.wait(waits);
+        word
+    }
+
+    /// A write of `size` bytes to the core's own registers.
+    pub fn store_core(&mut self, offset: u32, size: usize, word: u32) {
+        self.alarm = 0;
+        if (0x100..0x500).contains(&offset) {
+            self.nvic.write(offset - 0x100, size, word);
+        } else if !self.system.write(offset, word, self.clock, self.rcc.core_ticks()) {
+            self.wrong.push(format!("{offset:#05x} of the core written, which is not modelled"));
+        }
+    }
+
+    /// The program asks a flag again and again: time goes to where it changes, or to the next alarm.
+    fn wait(&mut self, until: Option<Ticks>) {
+        if let Some(until) = until {
+            self.clock = self.clock.max(until.min(self.alarm));
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! The board about the chip: the parts on its pins, on the plant's time.
+
+use zerorate_sim::{Pins, PortSpi, PotentiometerSpi, SharedPlant};
+
+use super::time::{NEVER, Ticks, nanoseconds, ticks_of_ns};
+
+/// The two buses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bus {
+    /// SPI1: the acquisition port.
+    Port,
+    /// SPI2: the potentiometer.
+    Potentiometer,
+}
+
+/// A chip select of the port that goes high by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cut {
+    /// Bytes of the port's bus before it.
+    pub after: u32,
+    /// Bytes for which it stays high; `None`: until the program selects the port anew.
+    pub lasts: Option<u32>,
+}
+
+/// The plant's parts as the chip's pins reach them.
+pub struct Board {
+    /// The plant.
+    pub plant: SharedPlant,
+    port: Pins,
+    potentiometer: Pins,
+    /// The plant's time is the chip's less this.
+    began_ns: u64,
+    data_ready: bool,
+    /// When data ready last rose: the set's last scan.
+    pub ready_at: Ticks,
+    /// How often it has risen.
+    pub sets: u32,
+    /// A cut to come, or under way.
+    pub cut: Option<Cut>,
+    /// Cuts that have happened.
+    pub cuts: u32,
+    clocked: u32,
+    /// From the last scan of a set to each frame for the potentiometer, when its chip select rose.
+    pub written_after: Vec<Ticks>,
+    /// Selections during which nothing was clocked.
+    pub empty_frames: u32,
+}
+
+impl Board {
+    /// The board about a plant, whose time goes on from where it is.
+    pub fn new(plant: &SharedPlant) -> Self {
+        Self {
+            plant: SharedPlant::clone(plant),
+            port: PortSpi::new(plant).pins(),
+            potentiometer: PotentiometerSpi::new(plant).pins(),
+            began_ns: 0,
+            data_ready: false,
+            ready_at: 0,
+            sets: 0,
+            cut: None,
+            cuts: 0,
+            clocked: 0,
+            written_after: Vec::new(),
+            empty_frames: 0,
+        }
+    }
+
+    /// Lets the plant's time pass; whether data ready has risen or fallen.
+    pub fn pass(&mut self, now: Ticks) -> Option<bool> {
+        let mut plant = self.plant.borrow_mut();
+        plant.pass_until_ns(nanoseconds(now) - self.began_ns);
+        let level = plant.data_ready();
+        if level == self.data_ready {
+            return None;
+        }
+        self.data_ready = level;
+        if level {
+            (self.ready_at, self.sets) = (now, self.sets + 1);
+        }
+        Some(level)
+    }
+
+    /// When the plant next does something by itself.
+    pub fn due(&self) -> Ticks {
+        self.plant.borrow().next_scan_ns().map_or(NEVER, |ns| ticks_of_ns(ns + self.began_ns))
+    }
+
+    /// The chip's chip select goes low.
+    pub fn select(&mut self, bus: Bus) {
+        self.clocked = 0;
+        if bus == Bus::Port && self.cut.is_some_and(|cut| cut.after == 0 && cut.lasts.is_none()) {
+            self.cut = None;
+        }
+        self.pins(bus).select();
+    }
+
+    /// A byte is clocked.
+    pub fn exchange(&mut self, bus: Bus, byte: u8) -> u8 {
+        self.clocked += 1;
+        if bus == Bus::Port {
+            self.disturb();
+        }
+        self.pins(bus).exchange(byte)
+    }
+
+    /// The chip's chip select goes high.
+    pub fn deselect(&mut self, bus: Bus, now: Ticks) {
+        if self.clocked == 0 {
+            self.empty_frames += 1;
+        } else if bus == Bus::Potentiometer {
+            self.written_after.push(now - self.ready_at);
+        }
+        self.pins(bus).deselect();
+    }
+
+    const fn pins(&mut self, bus: Bus) -> &mut Pins {
+        match bus {
+            Bus::Port => &mut self.port,
+            Bus::Potentiometer => &mut self.potentiometer,
+        }
+    }
+
+    /// Chip select goes high and low by itself, where it is to, before a byte of the port's.
+    fn disturb(&mut self) {
+        let Some(cut) = &mut self.cut else { return };
+        if cut.after > 0 {
+            cut.after -= 1;
+            if cut.after == 0 {
+                self.port.deselect();
+                self.cuts += 1;
+            }
+            return;
+        }
+        let Some(lasts) = &mut cut.lasts else { return };
+        *lasts = lasts.saturating_sub(1);
+        if *lasts == 0 {
+            self.port.select();
+            self.cut = None;
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Edges of pins as interrupts (RM0090 rev 19, chapters 9 and 12): SYSCFG's choice of port, EXTI's masks and pending bits.
+
+const IMR: u32 = 0x00;
+const RTSR: u32 = 0x08;
+const FTSR: u32 = 0x0C;
+const SWIER: u32 = 0x10;
+const PR: u32 = 0x14;
+/// SYSCFG_EXTICR1.
+const EXTICR1: u32 = 0x08;
+/// Port B in EXTICR's nibbles.
+const PORT_B: u32 = 1;
+
+#[derive(Default)]
+pub struct Exti {
+    words: [u32; 6],
+    syscfg: [u32; 9],
+}
+
+impl Exti {
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    pub fn read(&self, offset: u32) -> u32 {
+        self.words.get(offset as usize / 4).copied().unwrap_or(0)
+    }
+
+    pub fn write(&mut self, offset: u32, word: u32) {
+        match offset {
+            PR => self.words[PR as usize / 4] &= !word,
+            SWIER => self.words[PR as usize / 4] |= word,
+            _ => {
+                if let Some(place) = self.words.get_mut(offset as usize / 4) {
+                    *place = word;
+                }
+            }
+        }
+    }
+
+    pub fn read_syscfg(&self, offset: u32) -> u32 {
+        self.syscfg.get(offset as usize / 4).copied().unwrap_or(0)
+    }
+
+    pub fn write_syscfg(&mut self, offset: u32, word: u32) {
+        if let Some(place) = self.syscfg.get_mut(offset as usize / 4) {
+            *place = word;
+        }
+    }
+
+    /// The pin 0 of port B has changed its level.
+    pub fn edge_of_pb0(&mut self, rises: bool) {
+        let chosen = self.syscfg[EXTICR1 as usize / 4] & 0xF == PORT_B;
+        let register = if rises { RTSR } else { FTSR };
+        if chosen && self.read(register) & 1 != 0 {
+            self.words[PR as usize / 4] |= 1;
+        }
+    }
+
+    /// Whether a line asks for its interrupt.
+    pub fn asks(&self, line: u32) -> bool {
+        self.read(PR) & self.read(IMR) & 1 << line != 0
+    }
+}

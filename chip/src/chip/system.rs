@@ -1,0 +1,96 @@
+//! The core's own registers (ARMv7-M, B3.2 and B3.3): where vectors are, the request for a reset, the float unit's access, and
+//! the counter that delays are made with.
+
+use super::time::Ticks;
+
+const SYST_CSR: u32 = 0x010;
+const SYST_RVR: u32 = 0x014;
+const SYST_CVR: u32 = 0x018;
+const ICSR: u32 = 0xD04;
+const VTOR: u32 = 0xD08;
+const AIRCR: u32 = 0xD0C;
+const CPACR: u32 = 0xD88;
+/// The key, and SYSRESETREQ.
+const RESET_REQUEST: u32 = 0x05FA_0004;
+const COUNT_FLAG: u32 = 1 << 16;
+const CORE_CLOCK: u32 = 1 << 2;
+const ENABLE: u32 = 1 << 0;
+
+/// Registers from 0xE000E000 on that are not the NVIC's.
+#[derive(Default)]
+pub struct System {
+    csr: u32,
+    reload: u32,
+    /// When the counter last began at its reload value, and whether COUNTFLAG was read since.
+    wraps_at: Ticks,
+    period: Ticks,
+    vectors: u32,
+    cpacr: u32,
+    /// A reset was asked for.
+    pub reset_asked: bool,
+}
+
+impl System {
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Where the vectors are; 0 is the flash's alias.
+    pub const fn vectors(&self) -> u32 {
+        if self.vectors == 0 { super::memory::FLASH } else { self.vectors }
+    }
+
+    /// Whether the float unit may be used.
+    pub const fn has_float(&self) -> bool {
+        self.cpacr >> 20 & 0xF == 0xF
+    }
+
+    pub fn read(&mut self, offset: u32, now: Ticks, exception: u32) -> Option<(u32, Option<Ticks>)> {
+        let word = match offset {
+            SYST_CSR => {
+                if self.csr & ENABLE == 0 {
+                    return Some((self.csr, None));
+                }
+                if self.wraps_at > now {
+                    return Some((self.csr, Some(self.wraps_at)));
+                }
+                self.wraps_at += self.period * ((now - self.wraps_at) / self.period + 1);
+                self.csr | COUNT_FLAG
+            }
+            SYST_RVR => self.reload,
+            ICSR => exception,
+            VTOR => self.vectors,
+            AIRCR => 0xFA05_0000,
+            CPACR => self.cpacr,
+            // Priorities of the system's exceptions, of which none is used; SCR, CCR and SHCSR as after reset; FPCCR.
+            0xD10 | 0xD18..=0xD24 => 0,
+            0xD14 => 0x200,
+            0xF34 => 0xC000_0000,
+            _ => return None,
+        };
+        Some((word, None))
+    }
+
+    /// A write; `false` if there is no such register.
+    pub fn write(&mut self, offset: u32, word: u32, now: Ticks, core_ticks: Ticks) -> bool {
+        match offset {
+            SYST_CSR => {
+                let begins = self.csr & ENABLE == 0 && word & ENABLE != 0;
+                self.csr = word & 7;
+                if begins {
+                    let cycle = if word & CORE_CLOCK == 0 { 8 * core_ticks } else { core_ticks };
+                    self.period = cycle * Ticks::from(self.reload + 1);
+                    self.wraps_at = now + self.period;
+                }
+            }
+            SYST_RVR => self.reload = word & 0xFF_FFFF,
+            SYST_CVR => self.wraps_at = now + self.period,
+            VTOR => self.vectors = word,
+            AIRCR => self.reset_asked |= word & 0xFFFF_0007 == RESET_REQUEST,
+            CPACR => self.cpacr = word,
+            0xD10..=0xD24 | 0xF34 => {}
+            _ => return false,
+        }
+        true
+    }
+}

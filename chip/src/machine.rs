@@ -1,0 +1,240 @@
+//! The core: Unicorn's Cortex-M4 running the image, and what Unicorn leaves out: exceptions, sleep, resets.
+//!
+//! Time goes by instructions, a cycle each. The core runs until the chip's next alarm; what happens then happens between two
+//! instructions. While it sleeps, or asks a flag again and again, time goes to the next alarm at once.
+
+mod exception;
+mod run;
+
+use anyhow::{Result, anyhow};
+use unicorn_engine::unicorn_const::{Arch, Mode, Prot, uc_error};
+use unicorn_engine::{ArmCpuModel, RegisterARM, Unicorn};
+
+use crate::chip::board::Board;
+use crate::chip::memory::{self, Image};
+use crate::chip::rcc::Reset;
+use crate::chip::{Chip, flash, float};
+
+/// Instructions that are done here, not by Unicorn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Special {
+    None,
+    /// WFI.
+    Wait,
+    /// A branch to itself: only an interrupt leads on.
+    Spin,
+    Float,
+}
+
+/// What Unicorn's hooks work with.
+struct Core {
+    chip: Chip,
+    /// For every halfword of the program's flash.
+    special: Vec<Special>,
+    /// Something is pending that is masked: the masks are looked at with every instruction.
+    masked: bool,
+    /// Where the program is thrown off its way, and its hard faults there begin.
+    ambush: Option<u32>,
+}
+
+/// A chip with its image on a board.
+pub struct Machine {
+    unicorn: Unicorn<'static, Core>,
+    image: Image,
+    asleep: bool,
+    float: [u32; 32],
+    /// CONTROL.FPCA: float registers are in use.
+    float_used: bool,
+    /// Resets since power came to the bench, the latest last.
+    pub resets: Vec<Reset>,
+    /// Hard faults that were taken.
+    pub hard_faults: u32,
+}
+
+/// What Unicorn says, as an error.
+fn said(error: uc_error) -> anyhow::Error {
+    anyhow!("Unicorn: {error:?}")
+}
+
+impl Machine {
+    /// A chip without power.
+    ///
+    /// # Errors
+    /// When Unicorn cannot be set up.
+    pub fn new(image: &Image, board: Board) -> Result<Self> {
+        let core = Core { chip: Chip::new(board), special: specials(&image.flash), masked: false, ambush: None };
+        let mut unicorn =
+            Unicorn::new_with_data(Arch::ARM, Mode::THUMB | Mode::MCLASS, core).map_err(said)?;
+        unicorn.ctl_set_cpu_model(ArmCpuModel::CORTEX_M4 as i32).map_err(said)?;
+        map(&mut unicorn, image).map_err(said)?;
+        let mut machine = Self {
+            unicorn,
+            image: image.clone(),
+            asleep: false,
+            float: [0; 32],
+            float_used: false,
+            resets: Vec::new(),
+            hard_faults: 0,
+        };
+        machine.power_on()?;
+        Ok(machine)
+    }
+
+    /// The chip about the core.
+    pub fn chip(&mut self) -> &mut Chip {
+        &mut self.unicorn.get_data_mut().chip
+    }
+
+    /// Power comes: memory holds anything.
+    ///
+    /// # Errors
+    /// What Unicorn says.
+    pub fn power_on(&mut self) -> Result<()> {
+        let mut state = 0x2545_F491_4F6C_DD1D_u64;
+        let mut junk = || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            state.to_le_bytes()
+        };
+        let ram: Vec<u8> = (0..memory::RAM_BYTES / 8).flat_map(|_| junk()).collect();
+        self.unicorn.mem_write(memory::RAM.into(), &ram).map_err(said)?;
+        self.reset(Reset::Power)
+    }
+
+    /// The core begins at its reset vector; memory stays as it is.
+    ///
+    /// # Errors
+    /// What Unicorn says.
+    pub fn reset(&mut self, reset: Reset) -> Result<()> {
+        self.resets.push(reset);
+        self.chip().reset(reset);
+        self.asleep = false;
+        self.float_used = false;
+        let stack = self.word(memory::FLASH)?;
+        let begin = self.word(memory::FLASH + 4)?;
+        self.set(RegisterARM::PRIMASK, 0)?;
+        self.set(RegisterARM::BASEPRI, 0)?;
+        self.set(RegisterARM::CONTROL, 0)?;
+        self.set(RegisterARM::SP, stack)?;
+        self.set(RegisterARM::LR, u32::MAX)?;
+        self.set(RegisterARM::PC, begin | 1)
+    }
+
+    /// The next time the program comes to an address it is thrown into a hard fault there.
+    pub fn ambush(&mut self, address: Option<u32>) {
+        self.unicorn.get_data_mut().ambush = address;
+    }
+
+    fn get(&self, register: RegisterARM) -> Result<u32> {
+        let word = self.unicorn.reg_read(register).map_err(said)?;
+        Ok(u32::try_from(word & u64::from(u32::MAX))?)
+    }
+
+    fn set(&mut self, register: RegisterARM, word: u32) -> Result<()> {
+        self.unicorn.reg_write(register, word.into()).map_err(said)
+    }
+
+    /// A word of memory.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn word(&self, address: u32) -> Result<u32> {
+        let mut bytes = [0; 4];
+        self.unicorn.mem_read(address.into(), &mut bytes).map_err(said)?;
+        Ok(u32::from_le_bytes(bytes))
+    }
+
+    fn set_word(&mut self, address: u32, word: u32) -> Result<()> {
+        self.unicorn.mem_write(address.into(), &word.to_le_bytes()).map_err(said)
+    }
+}
+
+/// Which halfwords, executed, are instructions that are done here.
+fn specials(flash: &[u8]) -> Vec<Special> {
+    const WFI: u16 = 0xBF30;
+    const BRANCH_TO_ITSELF: u16 = 0xE7FE;
+    let halfword = |index: usize| {
+        let bytes = flash.get(2 * index..2 * index + 2).unwrap_or(&[0, 0]);
+        u16::from_le_bytes([bytes[0], bytes[1]])
+    };
+    let special = |index| match halfword(index) {
+        WFI => Special::Wait,
+        BRANCH_TO_ITSELF => Special::Spin,
+        high if float::may_be(high, halfword(index + 1)) => Special::Float,
+        _ => Special::None,
+    };
+    (0..flash.len() / 2).map(special).collect()
+}
+
+/// Maps memory and registers, and the hook that counts.
+fn map(unicorn: &mut Unicorn<'static, Core>, image: &Image) -> Result<(), uc_error> {
+    let ram = Prot::READ | Prot::WRITE;
+    unicorn.mem_map(memory::FLASH.into(), memory::PROGRAM_BYTES as u64, Prot::READ | Prot::EXEC)?;
+    unicorn.mem_write(memory::FLASH.into(), &image.flash)?;
+    unicorn.mem_map(memory::RAM.into(), memory::RAM_BYTES as u64, ram)?;
+    unicorn.mem_map(memory::SIGNATURE.into(), 0x1000, Prot::READ)?;
+    unicorn.mem_write(memory::FLASH_SIZE.into(), &memory::FLASH_KIB.to_le_bytes())?;
+    unicorn.mem_map(memory::RETURN_PAGE.into(), 0x1000, Prot::READ | Prot::EXEC)?;
+
+    unicorn.mmio_map(
+        flash::RECORDS.into(),
+        flash::RECORD_BYTES as u64,
+        Some(|unicorn: &mut Unicorn<'_, Core>, offset, size| unicorn.get_data_mut().chip.flash.load(offset, size)),
+        Some(|unicorn: &mut Unicorn<'_, Core>, offset, size, word| {
+            let chip = &mut unicorn.get_data_mut().chip;
+            chip.clock += chip.flash.store(offset, size, word);
+            chip.alarm = 0;
+        }),
+    )?;
+    unicorn.mmio_map(
+        memory::PERIPHERALS.into(),
+        memory::PERIPHERAL_BYTES.into(),
+        Some(|unicorn: &mut Unicorn<'_, Core>, offset, _| {
+            let address = memory::PERIPHERALS + low(offset);
+            u64::from(unicorn.get_data_mut().chip.load(address & !3) >> (8 * (address & 3)))
+        }),
+        Some(|unicorn: &mut Unicorn<'_, Core>, offset, _, word| {
+            unicorn.get_data_mut().chip.store(memory::PERIPHERALS + low(offset), low(word));
+        }),
+    )?;
+    // Each word of the alias is a bit.
+    unicorn.mmio_map(
+        memory::BITS.into(),
+        memory::BITS_BYTES.into(),
+        Some(|unicorn: &mut Unicorn<'_, Core>, offset, _| {
+            let (address, place) = bit_of(low(offset));
+            u64::from(unicorn.get_data_mut().chip.load(address) >> place & 1)
+        }),
+        Some(|unicorn: &mut Unicorn<'_, Core>, offset, _, word| {
+            let (address, place) = bit_of(low(offset));
+            let chip = &mut unicorn.get_data_mut().chip;
+            let rest = chip.load(address) & !(1 << place);
+            chip.store(address, rest | (low(word) & 1) << place);
+        }),
+    )?;
+    unicorn.mmio_map(
+        memory::CORE.into(),
+        0x1000,
+        Some(|unicorn: &mut Unicorn<'_, Core>, offset, _| {
+            let offset = low(offset);
+            u64::from(unicorn.get_data_mut().chip.load_core(offset & !3) >> (8 * (offset & 3)))
+        }),
+        Some(|unicorn: &mut Unicorn<'_, Core>, offset, size, word| {
+            unicorn.get_data_mut().chip.store_core(low(offset), size, low(word));
+        }),
+    )?;
+    unicorn.add_code_hook(0, u64::MAX, run::count)?;
+    Ok(())
+}
+
+#[allow(clippy::cast_possible_truncation)] // Addresses and words of a 32-bit machine.
+const fn low(word: u64) -> u32 {
+    word as u32
+}
+
+/// The word and the place in it that a word of the alias is.
+const fn bit_of(offset: u32) -> (u32, u32) {
+    let byte = offset >> 5;
+    (memory::PERIPHERALS + (byte & !3), (byte & 3) * 8 + (offset >> 2 & 7))
+}
