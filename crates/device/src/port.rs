@@ -93,6 +93,10 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
     /// Writes a setting and reads it back: a write that was lost or bent would change what every group means, unseen.
     fn set(&mut self, address: u8, word: u32) -> Result<(), PortError<SPI::Error>> {
         self.write_word(address, word)?;
+        self.expect(address, word)
+    }
+
+    fn expect(&mut self, address: u8, word: u32) -> Result<(), PortError<SPI::Error>> {
         let found = self.read_word(address)?;
         if found == word { Ok(()) } else { Err(PortError::NotTaken { address, found }) }
     }
@@ -119,7 +123,9 @@ where
         self.write_word(CONTROL, 0)?;
         self.set(SCAN_PERIOD, timing.scan_period_us)?;
         self.set(SET_LENGTH, u32::from(timing.set_length))?;
-        self.write_word(CONTROL, CONTROL_RESTART | CONTROL_RUN)
+        self.write_word(CONTROL, CONTROL_RESTART | CONTROL_RUN)?;
+        // A start that was lost would show by silence alone, and be tried again after two groups; RESTART reads back 0.
+        self.expect(CONTROL, CONTROL_RUN)
     }
 
     fn stop(&mut self) -> Result<(), Self::Error> {

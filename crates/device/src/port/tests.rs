@@ -64,6 +64,7 @@ fn started() -> Vec<Transaction<u8>> {
     expected.extend(word_write(0x04, 2));
     expected.extend(word_read(0x04, 2));
     expected.extend(word_write(0x02, 3));
+    expected.extend(word_read(0x02, 1));
     expected
 }
 
@@ -120,6 +121,17 @@ fn something_else_on_the_bus_is_named() {
     let mut spi = Mock::new(&word_read(0x00, 0xFFFF_FFFF));
     let error = PortAcquisition::new(&mut spi).start(Timing::PAPER).unwrap_err();
     assert_eq!(error, PortError::NotAPort { identity: 0xFFFF_FFFF });
+    spi.done();
+}
+
+#[test]
+fn a_start_that_the_port_has_not_taken_is_named() {
+    let mut expected = started();
+    expected.truncate(expected.len() - 4);
+    expected.extend(word_read(0x02, 0));
+    let mut spi = Mock::new(&expected);
+    let error = PortAcquisition::new(&mut spi).start(Timing { scan_period_us: 3000, set_length: 2 }).unwrap_err();
+    assert_eq!(error, PortError::NotTaken { address: 2, found: 0 });
     spi.done();
 }
 
