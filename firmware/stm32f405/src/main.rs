@@ -11,7 +11,7 @@ use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
 use heapless::String;
 use heapless::spsc::{Consumer, Producer};
 use nb::block;
-use stm32f4xx_hal::gpio::{Edge, Input, Output, PA4, PB0, PB12, Speed};
+use stm32f4xx_hal::gpio::{Edge, Input, Output, PA4, PB0, PB12, PinState, Speed};
 use stm32f4xx_hal::pac::{self, SPI1, SPI2, TIM2, USART2};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
@@ -92,11 +92,9 @@ mod app {
         let mut rcc = device.RCC.freeze(clocks);
         let (a, b) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc));
 
-        // The chip selects are high before anything else moves.
-        let mut port_select = a.pa4.into_push_pull_output();
-        port_select.set_high();
-        let mut potentiometer_select = b.pb12.into_push_pull_output();
-        potentiometer_select.set_high();
+        // The chip selects are high before anything else moves, and from their first moment on.
+        let mut port_select = a.pa4.into_push_pull_output_in_state(PinState::High);
+        let potentiometer_select = b.pb12.into_push_pull_output_in_state(PinState::High);
         port_select.set_speed(Speed::High);
 
         let pins = (Some(a.pa5), Some(a.pa6), Some(a.pa7));
@@ -136,6 +134,14 @@ mod app {
         let Ok(()) = timer.start(TICK_HZ.Hz()) else { panic!() };
         timer.listen(timer::Event::Update);
         (Shared { compensator }, Local { task, sending, receiving, received, heard, data_ready_pin, timer })
+    }
+
+    /// Without this RTIC goes round in a circle.
+    #[idle]
+    fn idle(_: idle::Context) -> ! {
+        loop {
+            cortex_m::asm::wfi();
+        }
     }
 
     /// The acquisition port's data ready line.
