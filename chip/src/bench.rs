@@ -97,7 +97,8 @@ impl Bench {
         bail!("no answer within {} s", PATIENCE / SECOND)
     }
 
-    fn send(&mut self, bytes: &[u8]) {
+    /// The host sends bytes.
+    pub fn send(&mut self, bytes: &[u8]) {
         let chip = self.machine.chip();
         chip.usart.send(bytes, chip.clock);
     }
@@ -143,6 +144,21 @@ impl Bench {
             self.order(Request::WriteCalibration { offset, bytes: chunk.iter().copied().collect() })?;
         }
         self.order(Request::CommitCalibration { length: u16::try_from(bytes.len())? })
+    }
+
+    /// The same with a byte of the record bent on its way; the answer to the commit.
+    ///
+    /// # Errors
+    /// No answer came.
+    pub fn deploy_bent(&mut self, record: &DeviceRecord) -> Result<Answer> {
+        let mut buffer = [0; MAX_RECORD_BYTES];
+        let length = record.encode(&mut buffer).ok().context("a record that cannot be")?.len();
+        buffer[length / 2] ^= 1;
+        for (part, chunk) in buffer[..length].chunks(CHUNK).enumerate() {
+            let offset = u16::try_from(part * CHUNK)?;
+            self.order(Request::WriteCalibration { offset, bytes: chunk.iter().copied().collect() })?;
+        }
+        self.ask(Request::CommitCalibration { length: u16::try_from(length)? })
     }
 
     /// Asks for groups.

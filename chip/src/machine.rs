@@ -26,6 +26,17 @@ enum Special {
     Float,
 }
 
+/// What happens to the program when it comes to an address.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ambush {
+    /// A hard fault.
+    HardFault,
+    /// It goes on in its panic handler.
+    Panic,
+    /// It goes round in a circle, where it is.
+    Hang,
+}
+
 /// What Unicorn's hooks work with.
 struct Core {
     chip: Chip,
@@ -33,8 +44,8 @@ struct Core {
     special: Vec<Special>,
     /// Something is pending that is masked: the masks are looked at with every instruction.
     masked: bool,
-    /// Where the program is thrown off its way, and its hard faults there begin.
-    ambush: Option<u32>,
+    /// Where the program is thrown off its way.
+    ambush: Option<(u32, Ambush)>,
 }
 
 /// A chip with its image on a board.
@@ -42,6 +53,8 @@ pub struct Machine {
     unicorn: Unicorn<'static, Core>,
     image: Image,
     asleep: bool,
+    /// Asleep, and no interrupt wakes it.
+    hung: bool,
     float: [u32; 32],
     /// CONTROL.FPCA: float registers are in use.
     float_used: bool,
@@ -71,6 +84,7 @@ impl Machine {
             unicorn,
             image: image.clone(),
             asleep: false,
+            hung: false,
             float: [0; 32],
             float_used: false,
             resets: Vec::new(),
@@ -109,8 +123,7 @@ impl Machine {
     pub fn reset(&mut self, reset: Reset) -> Result<()> {
         self.resets.push(reset);
         self.chip().reset(reset);
-        self.asleep = false;
-        self.float_used = false;
+        (self.asleep, self.hung, self.float_used) = (false, false, false);
         let stack = self.word(memory::FLASH)?;
         let begin = self.word(memory::FLASH + 4)?;
         self.set(RegisterARM::PRIMASK, 0)?;
@@ -121,9 +134,15 @@ impl Machine {
         self.set(RegisterARM::PC, begin | 1)
     }
 
-    /// The next time the program comes to an address it is thrown into a hard fault there.
-    pub fn ambush(&mut self, address: Option<u32>) {
-        self.unicorn.get_data_mut().ambush = address;
+    /// Throws the program off its way the next time that it begins to serve an interrupt.
+    ///
+    /// # Errors
+    /// There is no such interrupt.
+    pub fn ambush(&mut self, interrupt: usize, ambush: Ambush) -> Result<()> {
+        let vector = memory::FLASH + 4 * (16 + u32::try_from(interrupt)?);
+        let address = self.word(vector)? & !1;
+        self.unicorn.get_data_mut().ambush = Some((address, ambush));
+        Ok(())
     }
 
     fn get(&self, register: RegisterARM) -> Result<u32> {

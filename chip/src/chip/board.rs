@@ -22,6 +22,14 @@ pub struct Cut {
     pub lasts: Option<u32>,
 }
 
+/// A set as the A/D gave it: the sums of its four channels, in the order of the burst.
+pub type SetSums = [u64; 4];
+
+/// Scans a set.
+const SET: usize = 500;
+/// Nanoseconds from scan to scan.
+const SCAN_NS: u64 = 3_000_000;
+
 /// The plant's parts as the chip's pins reach them.
 pub struct Board {
     /// The plant.
@@ -35,6 +43,12 @@ pub struct Board {
     pub ready_at: Ticks,
     /// How often it has risen.
     pub sets: u32,
+    /// The sets that were full since power came to the bench, summed scan by scan without the port.
+    pub seen: Vec<SetSums>,
+    filling: (usize, SetSums),
+    /// Scans that came at another time than a period after the one before, and a start's first.
+    pub odd_scans: u32,
+    expected_ns: Option<u64>,
     /// A cut to come, or under way.
     pub cut: Option<Cut>,
     /// Cuts that have happened.
@@ -57,6 +71,10 @@ impl Board {
             data_ready: false,
             ready_at: 0,
             sets: 0,
+            seen: Vec::new(),
+            filling: (0, [0; 4]),
+            odd_scans: 0,
+            expected_ns: None,
             cut: None,
             cuts: 0,
             clocked: 0,
@@ -67,8 +85,22 @@ impl Board {
 
     /// Lets the plant's time pass; whether data ready has risen or fallen.
     pub fn pass(&mut self, now: Ticks) -> Option<bool> {
-        let mut plant = self.plant.borrow_mut();
-        plant.pass_until_ns(nanoseconds(now) - self.began_ns);
+        let until_ns = nanoseconds(now) - self.began_ns;
+        let plant = SharedPlant::clone(&self.plant);
+        let mut plant = plant.borrow_mut();
+        loop {
+            let next_ns = plant.next_scan_ns();
+            if next_ns != self.expected_ns {
+                // The port was started or stopped: it begins a new set.
+                (self.filling, self.expected_ns) = ((0, [0; 4]), next_ns);
+                self.odd_scans += 1;
+            }
+            let Some(scan_ns) = next_ns.filter(|&ns| ns <= until_ns) else { break };
+            plant.pass_until_ns(scan_ns);
+            self.scanned(plant.held());
+            self.expected_ns = Some(scan_ns + SCAN_NS);
+        }
+        plant.pass_until_ns(until_ns);
         let level = plant.data_ready();
         if level == self.data_ready {
             return None;
@@ -78,6 +110,17 @@ impl Board {
             (self.ready_at, self.sets) = (now, self.sets + 1);
         }
         Some(level)
+    }
+
+    /// A scan was taken.
+    fn scanned(&mut self, held: [u16; 4]) {
+        let (scans, sums) = &mut self.filling;
+        sums.iter_mut().zip(held).for_each(|(sum, sample)| *sum += u64::from(sample));
+        *scans += 1;
+        if *scans == SET {
+            self.seen.push(*sums);
+            self.filling = (0, [0; 4]);
+        }
     }
 
     /// When the plant next does something by itself.

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, bail};
 use unicorn_engine::{RegisterARM, Unicorn};
 
-use super::{Core, Machine, Special, said};
+use super::{Ambush, Core, Machine, Special, said};
 use crate::chip::float;
 use crate::chip::memory;
 use crate::chip::nvic::Masks;
@@ -21,7 +21,7 @@ pub(super) fn count(unicorn: &mut Unicorn<'_, Core>, address: u64, _: u32) {
     let special = usize::try_from(index).ok().and_then(|index| core.special.get(index)).copied();
     let stops = core.chip.clock >= core.chip.alarm
         || special != Some(Special::None)
-        || core.ambush.is_some_and(|ambush| u64::from(ambush) == address);
+        || core.ambush.is_some_and(|(at, _)| u64::from(at) == address);
     if stops || core.masked && is_unmasked(unicorn) {
         // It may be asked for in vain in an IT block: then it comes after the block.
         let _ = unicorn.emu_stop();
@@ -66,7 +66,7 @@ impl Machine {
                 return Ok(false);
             }
             let masks = masks(&self.unicorn);
-            if let Some(exception) = self.chip().nvic.next(masks) {
+            if let Some(exception) = self.chip().nvic.next(masks).filter(|_| !self.hung) {
                 self.asleep = false;
                 self.enter(exception)?;
             }
@@ -96,10 +96,9 @@ impl Machine {
             self.chip().nvic.fault();
             return Ok(());
         }
-        if self.unicorn.get_data().ambush == Some(at) {
-            self.ambush(None);
-            self.chip().nvic.fault();
-            return Ok(());
+        if let Some((_, ambush)) = self.unicorn.get_data().ambush.filter(|&(address, _)| address == at) {
+            self.unicorn.get_data_mut().ambush = None;
+            return self.fall_into(ambush);
         }
         let index = at.wrapping_sub(memory::FLASH) as usize / 2;
         let special = self.unicorn.get_data().special.get(index).copied();
@@ -120,6 +119,18 @@ impl Machine {
             Some(Special::None) => Ok(()),
             None => bail!("the program counter is at {at:#010x}, where there is no program"),
         }
+    }
+
+    fn fall_into(&mut self, ambush: Ambush) -> Result<()> {
+        match ambush {
+            Ambush::HardFault => self.chip().nvic.fault(),
+            Ambush::Panic => {
+                let handler = self.image.panic;
+                self.set(RegisterARM::PC, handler | 1)?;
+            }
+            Ambush::Hang => (self.asleep, self.hung) = (true, true),
+        }
+        Ok(())
     }
 
     fn pass_over(&mut self, at: u32, bytes: u32) -> Result<()> {

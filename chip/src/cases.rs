@@ -1,0 +1,120 @@
+//! What is held against the image.
+
+mod acquisition;
+mod faults;
+mod power;
+mod restarts;
+mod same_bits;
+mod select;
+
+use anyhow::{Result, ensure};
+use zerorate_core::compensate::StaticLaw;
+use zerorate_core::record::DeviceRecord;
+use zerorate_core::units::{Axis, Taps, TemperatureScale};
+use zerorate_core::wire::GroupReport;
+use zerorate_sim::{Plant, PlantParameters};
+
+use crate::bench::Bench;
+use crate::chip::memory::Image;
+use crate::chip::time::{MILLISECOND, SECOND};
+use crate::paper_record;
+
+/// A case: what it measured, or why it does not hold.
+pub type Case = fn(&Given) -> Result<String>;
+
+/// Every case, in the order in which they are run.
+pub const ALL: [(&str, Case); 23] = [
+    ("power comes, no record", power::without_a_record),
+    ("a record committed over the line", power::commit),
+    ("power comes, a record and no host", power::alone),
+    ("from the last scan to the wipers", power::latency),
+    ("the longest erasure, the fastest watchdog", power::longest_commit),
+    ("native board and image, 1000 groups", same_bits::groups),
+    ("data ready served in vain", acquisition::served_in_vain),
+    ("a set damaged on the bus", acquisition::damaged_set),
+    ("an acquisition that forgets its work", acquisition::set_up_anew),
+    ("sets that stop coming", acquisition::no_scans),
+    ("a processor that is late", acquisition::overrun),
+    ("chip select cut, reading", select::cut_reading),
+    ("chip select cut, setting up", select::cut_setting_up),
+    ("a dip of the analogue supply", faults::brown_out),
+    ("a potentiometer that does not hear", faults::deaf_potentiometer),
+    ("a temperature stuck, jumping, torn off", faults::temperature),
+    ("outside the range, and a saturated reading", faults::range_and_reading),
+    ("a record damaged, blank, of no law", faults::records),
+    ("a damaged line", faults::line),
+    ("a crystal that does not start", restarts::dead_crystal),
+    ("a program that hangs", restarts::hang),
+    ("a program that stops itself", restarts::panic),
+    ("three in a row", restarts::three_in_a_row),
+];
+
+/// The range of temperature readings that the record is of.
+const VALID: [f64; 2] = [8500.0, 11_900.0];
+
+/// What every case begins with.
+pub struct Given {
+    image: Image,
+    /// What the flash for records holds after the commit of the record.
+    records: Vec<u8>,
+    record: DeviceRecord,
+    law: StaticLaw,
+}
+
+impl Given {
+    /// Has the image itself commit the record that the cases work with.
+    ///
+    /// # Errors
+    /// It does not.
+    pub fn new(image: Image) -> Result<Self> {
+        let record = paper_record::record(VALID, None, 0.05);
+        let law = paper_record::model(VALID, None, 0.05).static_law(TemperatureScale::QUARTER_COUNTS);
+        let mut bench = Bench::new(&image, paper(), None)?;
+        bench.deploy(&record)?;
+        let records = bench.machine.chip().flash.records.clone();
+        Ok(Self { image, records, record, law })
+    }
+
+    /// A board whose power has just come, with the record.
+    fn calibrated(&self) -> Result<Bench> {
+        Bench::new(&self.image, paper(), Some(&self.records))
+    }
+
+    /// The same, its groups streamed to a host, and three of them taken.
+    fn at_work(&self) -> Result<Bench> {
+        let mut bench = self.calibrated()?;
+        bench.stream()?;
+        bench.groups(3)?;
+        Ok(bench)
+    }
+
+    /// The tap that the law asks for at a group's own temperature.
+    fn asked(&self, group: &GroupReport, axis: Axis) -> Option<Taps> {
+        self.law.tap(group.axes[axis.index()].sums.temperature_code()?)
+    }
+}
+
+fn paper() -> Plant {
+    Plant::new(PlantParameters::paper(), 1)
+}
+
+fn wipers(bench: &Bench) -> [u16; 2] {
+    Axis::BOTH.map(|axis| bench.plant.borrow().potentiometer().wiper(axis).get())
+}
+
+/// Lets time pass up to just before a set is full: what is broken then is broken for that set's reading, not for a tick's
+/// look at STATUS.
+fn just_before_a_set(bench: &mut Bench) -> Result<()> {
+    let sets = bench.machine.chip().board.sets;
+    let until = bench.now() + 3 * SECOND;
+    ensure!(bench.machine.run(until, |machine| machine.chip().board.sets > sets)?, "no set within 3 s");
+    let full = bench.machine.chip().board.ready_at + 1500 * MILLISECOND;
+    bench.machine.run_until(full - MILLISECOND)
+}
+
+/// Groups follow one another.
+fn consecutive(groups: &[GroupReport]) -> Result<()> {
+    let numbers: Vec<u32> = groups.iter().map(|group| group.group.0).collect();
+    ensure!(numbers.windows(2).all(|pair| pair[1] == pair[0] + 1), "groups {numbers:?}");
+    Ok(())
+}

@@ -1,0 +1,116 @@
+//! Faults of the acquisition, put there through the plant.
+
+use anyhow::{Result, ensure};
+use zerorate_core::units::Axis;
+use zerorate_core::wire::{CalibrationState, FaultCounts, ResetCause};
+use zerorate_sim::Fault;
+
+use super::{Given, consecutive, just_before_a_set, wipers};
+use crate::chip::rcc::Reset;
+use crate::chip::time::{SECOND, milliseconds};
+
+/// STATUS read as zeros: no edge comes again, and the tick takes the set.
+pub fn served_in_vain(given: &Given) -> Result<String> {
+    let mut bench = given.at_work()?;
+    just_before_a_set(&mut bench)?;
+    bench.plant.borrow_mut().inject(Fault::MutePort { transfers: 1 });
+    bench.machine.chip().board.written_after.clear();
+    let groups = bench.groups(3)?;
+    consecutive(&groups)?;
+    let late = bench.machine.chip().board.written_after.iter().copied().max().unwrap_or(0);
+    ensure!(late > SECOND / 100 && late <= SECOND, "taken {:.1} ms after its last scan", milliseconds(late));
+    let faults = bench.faults()?;
+    ensure!(faults == FaultCounts { repeated_commands: faults.repeated_commands, ..FaultCounts::default() }, "{faults:?}");
+    bench.nothing_wrong()?;
+    Ok(format!("taken by the tick, {:.0} ms after its last scan; no group lost", milliseconds(late)))
+}
+
+/// The burst read as zeros: read once more at once.
+pub fn damaged_set(given: &Given) -> Result<String> {
+    let mut bench = given.at_work()?;
+    just_before_a_set(&mut bench)?;
+    bench.machine.chip().board.cut = Some(crate::chip::board::Cut { after: 20, lasts: None });
+    let groups = bench.groups(3)?;
+    consecutive(&groups)?;
+    let errors = bench.faults()?.acquisition_errors;
+    ensure!(errors == 1, "{errors} errors");
+    // A port that does not hear answers zeros: STATUS says that nothing waits. With each tick it is asked again.
+    just_before_a_set(&mut bench)?;
+    bench.plant.borrow_mut().inject(Fault::PortSpi { transfers: 2 });
+    let began = bench.now();
+    bench.forget_groups();
+    let after = bench.groups(2)?;
+    let took = bench.now() - began;
+    let faults = bench.faults()?;
+    ensure!(faults.acquisition_errors == 1 && faults.restarts == 0, "{faults:?}");
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "read once more, 1 error counted, no group lost; 2 transfers that the port does not hear: two groups after {:.0} ms, \
+         {} lost, no error seen",
+        milliseconds(took),
+        after[1].lost
+    ))
+}
+
+/// The port begins anew by itself: it is set up within two group periods, and the groups go on.
+pub fn set_up_anew(given: &Given) -> Result<String> {
+    let mut bench = given.at_work()?;
+    let held = wipers(&bench);
+    let before = bench.groups(1)?[0].group.0;
+    bench.plant.borrow_mut().reset_port();
+    let began = bench.now();
+    let next = bench.group_within(10 * SECOND)?;
+    let silence = bench.now() - began;
+    let faults = bench.faults()?;
+    ensure!(faults.acquisition_errors == 1 && faults.restarts == 0, "{faults:?}");
+    ensure!(next.group.0 - before - 1 == faults.lost_sets && wipers(&bench) == held, "{faults:?}");
+    consecutive(&bench.groups(3)?)?;
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "groups again after {:.0} ms, {} counted as lost, no wiper moved, no restart",
+        milliseconds(silence),
+        faults.lost_sets
+    ))
+}
+
+/// No scans at all: the watchdog restarts the chip, and it goes on by itself.
+pub fn no_scans(given: &Given) -> Result<String> {
+    let mut bench = given.at_work()?;
+    let held = wipers(&bench);
+    let began = bench.now();
+    bench.plant.borrow_mut().inject(Fault::NoScans);
+    let bites = bench.machine.run(began + 20 * SECOND, |machine| machine.resets.len() > 1)?;
+    let after = bench.now() - began;
+    ensure!(bites && bench.resets(Reset::Watchdog) == 1, "no reset by the watchdog within 20 s");
+    bench.plant.borrow_mut().clear_faults();
+    bench.pass(SECOND / 2)?;
+    ensure!(wipers(&bench) == held, "the restart moved a wiper");
+    let identity = bench.identify()?;
+    ensure!(identity.reset == ResetCause::Watchdog && identity.running, "{identity:?}");
+    ensure!(identity.calibration == CalibrationState::InUse, "{identity:?}");
+    ensure!(bench.faults()?.restarts == 1);
+    bench.stream()?;
+    let groups = bench.groups(3)?;
+    ensure!(Some(groups[2].axes[0].tap) == given.asked(&groups[1], Axis::X), "it does not go on");
+    bench.nothing_wrong()?;
+    Ok(format!("reset by the watchdog after {:.0} ms, counted, wipers held, at work again", milliseconds(after)))
+}
+
+/// While flash is erased the core stands still: groups are lost, counted and named.
+pub fn overrun(given: &Given) -> Result<String> {
+    let mut bench = given.at_work()?;
+    bench.machine.chip().flash.erases_in = 4 * SECOND;
+    let before = bench.groups(1)?[0].group.0;
+    bench.deploy(&given.record)?;
+    bench.forget_groups();
+    let groups = bench.groups(3)?;
+    consecutive(&groups)?;
+    let faults = bench.faults()?;
+    ensure!(faults.lost_sets > 0 && groups[2].lost == faults.lost_sets && faults.restarts == 0, "{faults:?}");
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "4 s within a commit: {} groups lost, counted and named, from {before} on; bytes of the host lost: {}",
+        faults.lost_sets,
+        bench.machine.chip().usart.lost
+    ))
+}

@@ -1,0 +1,128 @@
+//! Power comes, records are committed, and how long it all takes.
+
+use anyhow::{Result, ensure};
+use zerorate_core::units::{Axis, Celsius};
+use zerorate_core::wire::{CalibrationState, Request, ResetCause, SampleWindow};
+
+use super::{Given, paper, wipers};
+use crate::bench::Bench;
+use crate::chip::rcc::Reset;
+use crate::chip::time::{MILLISECOND, SECOND, Ticks, milliseconds};
+
+/// The port's first set takes 500 scans, 3 ms apart; before it the board starts.
+const FIRST_SET: Ticks = 1500 * MILLISECOND;
+const START: Ticks = 20 * MILLISECOND;
+/// From scan to scan.
+const SAMPLE_PERIOD: Ticks = 3 * MILLISECOND;
+
+/// Without a record it answers, at the middle taps.
+pub fn without_a_record(given: &Given) -> Result<String> {
+    let mut bench = Bench::new(&given.image, paper(), None)?;
+    // The clocks take the crystal's 2 ms; what is sent before is not heard.
+    bench.pass(20 * MILLISECOND)?;
+    let asked = bench.now();
+    let identity = bench.identify()?;
+    let took = bench.now() - asked;
+    ensure!(identity.calibration == CalibrationState::Blank && !identity.running, "{identity:?}");
+    ensure!(identity.reset == ResetCause::Power && wipers(&bench) == [511; 2], "{identity:?}");
+    let empty = bench.machine.chip().board.empty_frames;
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "who it is, {:.1} ms after the question, 20 ms after power; {empty} selections without a clock",
+        milliseconds(took)
+    ))
+}
+
+/// A record is committed over the line, and in use after the next start.
+pub fn commit(given: &Given) -> Result<String> {
+    let mut bench = Bench::new(&given.image, paper(), None)?;
+    bench.pass(20 * MILLISECOND)?;
+    bench.identify()?;
+    let began = bench.now();
+    bench.deploy(&given.record)?;
+    let took = bench.now() - began;
+    let erased = bench.machine.chip().flash.erased;
+    let sent_again = bench.sent_again;
+    bench.power_cycle()?;
+    bench.pass(100 * MILLISECOND)?;
+    let identity = bench.identify()?;
+    ensure!(identity.calibration == CalibrationState::InUse && identity.running, "{identity:?}");
+    bench.deploy(&given.record)?;
+    let again = bench.machine.chip().flash.erased - erased;
+    ensure!(bench.resets(Reset::Watchdog) == 0, "the watchdog bit");
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "{:.0} ms with {erased} sector erased in 2 s, {sent_again} commands sent again; in use after the next start; \
+         a second one erased {again}",
+        milliseconds(took)
+    ))
+}
+
+/// With a record and no host, wipers follow from the first group.
+pub fn alone(given: &Given) -> Result<String> {
+    let mut bench = given.calibrated()?;
+    let until = FIRST_SET + START;
+    let is_written = bench.machine.run(2 * SECOND, |machine| {
+        let board = &machine.chip().board;
+        // Both wipers at the start, and both after the first set.
+        board.sets > 0 && board.written_after.len() >= 4
+    })?;
+    let at = bench.now();
+    ensure!(is_written, "no wiper written within 2 s");
+    ensure!(at <= until, "the wipers are written {:.1} ms after power", milliseconds(at));
+    let set_at = bench.machine.chip().board.ready_at;
+    ensure!(wipers(&bench) != [511; 2], "the wipers stand in the middle");
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "the wipers are written {:.2} ms after power, the first set's last scan {:.2} ms after it (1500 ms of it the set's)",
+        milliseconds(at),
+        milliseconds(set_at)
+    ))
+}
+
+/// The wiper is written at most a sample period after the last scan of a group.
+pub fn latency(given: &Given) -> Result<String> {
+    let mut bench = given.calibrated()?;
+    bench.pass(SECOND / 10)?;
+    let without = longest_of(&mut bench, 40)?;
+    bench.order(Request::SetStream { groups: true, samples: SampleWindow { axes: [true; 2], first: 25, last: 0 } })?;
+    bench.pass(2 * SECOND)?;
+    let with = longest_of(&mut bench, 20)?;
+    bench.nothing_wrong()?;
+    ensure!(without <= SAMPLE_PERIOD, "{:.2} ms", milliseconds(without));
+    let over = if with > SAMPLE_PERIOD { ", MORE than the 3 ms of a sample period" } else { "" };
+    Ok(format!(
+        "at most {:.2} ms over 40 groups on a ramp; {:.2} ms while samples are streamed{over}",
+        milliseconds(without),
+        milliseconds(with)
+    ))
+}
+
+fn longest_of(bench: &mut Bench, groups: u32) -> Result<Ticks> {
+    bench.plant.borrow_mut().chamber_set_point(Celsius(60.0))?;
+    bench.machine.chip().board.written_after.clear();
+    bench.pass(SECOND * u64::from(groups) * 3 / 2)?;
+    let written = &bench.machine.chip().board.written_after;
+    ensure!(written.len() >= 2 * groups as usize - 2, "{} writes in {groups} groups", written.len());
+    Ok(written.iter().copied().max().unwrap_or(0))
+}
+
+/// The commit of a record by a chip that erases as slowly as its sheet allows and whose watchdog is as fast.
+pub fn longest_commit(given: &Given) -> Result<String> {
+    let mut bench = given.calibrated()?;
+    let chip = bench.machine.chip();
+    (chip.watchdog.clock_hz, chip.flash.erases_in) = (47_000, 4 * SECOND);
+    bench.power_cycle()?;
+    bench.pass(100 * MILLISECOND)?;
+    let period = bench.machine.chip().watchdog.period();
+    bench.stream()?;
+    bench.groups(2)?;
+    let committed = bench.deploy(&given.record);
+    let resets = bench.resets(Reset::Watchdog);
+    ensure!(committed.is_ok() && resets == 0, "{resets} resets by the watchdog, whose time is {:.2} s", milliseconds(period) / 1e3);
+    let groups = bench.groups(4)?;
+    let lost = bench.faults()?.lost_sets;
+    ensure!(Axis::BOTH.into_iter().all(|axis| groups[3].axes[axis.index()].tap.get() == wipers(&bench)[axis.index()]));
+    bench.nothing_wrong()?;
+    Ok(format!("4 s to erase a sector against {:.2} s of the watchdog: no reset, {lost} groups lost", milliseconds(period) / 1e3))
+}

@@ -1,0 +1,129 @@
+//! Chip select of the acquisition port goes high by itself: within the reading of sets, and within the setting up.
+
+use anyhow::{Context, Result, ensure};
+use embedded_hal::spi::SpiDevice;
+use zerorate_core::wire::GroupReport;
+use zerorate_sim::{PortSpi, SharedPlant};
+
+use super::Given;
+use crate::bench::Bench;
+use crate::chip::board::{Cut, SetSums};
+use crate::chip::time::{MILLISECOND, SECOND, Ticks, milliseconds};
+
+const CUTS: u32 = 1000;
+/// What a group's reading clocks: STATUS, then the burst's header.
+const READING: u32 = 6 + 66;
+/// What setting up clocks: identity, version, stop, period and length written and read, start.
+const SETTING_UP: u32 = 8 * 6;
+/// Two groups, and what the tick and the line take.
+const TWO_GROUPS: Ticks = 3 * SECOND + 30 * MILLISECOND;
+
+/// A sequence that looks like chance and is always the same (xorshift64).
+struct Chance(u64);
+
+impl Chance {
+    fn below(&mut self, n: u32) -> u32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        u32::try_from(self.0 >> 33).unwrap_or(0) % n
+    }
+
+    /// A cut before one of so many bytes; half of them end by themselves, within a transfer.
+    fn cut(&mut self, bytes: u32) -> Cut {
+        let after = 1 + self.below(bytes);
+        let lasts = (self.below(2) == 1).then(|| 1 + self.below(8));
+        Cut { after, lasts }
+    }
+}
+
+/// The port's registers that can be written, read past the chip.
+fn registers(plant: &SharedPlant) -> Result<[u32; 3]> {
+    let mut registers = [0; 3];
+    for (address, register) in (2..).zip(&mut registers) {
+        let mut bytes = [address, 0, 0, 0, 0, 0];
+        PortSpi::new(plant).transfer_in_place(&mut bytes)?;
+        *register = u32::from_be_bytes([bytes[2], bytes[3], bytes[4], bytes[5]]);
+    }
+    Ok(registers)
+}
+
+/// A group's sums as the A/D gave them, or an error: a torn set, or one that was never taken.
+fn untorn(group: &GroupReport, seen: &[SetSums], from: &mut usize) -> Result<()> {
+    let [x, y] = [&group.axes[0].sums, &group.axes[1].sums];
+    let sums = [x.temperature, x.zro, y.temperature, y.zro];
+    let found = seen[*from..].iter().position(|set| *set == sums);
+    *from += 1 + found.with_context(|| format!("group {} is no set that the A/D gave", group.group.0))?;
+    Ok(())
+}
+
+/// A thousand cuts while groups are read.
+pub fn cut_reading(given: &Given) -> Result<String> {
+    let mut bench = given.at_work()?;
+    let expected = registers(&bench.plant)?;
+    ensure!(expected == [1, 3000, 500], "{expected:?}");
+    let (mut chance, mut from, mut longest, mut groups) = (Chance(0x5EED), 0, 0, 0_u32);
+    let mut heard = bench.now();
+    let odd = bench.machine.chip().board.odd_scans;
+    while bench.machine.chip().board.cuts < CUTS {
+        if bench.machine.chip().board.cut.is_none_or(|cut| cut.after == 0) {
+            bench.machine.chip().board.cut = Some(chance.cut(READING));
+        }
+        let group = bench.group_within(10 * SECOND)?;
+        (longest, heard) = (longest.max(bench.now() - heard), bench.now());
+        groups += 1;
+        untorn(&group, &bench.machine.chip().board.seen, &mut from)?;
+        let found = registers(&bench.plant)?;
+        ensure!(found == expected, "registers {found:?} after cut {}", bench.machine.chip().board.cuts);
+    }
+    let faults = bench.faults()?;
+    ensure!(longest <= TWO_GROUPS, "silence of {:.0} ms", milliseconds(longest));
+    ensure!(bench.machine.chip().board.odd_scans == odd, "a scan came at another time");
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "{CUTS} cuts in {groups} groups: none torn, registers as written, longest silence {:.0} ms, {} reads failed, {} groups lost",
+        milliseconds(longest),
+        faults.acquisition_errors,
+        faults.lost_sets
+    ))
+}
+
+/// Cuts while a port that has begun anew is set up.
+pub fn cut_setting_up(given: &Given) -> Result<String> {
+    const TIMES: u32 = 200;
+    let mut bench = given.at_work()?;
+    let (mut chance, mut longest, mut restarts) = (Chance(0xC0FFEE), 0, 0);
+    for n in 0..TIMES {
+        bench.plant.borrow_mut().reset_port();
+        // The tick's own look at STATUS comes before, up to five times.
+        bench.machine.chip().board.cut = Some(chance.cut(SETTING_UP + 5 * 6));
+        longest = longest.max(silence(&mut bench)?);
+        let resets = bench.machine.resets.len();
+        if resets > 1 + restarts {
+            restarts = resets - 1;
+            bench.stream()?;
+        }
+        bench.machine.chip().board.cut = None;
+        let found = registers(&bench.plant)?;
+        ensure!(found == [1, 3000, 500], "registers {found:?} after cut {n}");
+        bench.forget_groups();
+        let sets = bench.machine.chip().board.seen.len();
+        let mut from = sets.saturating_sub(2);
+        let group = match bench.group_within(4 * SECOND) { Ok(g) => g, Err(e) => { let b = &bench.machine.chip().board; println!("n {n} sets {} cuts {} {:?}", b.sets, b.cuts, b.cut); println!("{:?}", bench.machine.resets); println!("{:?}", bench.identify()); println!("{:?}", bench.faults()); return Err(e) } };
+        untorn(&group, &bench.machine.chip().board.seen, &mut from)?;
+    }
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "{TIMES} cuts after the port began anew: none torn, registers as written; groups again after {:.0} ms at most, {restarts} restarts",
+        milliseconds(longest)
+    ))
+}
+
+/// How long no set comes.
+fn silence(bench: &mut Bench) -> Result<Ticks> {
+    let began = bench.now();
+    let sets = bench.machine.chip().board.sets;
+    let comes = bench.machine.run(began + 40 * SECOND, |machine| machine.chip().board.sets > sets)?;
+    ensure!(comes, "no set within 40 s");
+    Ok(bench.now() - began)
+}

@@ -1,0 +1,86 @@
+//! The same application on this machine, about a plant of its own: what the image's groups are held against.
+//!
+//! As on `zerorate-bench`'s native device, time passes only while nobody has anything to do, and buses take none.
+
+use anyhow::{Context, Result, ensure};
+use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, UnitSerial};
+use zerorate_core::wire::frame::{self, Receiver};
+use zerorate_core::wire::{CHUNK, Command, GroupReport, Message, Request, SampleWindow, Upload};
+use zerorate_device::acquisition::Timing;
+use zerorate_device::application::{Application, Parts};
+use zerorate_device::port::PortAcquisition;
+use zerorate_device::restart::Kept;
+use zerorate_device::store::FlashStore;
+use zerorate_device::trim_part::Max5494Trim;
+use zerorate_device::watchdog::NoWatchdog;
+use zerorate_sim::{Flash, FlashPart, PlantDelay, PortSpi, PotentiometerSpi, SharedPlant};
+
+type Part = FlashPart<4096, 4>;
+type Native =
+    Application<PortAcquisition<PortSpi>, Max5494Trim<PotentiometerSpi, PlantDelay>, FlashStore<Part>, NoWatchdog, Kepts>;
+type Kepts = std::rc::Rc<Kept>;
+
+fn start(plant: &SharedPlant, flash: &Part) -> Result<Native> {
+    let store = FlashStore::new(flash.clone(), 0..4 * 4096).ok().context("a flash that is too small")?;
+    Ok(Application::start(Parts {
+        acquisition: PortAcquisition::new(PortSpi::new(plant)),
+        trim: Max5494Trim::new(PotentiometerSpi::new(plant), PlantDelay::new(plant)),
+        store,
+        watchdog: NoWatchdog,
+        kept: Kepts::default(),
+        by_watchdog: false,
+        unit: UnitSerial::default(),
+        timing: Timing::PAPER,
+    }))
+}
+
+/// Says requests; what the application sends.
+fn say(native: &mut Native, requests: &[Request]) -> Result<Vec<Upload>> {
+    let mut bytes = Vec::new();
+    for (sequence, request) in (1..).zip(requests) {
+        let command = Command { sequence, at: None, request: request.clone() };
+        bytes.extend(frame::encode(&command).ok().context("a frame that cannot be")?);
+    }
+    let mut receiver = Receiver::new();
+    let mut uploads = Vec::new();
+    native.run(bytes, &mut |sent: &[u8]| {
+        uploads.extend(sent.iter().filter_map(|&byte| receiver.push::<Upload>(byte)?.ok()));
+        true
+    });
+    Ok(uploads)
+}
+
+/// The first `n` groups of a board that holds a record and whose acquisition begins at the plant's present time.
+///
+/// # Errors
+/// The record was not taken.
+pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, n: usize) -> Result<Vec<GroupReport>> {
+    let flash = Part::new(Flash::erased(4));
+    let mut buffer = [0; MAX_RECORD_BYTES];
+    let bytes = record.encode(&mut buffer).ok().context("a record that cannot be")?;
+    let mut requests = Vec::new();
+    for (part, chunk) in bytes.chunks(CHUNK).enumerate() {
+        let offset = u16::try_from(part * CHUNK)?;
+        requests.push(Request::WriteCalibration { offset, bytes: chunk.iter().copied().collect() });
+    }
+    requests.push(Request::CommitCalibration { length: u16::try_from(bytes.len())? });
+    // On a plant of its own: the wipers are written when a board starts.
+    let elsewhere = zerorate_sim::Plant::new(zerorate_sim::PlantParameters::paper(), 0).share();
+    let mut writer = start(&elsewhere, &flash)?;
+    let answers = say(&mut writer, &requests)?;
+    ensure!(answers.len() == requests.len(), "the native board did not take the record");
+
+    let mut native = start(plant, &flash)?;
+    say(&mut native, &[Request::SetStream { groups: true, samples: SampleWindow::NONE }])?;
+    let mut groups = Vec::new();
+    while groups.len() < n {
+        plant.borrow_mut().run_set().context("the native board's acquisition stands still")?;
+        native.compensator.service();
+        for upload in say(&mut native, &[])? {
+            if let Message::Group(report) = upload.message {
+                groups.push(report);
+            }
+        }
+    }
+    Ok(groups)
+}
