@@ -45,7 +45,15 @@ impl Bench {
         if let Some(records) = records {
             machine.chip().flash.records.copy_from_slice(records);
         }
-        Ok(Self { machine, plant, receiver: Receiver::new(), sequence: 0, groups: Vec::new(), damaged: 0, sent_again: 0 })
+        Ok(Self {
+            machine,
+            plant,
+            receiver: Receiver::new(),
+            sequence: 0,
+            groups: Vec::new(),
+            damaged: 0,
+            sent_again: 0,
+        })
     }
 
     /// Power goes, and comes again.

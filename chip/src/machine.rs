@@ -76,8 +76,7 @@ impl Machine {
     /// When Unicorn cannot be set up.
     pub fn new(image: &Image, board: Board) -> Result<Self> {
         let core = Core { chip: Chip::new(board), special: specials(&image.flash), masked: false, ambush: None };
-        let mut unicorn =
-            Unicorn::new_with_data(Arch::ARM, Mode::THUMB | Mode::MCLASS, core).map_err(said)?;
+        let mut unicorn = Unicorn::new_with_data(Arch::ARM, Mode::THUMB | Mode::MCLASS, core).map_err(said)?;
         unicorn.ctl_set_cpu_model(ArmCpuModel::CORTEX_M4 as i32).map_err(said)?;
         map(&mut unicorn, image).map_err(said)?;
         let mut machine = Self {

@@ -5,7 +5,8 @@ mod cases;
 mod chip;
 mod machine;
 mod native;
-#[allow(missing_docs)]
+// Made for tests, as all of this is.
+#[allow(clippy::unwrap_used)]
 #[path = "../../crates/bench/tests/paper_record/mod.rs"]
 mod paper_record;
 

@@ -16,8 +16,13 @@ use zerorate_device::watchdog::NoWatchdog;
 use zerorate_sim::{Flash, FlashPart, PlantDelay, PortSpi, PotentiometerSpi, SharedPlant};
 
 type Part = FlashPart<4096, 4>;
-type Native =
-    Application<PortAcquisition<PortSpi>, Max5494Trim<PotentiometerSpi, PlantDelay>, FlashStore<Part>, NoWatchdog, Kepts>;
+type Native = Application<
+    PortAcquisition<PortSpi>,
+    Max5494Trim<PotentiometerSpi, PlantDelay>,
+    FlashStore<Part>,
+    NoWatchdog,
+    Kepts,
+>;
 type Kepts = std::rc::Rc<Kept>;
 
 fn start(plant: &SharedPlant, flash: &Part) -> Result<Native> {

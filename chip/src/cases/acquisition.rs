@@ -20,7 +20,10 @@ pub fn served_in_vain(given: &Given) -> Result<String> {
     let late = bench.machine.chip().board.written_after.iter().copied().max().unwrap_or(0);
     ensure!(late > SECOND / 100 && late <= SECOND, "taken {:.1} ms after its last scan", milliseconds(late));
     let faults = bench.faults()?;
-    ensure!(faults == FaultCounts { repeated_commands: faults.repeated_commands, ..FaultCounts::default() }, "{faults:?}");
+    ensure!(
+        faults == FaultCounts { repeated_commands: faults.repeated_commands, ..FaultCounts::default() },
+        "{faults:?}"
+    );
     bench.nothing_wrong()?;
     Ok(format!("taken by the tick, {:.0} ms after its last scan; no group lost", milliseconds(late)))
 }

@@ -77,7 +77,10 @@ pub fn deaf_potentiometer(given: &Given) -> Result<String> {
     let errors = bench.faults()?.trim_errors;
     ensure!(errors == 0);
     bench.nothing_wrong()?;
-    Ok(format!("written again with the next group, {:.0} ms after; {errors} errors seen: an SPI master has no way to", milliseconds(after)))
+    Ok(format!(
+        "written again with the next group, {:.0} ms after; {errors} errors seen: an SPI master has no way to",
+        milliseconds(after)
+    ))
 }
 
 /// A temperature that is not believed holds its tap.
@@ -102,7 +105,11 @@ pub fn temperature(given: &Given) -> Result<String> {
     bench.plant.borrow_mut().inject(Fault::TemperatureAt { axis: Axis::X, counts: 0 });
     bench.groups(1)?;
     let torn = bench.groups(20)?;
-    ensure!(checks(&torn, Axis::X).iter().all(|&check| check == TemperatureCheck::Saturated), "{:?}", checks(&torn, Axis::X));
+    ensure!(
+        checks(&torn, Axis::X).iter().all(|&check| check == TemperatureCheck::Saturated),
+        "{:?}",
+        checks(&torn, Axis::X)
+    );
     let x = taps(&torn, Axis::X);
     ensure!(x.iter().all(|&tap| tap == x[0]), "{x:?}");
     let faults = bench.faults()?;

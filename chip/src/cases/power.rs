@@ -119,10 +119,17 @@ pub fn longest_commit(given: &Given) -> Result<String> {
     bench.groups(2)?;
     let committed = bench.deploy(&given.record);
     let resets = bench.resets(Reset::Watchdog);
-    ensure!(committed.is_ok() && resets == 0, "{resets} resets by the watchdog, whose time is {:.2} s", milliseconds(period) / 1e3);
+    ensure!(
+        committed.is_ok() && resets == 0,
+        "{resets} resets by the watchdog, whose time is {:.2} s",
+        milliseconds(period) / 1e3
+    );
     let groups = bench.groups(4)?;
     let lost = bench.faults()?.lost_sets;
     ensure!(Axis::BOTH.into_iter().all(|axis| groups[3].axes[axis.index()].tap.get() == wipers(&bench)[axis.index()]));
     bench.nothing_wrong()?;
-    Ok(format!("4 s to erase a sector against {:.2} s of the watchdog: no reset, {lost} groups lost", milliseconds(period) / 1e3))
+    Ok(format!(
+        "4 s to erase a sector against {:.2} s of the watchdog: no reset, {lost} groups lost",
+        milliseconds(period) / 1e3
+    ))
 }

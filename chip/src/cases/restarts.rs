@@ -26,7 +26,9 @@ pub fn dead_crystal(given: &Given) -> Result<String> {
     let restarts = bench.faults()?.restarts;
     ensure!(identity.reset == ResetCause::Watchdog && identity.running && restarts == 1, "{identity:?}, {restarts}");
     bench.nothing_wrong()?;
-    Ok(format!("a reset every 8.2 s ({resets} in 30 s); with the crystal at work again: Watchdog, {restarts} restart counted"))
+    Ok(format!(
+        "a reset every 8.2 s ({resets} in 30 s); with the crystal at work again: Watchdog, {restarts} restart counted"
+    ))
 }
 
 /// The program hangs in its highest interrupt.
@@ -105,5 +107,6 @@ pub fn three_in_a_row(given: &Given) -> Result<String> {
     let identity = bench.identify()?;
     ensure!(identity.calibration == CalibrationState::InUse && identity.running, "{identity:?}");
     bench.nothing_wrong()?;
-    Ok("the record is set aside, the wipers in the middle, 3 restarts counted; another record, or power, ends it".into())
+    Ok("the record is set aside, the wipers in the middle, 3 restarts counted; another record, or power, ends it"
+        .into())
 }

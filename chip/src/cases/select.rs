@@ -109,7 +109,17 @@ pub fn cut_setting_up(given: &Given) -> Result<String> {
         bench.forget_groups();
         let sets = bench.machine.chip().board.seen.len();
         let mut from = sets.saturating_sub(2);
-        let group = match bench.group_within(4 * SECOND) { Ok(g) => g, Err(e) => { let b = &bench.machine.chip().board; println!("n {n} sets {} cuts {} {:?}", b.sets, b.cuts, b.cut); println!("{:?}", bench.machine.resets); println!("{:?}", bench.identify()); println!("{:?}", bench.faults()); return Err(e) } };
+        let group = match bench.group_within(4 * SECOND) {
+            Ok(g) => g,
+            Err(e) => {
+                let b = &bench.machine.chip().board;
+                println!("n {n} sets {} cuts {} {:?}", b.sets, b.cuts, b.cut);
+                println!("{:?}", bench.machine.resets);
+                println!("{:?}", bench.identify());
+                println!("{:?}", bench.faults());
+                return Err(e);
+            }
+        };
         untorn(&group, &bench.machine.chip().board.seen, &mut from)?;
     }
     bench.nothing_wrong()?;

@@ -62,13 +62,11 @@ impl Flash {
     pub fn write(&mut self, offset: u32, word: u32) -> Ticks {
         match offset {
             0 => self.acr = word,
-            KEYR => {
-                match (self.keys, word) {
-                    (0, 0x4567_0123) => self.keys = 1,
-                    (1, 0xCDEF_89AB) => (self.keys, self.cr) = (0, self.cr & !LOCK),
-                    _ => self.keys = 0,
-                }
-            }
+            KEYR => match (self.keys, word) {
+                (0, 0x4567_0123) => self.keys = 1,
+                (1, 0xCDEF_89AB) => (self.keys, self.cr) = (0, self.cr & !LOCK),
+                _ => self.keys = 0,
+            },
             SR => self.sr &= !word,
             CR if self.cr & LOCK == 0 => {
                 self.cr = word & !STRT;

@@ -37,14 +37,9 @@ pub fn decode(high: u16, low: u16) -> Option<Transfer> {
     let signed = if up { bytes } else { -bytes };
     let transfer = match (before, write) {
         // VLDR and VSTR.
-        (true, false) => Transfer {
-            base,
-            first,
-            count: if double { 2 } else { 1 },
-            load,
-            offset: signed,
-            write_back: 0,
-        },
+        (true, false) => {
+            Transfer { base, first, count: if double { 2 } else { 1 }, load, offset: signed, write_back: 0 }
+        }
         // Increment after, with write-back or not; decrement before.
         (false, write) if up => {
             Transfer { base, first, count: words, load, offset: 0, write_back: if write { bytes } else { 0 } }

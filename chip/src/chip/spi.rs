@@ -1,6 +1,6 @@
 //! An SPI master (RM0090 rev 19, chapter 28): a shift register, one byte before it and one behind.
 
-use super::time::{NEVER, Ticks};
+use super::time::Ticks;
 
 const CR1: u32 = 0x00;
 const SR: u32 = 0x08;
@@ -100,10 +100,5 @@ impl Spi {
             return Err("a byte for an SPI whose last one had not gone");
         }
         Ok(())
-    }
-
-    /// When the byte on the line is over.
-    pub fn due(&self) -> Ticks {
-        self.shifting.map_or(NEVER, |(at, _)| at)
     }
 }

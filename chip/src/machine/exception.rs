@@ -12,14 +12,8 @@ use crate::chip::nvic::HARD_FAULT;
 const FRAME: u32 = 8 * 4;
 /// Besides: S0 to S15, the float unit's status, and a word that keeps the stack even.
 const FLOAT_FRAME: u32 = 18 * 4;
-const SAVED: [RegisterARM; 6] = [
-    RegisterARM::R0,
-    RegisterARM::R1,
-    RegisterARM::R2,
-    RegisterARM::R3,
-    RegisterARM::R12,
-    RegisterARM::LR,
-];
+const SAVED: [RegisterARM; 6] =
+    [RegisterARM::R0, RegisterARM::R1, RegisterARM::R2, RegisterARM::R3, RegisterARM::R12, RegisterARM::LR];
 /// xPSR: the stack was moved by a word to be even, and Thumb.
 const MOVED: u32 = 1 << 9;
 const THUMB: u32 = 1 << 24;

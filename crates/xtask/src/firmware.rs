@@ -15,8 +15,10 @@ use crate::workspace::Workspace;
 const FOLDER: &str = "firmware";
 const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// The board of which `cargo xtask chip` runs the image.
+pub const STM32F405: &str = "zerorate-stm32f405";
 /// A board's package; the first is the emulated one.
-const BOARDS: [&str; 2] = ["zerorate-mps2-an386", "zerorate-stm32f405"];
+const BOARDS: [&str; 2] = ["zerorate-mps2-an386", STM32F405];
 /// What is counted in QEMU.
 const COST: &str = "zerorate-cost";
 
@@ -120,13 +122,15 @@ fn costs(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-fn build_package(workspace: &Workspace, package: &str) -> Result<()> {
+/// Builds a package for its target.
+pub fn build_package(workspace: &Workspace, package: &str) -> Result<()> {
     let folder = workspace.root.join(FOLDER);
     let arguments = ["build", "--release", "--locked", "--package", package];
     Toolchain::of_board()?.run(&folder, &folder.join("target"), &arguments)
 }
 
-fn built(workspace: &Workspace, package: &str) -> PathBuf {
+/// Where a package's program is when it has been built.
+pub fn built(workspace: &Workspace, package: &str) -> PathBuf {
     workspace.root.join(FOLDER).join("target").join(TARGET).join("release").join(package)
 }
 

@@ -5,6 +5,7 @@
 mod arrows;
 mod browser;
 mod cargo;
+mod chip;
 mod circles;
 mod circuit;
 mod devtools;
@@ -48,7 +49,8 @@ enum Chore {
     ///
     /// Formatting, lints, documentation and tests by cargo; the rules of ARCHITECTURE.md by reading the sources; then
     /// the built command against numpy and against damaged recordings; the circuit in ngspice and the gateware by the FPGA
-    /// tools, the firmware in QEMU, as the chores `circuit`, `gateware` and `firmware` do; the report in a headless browser;
+    /// tools, the firmware in QEMU and the image for the chip in Unicorn, as the chores `circuit`, `gateware`, `firmware` and
+    /// `chip` do; the report in a headless browser;
     /// last zerorate-lot, whose query engine takes longer to build than everything else together. What that needs is
     /// installed if this runs as root on Debian, and named if it does not.
     ///
@@ -64,7 +66,7 @@ enum Chore {
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house, build, numpy, numbers, damage, circuit,
-        /// gateware, firmware, report, lot
+        /// gateware, firmware, chip, report, lot
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -141,6 +143,12 @@ enum Chore {
         #[arg(long)]
         cost: bool,
     },
+    /// Run the image for the STM32F405 in an emulator of the chip, against the simulated bench
+    ///
+    /// Builds the image as `firmware` does, and runs every case of chip/README.md on it, a line each: power-up, the fault
+    /// table, restarts, chip select, the native board's bits. Unicorn is built from source; clang and cmake are installed if this
+    /// runs as root on Debian, and named if not.
+    Chip,
 }
 
 fn main() -> Result<ExitCode> {
@@ -174,6 +182,7 @@ fn main() -> Result<ExitCode> {
         Chore::Circuit => steps::run(&[circuit(&workspace)]),
         Chore::Gateware => steps::run(&gateware::steps(&workspace)),
         Chore::Firmware { cost } => steps::run(&firmware::steps(&workspace, cost)),
+        Chore::Chip => steps::run(&chip::steps(&workspace)),
     })
 }
 
@@ -212,6 +221,8 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
             within(firmware::check),
         )
         .skipped_if(fast, "--fast"),
+        Step::new("chip", "`cargo xtask chip` runs its cases alone; see chip/README.md", within(chip::check))
+            .skipped_if(fast, "--fast"),
         Step::new("report", "look at target/report-screenshots", within(report::check)).skipped_if(fast, "--fast"),
         Step::new("lot", "`cargo test --release -p zerorate-lot NAME` runs one", within(lot::check))
             .skipped_if(fast, "--fast"),
