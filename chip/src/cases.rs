@@ -1,6 +1,7 @@
 //! What is held against the image.
 
 mod acquisition;
+mod calibration;
 mod faults;
 mod power;
 mod restarts;
@@ -23,13 +24,14 @@ use crate::paper_record;
 pub type Case = fn(&Given) -> Result<String>;
 
 /// Every case, in the order in which they are run.
-pub const ALL: [(&str, Case); 23] = [
+pub const ALL: [(&str, Case); 24] = [
     ("power comes, no record", power::without_a_record),
     ("a record committed over the line", power::commit),
     ("power comes, a record and no host", power::alone),
     ("from the last scan to the wipers", power::latency),
     ("the longest erasure, the fastest watchdog", power::longest_commit),
     ("native board and image, 1000 groups", same_bits::groups),
+    ("native board and image, a calibration in short", calibration::in_short),
     ("data ready served in vain", acquisition::served_in_vain),
     ("a set damaged on the bus", acquisition::damaged_set),
     ("an acquisition that forgets its work", acquisition::set_up_anew),

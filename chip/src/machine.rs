@@ -98,6 +98,11 @@ impl Machine {
         &mut self.unicorn.get_data_mut().chip
     }
 
+    /// Whether the program sleeps, nothing waits to be served, and nothing is on the line.
+    pub fn is_idle(&mut self) -> bool {
+        self.asleep && self.chip().usart.is_quiet() && !self.chip().nvic.waits()
+    }
+
     /// Power comes: memory holds anything.
     ///
     /// # Errors

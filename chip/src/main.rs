@@ -3,6 +3,7 @@
 mod bench;
 mod cases;
 mod chip;
+mod lock_step;
 mod machine;
 mod native;
 // Made for tests, as all of this is.

@@ -15,6 +15,8 @@ use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::NoWatchdog;
 use zerorate_sim::{Flash, FlashPart, PlantDelay, PortSpi, PotentiometerSpi, SharedPlant};
 
+use crate::lock_step::LockStep;
+
 type Part = FlashPart<4096, 4>;
 type Native = Application<
     PortAcquisition<PortSpi>,
@@ -55,12 +57,11 @@ fn say(native: &mut Native, requests: &[Request]) -> Result<Vec<Upload>> {
     Ok(uploads)
 }
 
-/// The first `n` groups of a board that holds a record and whose acquisition begins at the plant's present time.
+/// The requests that bring a record to a board.
 ///
 /// # Errors
-/// The record was not taken.
-pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, n: usize) -> Result<Vec<GroupReport>> {
-    let flash = Part::new(Flash::erased(4));
+/// There is no such record.
+pub fn deployment(record: &DeviceRecord) -> Result<Vec<Request>> {
     let mut buffer = [0; MAX_RECORD_BYTES];
     let bytes = record.encode(&mut buffer).ok().context("a record that cannot be")?;
     let mut requests = Vec::new();
@@ -69,6 +70,16 @@ pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, n: usize) -> Res
         requests.push(Request::WriteCalibration { offset, bytes: chunk.iter().copied().collect() });
     }
     requests.push(Request::CommitCalibration { length: u16::try_from(bytes.len())? });
+    Ok(requests)
+}
+
+/// The first `n` groups of a board that holds a record and whose acquisition begins at the plant's present time.
+///
+/// # Errors
+/// The record was not taken.
+pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, n: usize) -> Result<Vec<GroupReport>> {
+    let flash = Part::new(Flash::erased(4));
+    let requests = deployment(record)?;
     // On a plant of its own: the wipers are written when a board starts.
     let elsewhere = zerorate_sim::Plant::new(zerorate_sim::PlantParameters::paper(), 0).share();
     let mut writer = start(&elsewhere, &flash)?;
@@ -88,4 +99,62 @@ pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, n: usize) -> Res
         }
     }
     Ok(groups)
+}
+
+/// A native board that a procedure works with.
+pub struct NativeBoard {
+    plant: SharedPlant,
+    flash: Part,
+    native: Native,
+    receiver: Receiver,
+    said: Vec<Upload>,
+}
+
+impl NativeBoard {
+    /// A blank board about a plant.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn new(plant: SharedPlant) -> Result<Self> {
+        let flash = Part::new(Flash::erased(4));
+        let native = start(&plant, &flash)?;
+        Ok(Self { plant, flash, native, receiver: Receiver::new(), said: Vec::new() })
+    }
+
+    fn hear(&mut self, bytes: &[u8]) {
+        let Self { native, receiver, said, .. } = self;
+        native.run(bytes.iter().copied(), &mut |sent: &[u8]| {
+            said.extend(sent.iter().filter_map(|&byte| receiver.push::<Upload>(byte)?.ok()));
+            true
+        });
+    }
+}
+
+impl LockStep for NativeBoard {
+    fn plant(&self) -> SharedPlant {
+        SharedPlant::clone(&self.plant)
+    }
+
+    fn send(&mut self, frame: &[u8]) -> Result<()> {
+        self.hear(frame);
+        Ok(())
+    }
+
+    fn set(&mut self) -> Result<()> {
+        self.plant.borrow_mut().run_set().context("the native board's acquisition stands still")?;
+        self.native.compensator.service();
+        self.hear(&[]);
+        Ok(())
+    }
+
+    fn power_cycle(&mut self) -> Result<()> {
+        self.plant.borrow_mut().power_cycle();
+        self.native = start(&self.plant, &self.flash)?;
+        self.receiver = Receiver::new();
+        Ok(())
+    }
+
+    fn said(&mut self) -> Vec<Upload> {
+        std::mem::take(&mut self.said)
+    }
 }

@@ -36,8 +36,8 @@ pub struct Board {
     pub plant: SharedPlant,
     port: Pins,
     potentiometer: Pins,
-    /// The plant's time is the chip's less this.
-    began_ns: u64,
+    /// The plant's time stands, and is moved by somebody else.
+    pub plant_stands: bool,
     data_ready: bool,
     /// When data ready last rose: the set's last scan.
     pub ready_at: Ticks,
@@ -67,7 +67,7 @@ impl Board {
             plant: SharedPlant::clone(plant),
             port: PortSpi::new(plant).pins(),
             potentiometer: PotentiometerSpi::new(plant).pins(),
-            began_ns: 0,
+            plant_stands: false,
             data_ready: false,
             ready_at: 0,
             sets: 0,
@@ -85,7 +85,21 @@ impl Board {
 
     /// Lets the plant's time pass; whether data ready has risen or fallen.
     pub fn pass(&mut self, now: Ticks) -> Option<bool> {
-        let until_ns = nanoseconds(now) - self.began_ns;
+        if !self.plant_stands {
+            self.pass_ns(nanoseconds(now));
+        }
+        let level = self.plant.borrow().data_ready();
+        if level == self.data_ready {
+            return None;
+        }
+        self.data_ready = level;
+        if level {
+            (self.ready_at, self.sets) = (now, self.sets + 1);
+        }
+        Some(level)
+    }
+
+    fn pass_ns(&mut self, until_ns: u64) {
         let plant = SharedPlant::clone(&self.plant);
         let mut plant = plant.borrow_mut();
         loop {
@@ -101,15 +115,6 @@ impl Board {
             self.expected_ns = Some(scan_ns + SCAN_NS);
         }
         plant.pass_until_ns(until_ns);
-        let level = plant.data_ready();
-        if level == self.data_ready {
-            return None;
-        }
-        self.data_ready = level;
-        if level {
-            (self.ready_at, self.sets) = (now, self.sets + 1);
-        }
-        Some(level)
     }
 
     /// A scan was taken.
@@ -125,7 +130,10 @@ impl Board {
 
     /// When the plant next does something by itself.
     pub fn due(&self) -> Ticks {
-        self.plant.borrow().next_scan_ns().map_or(NEVER, |ns| ticks_of_ns(ns + self.began_ns))
+        if self.plant_stands {
+            return NEVER;
+        }
+        self.plant.borrow().next_scan_ns().map_or(NEVER, |ns| ticks_of_ns(ns))
     }
 
     /// The chip's chip select goes low.

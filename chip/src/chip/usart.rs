@@ -136,6 +136,11 @@ impl Usart {
         at(self.coming.front()).min(at(self.shifting.as_ref()))
     }
 
+    /// Whether nothing is on its way, in either direction.
+    pub fn is_quiet(&self) -> bool {
+        self.coming.is_empty() && self.shifting.is_none() && self.received.is_none()
+    }
+
     /// Whether it asks for its interrupt.
     pub fn asks(&self) -> bool {
         self.words[CR1 as usize / 4] & RXNEIE != 0 && (self.received.is_some() || self.overrun)
