@@ -1,6 +1,6 @@
 //! The sectors for records: NOR flash in the chip, locked but for the moment of a write.
 //!
-//! While a sector is erased (up to 2 s, data sheet table 40) the processor stands still, for it runs from the same flash.
+//! While a sector is erased (2 s, up to 4 s, a byte at a time; data sheet, table 40) the processor stands still, for it runs from the same flash.
 //! A commit is a declared pause: only then is anything erased.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};

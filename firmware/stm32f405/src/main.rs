@@ -43,8 +43,9 @@ const POTENTIOMETER_KHZ: u32 = 5250;
 const BAUD: u32 = 115_200;
 /// The tick that `zerorate-device` counts seconds by.
 const TICK_HZ: u32 = 1;
-/// Longer than a commit, which may erase two sectors of 2 s each.
-const WATCHDOG_MS: u32 = 8000;
+/// By the watchdog's own clock, which may be 47 kHz where its sheet says 32: 6.8 s then. Longer than the 5.5 s from a set to
+/// the next one where the acquisition had to be set up anew, and than a commit, which erases one sector in 4 s at most.
+const WATCHDOG_MS: u32 = 10_000;
 
 type Port = PortAcquisition<ExclusiveDevice<Spi<SPI1>, PA4<Output>, NoDelay>>;
 type Potentiometer = Max5494Trim<ExclusiveDevice<Spi<SPI2>, PB12<Output>, NoDelay>, SysDelay>;
