@@ -24,7 +24,7 @@ use crate::paper_record;
 pub type Case = fn(&Given) -> Result<String>;
 
 /// Every case, in the order in which they are run.
-pub const ALL: [(&str, Case); 24] = [
+pub const ALL: [(&str, Case); 25] = [
     ("power comes, no record", power::without_a_record),
     ("a record committed over the line", power::commit),
     ("power comes, a record and no host", power::alone),
@@ -35,6 +35,7 @@ pub const ALL: [(&str, Case); 24] = [
     ("data ready served in vain", acquisition::served_in_vain),
     ("a set damaged on the bus", acquisition::damaged_set),
     ("an acquisition that forgets its work", acquisition::set_up_anew),
+    ("the same, the fastest watchdog", acquisition::fast_watchdog),
     ("sets that stop coming", acquisition::no_scans),
     ("a processor that is late", acquisition::overrun),
     ("chip select cut, reading", select::cut_reading),
@@ -43,7 +44,7 @@ pub const ALL: [(&str, Case); 24] = [
     ("a potentiometer that does not hear", faults::deaf_potentiometer),
     ("a temperature stuck, jumping, torn off", faults::temperature),
     ("outside the range, and a saturated reading", faults::range_and_reading),
-    ("a record damaged, blank, of no law", faults::records),
+    ("a record damaged, in flash and on its way", faults::records),
     ("a damaged line", faults::line),
     ("a crystal that does not start", restarts::dead_crystal),
     ("a program that hangs", restarts::hang),

@@ -76,6 +76,40 @@ pub fn set_up_anew(given: &Given) -> Result<String> {
     ))
 }
 
+/// The same on a chip whose watchdog is as fast as its sheet allows, at twenty moments of the second between ticks.
+pub fn fast_watchdog(given: &Given) -> Result<String> {
+    const MOMENTS: u64 = 20;
+    let (mut restarts, mut longest, mut period) = (0, 0, 0);
+    for moment in 0..MOMENTS {
+        let mut bench = given.calibrated()?;
+        bench.machine.chip().watchdog.clock_hz = 47_000;
+        bench.power_cycle()?;
+        bench.pass(SECOND / 10)?;
+        bench.stream()?;
+        bench.groups(2)?;
+        // After an odd number of sets a set comes half a second later between two ticks; stopping the scans moves it on.
+        bench.plant.borrow_mut().inject(Fault::NoScans);
+        bench.pass(moment * SECOND / MOMENTS)?;
+        bench.plant.borrow_mut().clear_faults();
+        bench.groups(1)?;
+        bench.plant.borrow_mut().reset_port();
+        let (began, sets) = (bench.now(), bench.machine.chip().board.sets);
+        let comes = bench.machine.run(began + 20 * SECOND, |machine| machine.chip().board.sets > sets)?;
+        ensure!(comes, "no set within 20 s");
+        longest = longest.max(bench.now() - began);
+        bench.pass(SECOND / 2)?;
+        restarts += bench.resets(Reset::Watchdog);
+        period = bench.machine.chip().watchdog.period();
+        bench.nothing_wrong()?;
+    }
+    ensure!(restarts == 0, "{restarts} restarts by the watchdog in {MOMENTS}");
+    Ok(format!(
+        "sets again after {:.0} ms at most, the watchdog's time {:.0} ms: no restart at {MOMENTS} moments",
+        milliseconds(longest),
+        milliseconds(period)
+    ))
+}
+
 /// No scans at all: the watchdog restarts the chip, and it goes on by itself.
 pub fn no_scans(given: &Given) -> Result<String> {
     let mut bench = given.at_work()?;

@@ -1,9 +1,10 @@
 //! The rest of the fault table (crates/device/README.md).
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use zerorate_core::compensate::Mode;
 use zerorate_core::drift::Coverage;
 use zerorate_core::units::{Axis, Celsius, Taps};
+use zerorate_core::wire::frame;
 use zerorate_core::wire::{Answer, CalibrationState, GroupReport, Refusal, Request, ResetCause, TemperatureCheck};
 use zerorate_sim::Fault;
 
@@ -170,10 +171,17 @@ pub fn line(given: &Given) -> Result<String> {
         bench.send(&noise);
         bench.pass(SECOND / 10)?;
     }
+    // Whole, and nothing of this version.
+    bench.send(&frame::encode(&[0xFF_u8; 20]).ok().context("a frame that cannot be")?);
+    bench.pass(SECOND / 10)?;
     let identity = bench.identify()?;
     let faults = bench.faults()?;
+    ensure!(faults.unknown_frames == 1, "{faults:?}");
     ensure!(identity.running && faults.damaged_frames >= 10 && faults.restarts == 0, "{faults:?}");
     super::consecutive(&bench.groups(4)?)?;
     bench.nothing_wrong()?;
-    Ok(format!("{} frames not acted on, counted; groups go on", faults.damaged_frames))
+    Ok(format!(
+        "{} frames that cannot be read and {} that says nothing: counted, not acted on; groups go on",
+        faults.damaged_frames, faults.unknown_frames
+    ))
 }

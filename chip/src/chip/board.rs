@@ -133,7 +133,7 @@ impl Board {
         if self.plant_stands {
             return NEVER;
         }
-        self.plant.borrow().next_scan_ns().map_or(NEVER, |ns| ticks_of_ns(ns))
+        self.plant.borrow().next_scan_ns().map_or(NEVER, ticks_of_ns)
     }
 
     /// The chip's chip select goes low.
