@@ -5,8 +5,8 @@
 //! acquisition that stays dead though it was set up anew each end in a restart, after which the device compensates again by
 //! itself. The board's tick has the task go round every second: where the acquisition was stopped and nobody speaks, too.
 //!
-//! The hardware's time must exceed two group periods and two ticks (5 s of the paper's), after which a dead acquisition is
-//! set up anew, and the longest commit of a record.
+//! The hardware's time must exceed three group periods and two ticks (6.5 s of the paper's), in which an acquisition that was
+//! set up anew has its next set, and the longest commit of a record.
 
 use crate::compensator::Status;
 
