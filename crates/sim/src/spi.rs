@@ -268,3 +268,41 @@ impl DelayNs for PlantDelay {
         self.0.borrow_mut().pass_ns(u64::from(ns));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fault::Fault;
+    use crate::parameters::PlantParameters;
+
+    #[test]
+    fn a_port_that_is_started_at_its_pins_scans_from_the_last_byte_on_however_long_chip_select_stays_low() {
+        let plant = Plant::new(PlantParameters::paper(), 1).share();
+        plant.borrow_mut().pass_until_ns(7_000_000);
+        let mut pins = PortSpi::new(&plant).pins();
+        pins.select();
+        for byte in [0x82, 0, 0, 0, 0, 3] {
+            _ = pins.exchange(byte);
+        }
+        plant.borrow_mut().pass_until_ns(8_000_000);
+        pins.deselect();
+        assert_eq!(plant.borrow().next_scan_ns(), Some(10_000_000));
+    }
+
+    #[test]
+    fn a_part_that_does_not_hear_or_is_not_selected_sends_zeros_and_does_nothing() {
+        let plant = Plant::new(PlantParameters::paper(), 1).share();
+        let mut pins = PortSpi::new(&plant).pins();
+        let identity = |pins: &mut Pins| {
+            pins.select();
+            let sent = [0, 0, 0, 0, 0, 0].map(|byte| pins.exchange(byte));
+            pins.deselect();
+            (sent[2..] == *b"ZRAQ", sent == [0; 6])
+        };
+        plant.borrow_mut().inject(Fault::PortSpi { transfers: 1 });
+        assert_eq!([identity(&mut pins), identity(&mut pins)], [(false, true), (true, false)]);
+        assert_eq!(pins.exchange(0x10), 0);
+        plant.borrow_mut().inject(Fault::MutePort { transfers: 1 });
+        assert_eq!([identity(&mut pins), identity(&mut pins)], [(false, true), (true, false)]);
+    }
+}
