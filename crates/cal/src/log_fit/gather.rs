@@ -83,7 +83,8 @@ impl Logs {
         let rows = LogRows { runs, noise };
         let (seen, sensors) = taken.finish();
         self.refuse_overlap(source, sources, &rows)?;
-        self.reasons.extend(repeated::reasons(source.short_name(), &rows, &sensors));
+        let of_sensors = sensors.iter().map(|sensor| (&sensor.stream, &sensor.groups[..]));
+        self.reasons.extend(repeated::reasons(source.short_name(), &rows, of_sensors));
         self.rows.push(rows);
         self.started.push(ending.started);
         for note in ending.notes {

@@ -1,13 +1,16 @@
 //! Numbers that stand in a log twice: rows again, or one column as two.
 
-use super::gather::Gathered;
 use super::overlap::LogRows;
 use crate::condition::{Group, MIN_GROUPS};
 use crate::log::Stream;
 use crate::quality::{Reason, ReasonKind};
 
-/// What is found of one log, a sentence each.
-pub(super) fn reasons(log: &str, rows: &LogRows, sensors: &[Gathered]) -> Vec<Reason> {
+/// What is found of one log and its sensors' groups, a sentence each.
+pub(super) fn reasons<'a>(
+    log: &str,
+    rows: &LogRows,
+    sensors: impl Iterator<Item = (&'a Stream, &'a [Group])>,
+) -> Vec<Reason> {
     let twice = rows.part_twice().map(|part| {
         format!(
             "{log}: about {:.0} % of the rows stand in it twice: what is held out is fitted all the same, so the held-out \
@@ -15,7 +18,7 @@ pub(super) fn reasons(log: &str, rows: &LogRows, sensors: &[Gathered]) -> Vec<Re
             (100.0 * part).max(1.0)
         )
     });
-    let columns = sensors.iter().flat_map(|sensor| alike(&sensor.stream, &sensor.groups));
+    let columns = sensors.flat_map(|(stream, groups)| alike(stream, groups));
     let columns = columns.map(|(a, b)| format!("{a} and {b} are the same numbers: one of the two was not measured"));
     twice.into_iter().chain(columns).map(|text| Reason::new(ReasonKind::Repeated, text)).collect()
 }
