@@ -53,8 +53,12 @@ impl Acquisition for GatewareAcquisition {
         self.port.stop()
     }
 
-    fn read_set(&mut self, set: &mut Set, with_scans: bool) -> Result<bool, Self::Error> {
-        self.port.read_set(set, with_scans)
+    fn read_set(&mut self, set: &mut Set, then_scans: bool) -> Result<bool, Self::Error> {
+        self.port.read_set(set, then_scans)
+    }
+
+    fn read_scans(&mut self, set: &mut Set) -> Result<(), Self::Error> {
+        self.port.read_scans(set)
     }
 }
 

@@ -48,7 +48,7 @@ pub struct Set {
     pub lost: u32,
     /// The exact sums of each axis, X then Y.
     pub sums: [GroupSums; 2],
-    /// The scans; empty when only sums were asked for.
+    /// The scans; empty until they are read.
     pub scans: Vec<Scan, MAX_SET_LENGTH>,
 }
 
@@ -69,9 +69,16 @@ pub trait Acquisition {
     /// When the acquisition cannot be reached.
     fn stop(&mut self) -> Result<(), Self::Error>;
 
-    /// Reads the set that waits into `set`, with its scans if asked; `false` when none waits.
+    /// Reads number and sums of the set that waits into `set`; `false` when none waits. Where its scans are to be read
+    /// after that it goes on waiting: nothing that the law needs waits for them.
     ///
     /// # Errors
     /// When the acquisition cannot be reached, or what came is not whole.
-    fn read_set(&mut self, set: &mut Set, with_scans: bool) -> Result<bool, Self::Error>;
+    fn read_set(&mut self, set: &mut Set, then_scans: bool) -> Result<bool, Self::Error>;
+
+    /// Reads the scans of the set whose sums were just read.
+    ///
+    /// # Errors
+    /// When the acquisition cannot be reached, what came is not whole, or another set has come meanwhile.
+    fn read_scans(&mut self, set: &mut Set) -> Result<(), Self::Error>;
 }

@@ -129,9 +129,15 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
 
     /// The interrupt: called when a set is ready.
     pub fn service(&mut self) {
-        if self.running && self.read_set() {
+        let with_samples = self.outbox.wants_samples();
+        if self.running && self.read_set(with_samples) {
             self.sets = self.sets.wrapping_add(1);
-            self.close_group();
+            let before = with_samples.then(|| self.axes.each_ref().map(|axis| axis.state.clone()));
+            let report = self.close_group();
+            match before.filter(|_| self.read_scans()) {
+                None => self.outbox.group(report),
+                Some(before) => self.outbox.group_and_samples(report, before, self.set.scans.len()),
+            }
             self.run_commands();
         }
     }
@@ -172,26 +178,51 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         self.outbox.next(&self.set.scans)
     }
 
-    /// Reads the set that waits; `false` when there is none, or it cannot be read. A read that failed is tried once more:
-    /// a set that was not read whole still waits.
-    fn read_set(&mut self) -> bool {
-        let with_scans = self.outbox.wants_samples();
-        let mut read = self.acquisition.read_set(&mut self.set, with_scans);
+    /// Reads the sums of the set that waits; `false` when there is none, or it cannot be read. A read that failed is tried
+    /// once more: a set that was not read whole still waits.
+    fn read_set(&mut self, then_scans: bool) -> bool {
+        let mut read = self.acquisition.read_set(&mut self.set, then_scans);
         if read.is_err() {
             self.faults.acquisition_errors += 1;
             self.outbox.set_goes();
-            read = self.acquisition.read_set(&mut self.set, with_scans);
+            read = self.acquisition.read_set(&mut self.set, then_scans);
             self.faults.acquisition_errors += u32::from(read.is_err());
         }
         let is_read = matches!(read, Ok(true));
         if is_read {
             self.outbox.set_goes();
         }
+        if is_read && self.continuity.is_known(&self.set) {
+            // Its scans could not be read, so it still waited.
+            self.let_go();
+            return false;
+        }
         is_read
     }
 
+    /// Reads the scans of the set whose group was just closed: law and wipers do not wait for them. Those that cannot be read
+    /// are dropped, and the set is let go.
+    fn read_scans(&mut self) -> bool {
+        let is_read = (0..2).any(|_| {
+            let read = self.acquisition.read_scans(&mut self.set);
+            self.faults.acquisition_errors += u32::from(read.is_err());
+            read.is_ok()
+        });
+        if !is_read {
+            self.outbox.samples_are_missing();
+            self.let_go();
+        }
+        is_read
+    }
+
+    /// Lets the set go that was read and still waits. Where that fails it is read once more, with the tick, and known.
+    fn let_go(&mut self) {
+        let released = self.acquisition.read_set(&mut self.set, false);
+        self.faults.acquisition_errors += u32::from(released.is_err());
+    }
+
     /// Closes the group whose set was just read.
-    fn close_group(&mut self) {
+    fn close_group(&mut self) -> GroupReport {
         let (group, lost) = self.continuity.set_came(&self.set);
         self.lost = lost;
         let missed = group.0.saturating_sub(self.group.0);
@@ -199,8 +230,6 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         for (axis, sums) in self.axes.iter_mut().zip(&self.set.sums) {
             axis.lose(missed, sums.n);
         }
-        let with_samples = !self.set.scans.is_empty();
-        let before = with_samples.then(|| self.axes.each_ref().map(|axis| axis.state.clone()));
         let axes = Axis::BOTH.map(|axis| {
             let sums = self.set.sums[axis.index()];
             let other = self.axes[1 - axis.index()].temperature.believed();
@@ -208,11 +237,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         });
         self.group = GroupNumber(group.0.wrapping_add(1));
         let acquisition_errors = self.faults.acquisition_errors;
-        let report = GroupReport { group, lost, acquisition_errors, axes };
-        match before {
-            None => self.outbox.group(report),
-            Some(before) => self.outbox.group_and_samples(report, before, self.set.scans.len()),
-        }
+        GroupReport { group, lost, acquisition_errors, axes }
     }
 
     /// Runs the waiting commands whose group is about to begin, in the order in which they came.

@@ -93,14 +93,19 @@ where
         Ok(())
     }
 
-    fn read_set(&mut self, set: &mut Set, with_scans: bool) -> Result<bool, Self::Error> {
+    fn read_set(&mut self, set: &mut Set, then_scans: bool) -> Result<bool, Self::Error> {
         let Some(waiting) = self.waiting.take() else {
             return Ok(false);
         };
         *set = waiting;
-        if !with_scans {
+        if !then_scans {
             set.scans.clear();
         }
         Ok(true)
+    }
+
+    /// They came with the set: what was sampled here need not be fetched.
+    fn read_scans(&mut self, _: &mut Set) -> Result<(), Self::Error> {
+        Ok(())
     }
 }

@@ -1,4 +1,5 @@
-//! The acquisition port's master: reads whole sets, one burst each (docs/acquisition-port.md, version 1.0).
+//! The acquisition port's master: reads whole sets (docs/acquisition-port.md, version 1.0). Of one whose scans are wanted it
+//! reads the sums first, and the scans when the wipers are written: they take 6 ms on the bus, two sample periods.
 
 use crc::{CRC_32_MPEG_2, Crc, NoTable};
 use embedded_hal::spi::{Operation, SpiDevice};
@@ -32,6 +33,10 @@ const STATUS_READY: u32 = 1;
 /// Words 0 to 15: set number, length, lost, sums, sums of squares, CRC.
 const HEAD_BYTES: usize = 64;
 const CRC_BYTES: usize = 4;
+/// So much of it leaves the set waiting: it is released with the CRC's last byte. The other three tell damage but for one
+/// time in 16 million.
+const KEEPING_BYTES: usize = HEAD_BYTES - 1;
+const SET_HEADER: [u8; 2] = [READ | SET, 0];
 
 /// What can go wrong at the port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,6 +62,11 @@ pub enum PortError<E> {
     },
     /// A set came whose CRC does not match.
     Damaged,
+    /// The set whose scans are wanted is not there any more.
+    AnotherSet {
+        /// The one that is.
+        number: u32,
+    },
     /// A set came of another length than was asked for.
     Length {
         /// Its length, scans.
@@ -132,38 +142,55 @@ where
         self.write_word(CONTROL, 0)
     }
 
-    fn read_set(&mut self, set: &mut Set, with_scans: bool) -> Result<bool, Self::Error> {
+    fn read_set(&mut self, set: &mut Set, then_scans: bool) -> Result<bool, Self::Error> {
         if self.read_word(STATUS)? & STATUS_READY == 0 {
             return Ok(false);
         }
-        let read = self.read_burst(set, with_scans);
-        if read.is_err() {
-            set.scans.clear();
-        }
-        read.map(|()| true)
-    }
-}
-
-impl<SPI: SpiDevice> PortAcquisition<SPI> {
-    /// The scans are read straight into the set's memory: a second buffer would be a sixth of a board's RAM.
-    fn read_burst(&mut self, set: &mut Set, with_scans: bool) -> Result<(), PortError<SPI::Error>> {
-        let header = [READ | SET, 0];
-        let mut head = [0; HEAD_BYTES];
-        let mut crc = [0; CRC_BYTES];
         set.scans.clear();
+        let mut head = [0; HEAD_BYTES];
+        let sent = if then_scans { KEEPING_BYTES } else { HEAD_BYTES };
+        self.spi
+            .transaction(&mut [Operation::Write(&SET_HEADER), Operation::Read(&mut head[..sent])])
+            .map_err(PortError::Spi)?;
+        let content = checked(&head[..sent]).ok_or(PortError::Damaged)?;
+        (set.number, set.lost, set.sums) = self.numbers(content)?;
+        Ok(true)
+    }
+
+    /// The scans are read straight into the set's memory: a second buffer would be a sixth of a board's RAM.
+    fn read_scans(&mut self, set: &mut Set) -> Result<(), Self::Error> {
+        let (mut head, mut crc) = ([0; HEAD_BYTES], [0; CRC_BYTES]);
         // A port has no set beyond this memory: one that says so is refused by its length or its CRC.
-        let _ = set.scans.resize_default(if with_scans { usize::from(self.set_length) } else { 0 });
+        let _ = set.scans.resize_default(usize::from(self.set_length));
         let samples = set.scans.as_flattened_mut();
         let mut burst = [
-            Operation::Write(&header),
+            Operation::Write(&SET_HEADER),
             Operation::Read(&mut head),
             Operation::Read(bytemuck::cast_slice_mut(samples)),
             Operation::Read(&mut crc),
         ];
-        let operations = if with_scans { burst.len() } else { 2 };
-        self.spi.transaction(&mut burst[..operations]).map_err(PortError::Spi)?;
+        let read = self.spi.transaction(&mut burst).map_err(PortError::Spi);
+        let is_whole =
+            checked(&head).is_some() && CRC.checksum(bytemuck::cast_slice(samples)) == u32::from_be_bytes(crc);
+        for sample in samples {
+            *sample = u16::from_be(*sample);
+        }
+        let read = read.and_then(|()| if is_whole { Ok(()) } else { Err(PortError::Damaged) });
+        let [a, b, c, d, ..] = head;
+        let number = u32::from_be_bytes([a, b, c, d]);
+        let read =
+            read.and_then(|()| if number == set.number { Ok(()) } else { Err(PortError::AnotherSet { number }) });
+        if read.is_err() {
+            set.scans.clear();
+        }
+        read
+    }
+}
 
-        let (words, _) = checked(&head).ok_or(PortError::Damaged)?.as_chunks();
+impl<SPI: SpiDevice> PortAcquisition<SPI> {
+    /// A set's number, the sets lost up to it, and its sums, from what its head says.
+    fn numbers(&self, content: &[u8]) -> Result<(u32, u32, [GroupSums; 2]), PortError<SPI::Error>> {
+        let (words, _) = content.as_chunks();
         let word = |index: usize| u32::from_be_bytes(words[index]);
         let wide = |index: usize| u64::from(word(index)) << 32 | u64::from(word(index + 1));
         let [high, low, ..] = word(1).to_be_bytes();
@@ -171,15 +198,8 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
         if length != self.set_length {
             return Err(PortError::Length { found: length });
         }
-        if with_scans && CRC.checksum(bytemuck::cast_slice(samples)) != u32::from_be_bytes(crc) {
-            return Err(PortError::Damaged);
-        }
-        for sample in samples {
-            *sample = u16::from_be(*sample);
-        }
-        (set.number, set.lost) = (word(0), word(2));
         // Four sums from word 3 on, four sums of squares from word 7 on.
-        set.sums = [0, 2].map(|temperature| {
+        let sums = [0, 2].map(|temperature| {
             let zro = temperature + 1;
             GroupSums {
                 n: u32::from(length),
@@ -189,14 +209,14 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
                 zro_sq: wide(7 + 2 * zro),
             }
         });
-        Ok(())
+        Ok((word(0), word(2), sums))
     }
 }
 
-/// The content of bytes that end in their CRC; `None` when it does not match.
-fn checked(bytes: &[u8]) -> Option<&[u8]> {
-    let (content, crc) = bytes.split_last_chunk::<CRC_BYTES>()?;
-    (CRC.checksum(content) == u32::from_be_bytes(*crc)).then_some(content)
+/// The content of a head, of whose CRC all bytes or the first ones were read; `None` when they do not match.
+fn checked(head: &[u8]) -> Option<&[u8]> {
+    let (content, crc) = head.split_at_checked(HEAD_BYTES - CRC_BYTES)?;
+    CRC.checksum(content).to_be_bytes().starts_with(crc).then_some(content)
 }
 
 #[cfg(test)]

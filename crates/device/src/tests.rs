@@ -23,6 +23,8 @@ use crate::trim_part::TrimPart;
 pub struct Sets {
     pub waiting: Rc<RefCell<VecDeque<Set>>>,
     pub missing: Rc<Cell<bool>>,
+    /// Sums come, and scans do not.
+    pub scans_missing: Rc<Cell<bool>>,
 }
 
 impl Sets {
@@ -46,13 +48,22 @@ impl Acquisition for Sets {
         Ok(())
     }
 
-    fn read_set(&mut self, set: &mut Set, with_scans: bool) -> Result<bool, ()> {
-        let Some(waiting) = self.waiting.borrow_mut().pop_front() else { return Ok(false) };
-        *set = waiting;
-        if !with_scans {
-            set.scans.clear();
+    fn read_set(&mut self, set: &mut Set, then_scans: bool) -> Result<bool, ()> {
+        let mut waiting = self.waiting.borrow_mut();
+        let Some(first) = waiting.front().cloned() else { return Ok(false) };
+        *set = Set { scans: Default::default(), ..first };
+        if !then_scans {
+            waiting.pop_front();
         }
         Ok(true)
+    }
+
+    fn read_scans(&mut self, set: &mut Set) -> Result<(), ()> {
+        if self.scans_missing.get() {
+            return Err(());
+        }
+        set.scans = self.waiting.borrow_mut().pop_front().ok_or(())?.scans;
+        Ok(())
     }
 }
 

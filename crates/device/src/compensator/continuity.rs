@@ -20,17 +20,25 @@ pub(super) struct Continuity {
     /// The group that its set 0 is, and the sets that were lost before it.
     first: GroupNumber,
     lost: u32,
+    /// The number of the last set that came since the acquisition's start.
+    last: Option<u32>,
 }
 
 impl Continuity {
     /// An acquisition that begins at group 0. One that could not be `reached` is tried again with the next tick.
     pub(super) const fn beginning(reached: bool) -> Self {
-        Self { came: false, quiet_us: 0, reached, first: GroupNumber(0), lost: 0 }
+        Self { came: false, quiet_us: 0, reached, first: GroupNumber(0), lost: 0, last: None }
+    }
+
+    /// Whether a set came before.
+    pub(super) fn is_known(&self, set: &Set) -> bool {
+        self.last == Some(set.number)
     }
 
     /// A set has come: its group, and the sets lost up to it.
     pub(super) const fn set_came(&mut self, set: &Set) -> (GroupNumber, u32) {
         self.came = true;
+        self.last = Some(set.number);
         (GroupNumber(self.first.0.wrapping_add(set.number)), self.lost.wrapping_add(set.lost))
     }
 
@@ -45,6 +53,7 @@ impl Continuity {
     pub(super) fn set_up_anew(&mut self, filling: GroupNumber, lost: u32, timing: Timing) {
         let missed = u32::try_from(self.quiet_us / timing.period_us()).unwrap_or(u32::MAX);
         self.quiet_us %= timing.period_us();
+        self.last = None;
         self.first = GroupNumber(self.first.max(filling).0.saturating_add(missed));
         self.lost = self.lost.max(lost).saturating_add(missed);
     }

@@ -66,6 +66,11 @@ impl Outbox {
         self.stream = Some(Stream::new(report, before, &self.window, scans));
     }
 
+    /// The samples of a group could not be read.
+    pub(super) fn samples_are_missing(&mut self) {
+        self.dropped += 1;
+    }
+
     /// The samples of the group before are gone with its set; the group itself is not.
     pub(super) fn set_goes(&mut self) {
         if let Some(stream) = self.stream.take() {

@@ -233,6 +233,24 @@ fn samples_that_a_new_set_overtakes_are_counted_and_their_group_is_reported() {
 }
 
 #[test]
+fn scans_that_cannot_be_read_cost_their_samples_and_not_their_group() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetSamples(SampleWindow::ALL));
+    rig.order(None, Action::SetAcquisition(true));
+    rig.sets.scans_missing.set(true);
+    let [Report::Group(group)] = &rig.set(0, 9000, 8400)[..] else { panic!("the group alone") };
+    assert_eq!((group.group, group.axes[0].sums.n), (GroupNumber(0), 500));
+    assert_eq!(rig.writes().len(), 2, "both wipers");
+    let faults = rig.compensator.status().faults;
+    assert_eq!((faults.acquisition_errors, faults.dropped_uploads, faults.lost_sets), (2, 1, 0));
+    // The set was let go.
+    rig.compensator.tick();
+    assert_eq!(rig.reports(), []);
+    rig.sets.scans_missing.set(false);
+    assert_eq!(blocks(&rig.set(1, 9000, 8400)).len(), 40);
+}
+
+#[test]
 fn groups_that_nobody_fetches_are_counted_not_waited_for_and_leave_room_for_every_answer() {
     let mut rig = Rig::calibrated();
     rig.order(None, Action::SetAcquisition(true));

@@ -79,14 +79,21 @@ fn run(reads: Vec<Transaction<u8>>, act: impl FnOnce(&mut PortAcquisition<&mut M
 }
 
 #[test]
-fn a_set_is_read_in_one_burst_with_its_sums_and_scans() {
+fn a_set_is_read_with_its_sums_and_where_it_is_wanted_with_its_scans_after_them() {
     let (head, samples) = burst(41, &SCANS);
     let mut reads = word_read(0x05, 1);
+    reads.extend(set_read(head.clone(), vec![]));
+    reads.extend(word_read(0x05, 1));
+    // The CRC's last byte would release the set.
+    reads.extend(set_read(head[..63].to_vec(), vec![]));
     reads.extend(set_read(head, samples));
     run(reads, |port| {
         let mut set = Set::default();
+        assert_eq!(port.read_set(&mut set, false), Ok(true));
+        assert!(set.number == 41 && set.scans.is_empty());
         assert_eq!(port.read_set(&mut set, true), Ok(true));
-        assert_eq!(set.number, 41);
+        assert!(set.number == 41 && set.scans.is_empty());
+        port.read_scans(&mut set).unwrap();
         assert_eq!(set.scans.as_slice(), SCANS);
         let mut sums = [GroupSums::default(); 2];
         for scan in SCANS {
@@ -113,6 +120,25 @@ fn a_flipped_bit_and_an_empty_bus_are_not_taken_for_a_set() {
     run(reads, |port| {
         assert_eq!(port.read_set(&mut Set::default(), false), Err(PortError::Damaged));
         assert_eq!(port.read_set(&mut Set::default(), false), Err(PortError::Damaged));
+    });
+}
+
+#[test]
+fn scans_that_are_damaged_or_another_sets_are_none() {
+    let (head, samples) = burst(41, &SCANS);
+    let (next, next_samples) = burst(42, &SCANS);
+    let mut damaged = samples.clone();
+    damaged[3] ^= 1;
+    let mut reads = word_read(0x05, 1);
+    reads.extend(set_read(head[..63].to_vec(), vec![]));
+    reads.extend(set_read(head, damaged));
+    reads.extend(set_read(next, next_samples));
+    run(reads, |port| {
+        let mut set = Set::default();
+        assert_eq!(port.read_set(&mut set, true), Ok(true));
+        assert_eq!(port.read_scans(&mut set), Err(PortError::Damaged));
+        assert_eq!(port.read_scans(&mut set), Err(PortError::AnotherSet { number: 42 }));
+        assert!(set.number == 41 && set.scans.is_empty());
     });
 }
 
