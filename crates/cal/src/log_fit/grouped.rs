@@ -34,7 +34,7 @@ pub(super) fn fit(sources: &[Source], options: &FitOptions, fit: &mut LogFit) ->
     logs.reasons.drain(..).for_each(|reason| fit.judgement.add(reason));
     if logs.sensors.is_empty() {
         let seen: Vec<String> = logs.seen.iter().map(ToString::to_string).collect();
-        fit.judgement.add(Reason::new(ReasonKind::NoSensor, words::no_sensor(&seen)));
+        fit.judgement.add(Reason::new(ReasonKind::NoSensor, words::no_sensor(&seen, fit.autopilot.is_some())));
     }
     let mut levels: Vec<Levels> = logs.sensors.iter_mut().map(condition).collect();
     leave_out_together(&mut logs.sensors, &mut levels);

@@ -126,8 +126,10 @@ fn of_step(step: &Step, name: &str, rate_unit: &str, unit: &str) -> String {
 }
 
 /// A log without a sensor that is wanted.
-pub(super) fn no_sensor(seen: &[String]) -> String {
-    if seen.is_empty() {
+pub(super) fn no_sensor(seen: &[String], of_autopilot: bool) -> String {
+    if !of_autopilot {
+        "the table has no row of numbers".into()
+    } else if seen.is_empty() {
         "the log has no row of a gyro or an accelerometer with a temperature: switch on the logging of raw sensors"
             .into()
     } else {

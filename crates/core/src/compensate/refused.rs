@@ -1,6 +1,7 @@
 //! Why a law is refused: by the host that composes it, or by the device that would run it.
 
 use super::interval::MAX_INTERVALS;
+use crate::group::CODES_PER_COUNT;
 use crate::units::TemperatureCode;
 
 /// Why a law cannot be run.
@@ -117,13 +118,13 @@ impl core::fmt::Display for EdgeError {
         match self {
             Self::OutOfTaps { code, position } => write!(
                 f,
-                "at temperature code {} the law asks for tap {position:.1}; the part has 0 to 1023: the drift is larger than the trim can take",
-                code.0
+                "at {} counts of temperature the law asks for tap {position:.1}; the part has 0 to 1023: the drift is larger than the trim can take",
+                u32::from(code.0) / CODES_PER_COUNT
             ),
             Self::TooManyIntervals { code } => write!(
                 f,
-                "the drift crosses more than {MAX_INTERVALS} taps (the table was full at temperature code {}): use mode digital, or a coarser trim",
-                code.0
+                "the drift crosses more than {MAX_INTERVALS} taps (the table was full at {} counts of temperature): use mode digital, or a coarser trim",
+                u32::from(code.0) / CODES_PER_COUNT
             ),
             Self::Disagrees { code } => {
                 write!(f, "the table of edges and the law disagree at temperature code {}", code.0)

@@ -60,7 +60,7 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
     }
     page.grid(&grid);
     let floor = if summary.tests.iter().any(|test| test.floor_pp_counts.is_some()) {
-        "the floor is what noise alone makes"
+        "the floor is what noise alone makes, and less than it is chance"
     } else {
         "no floor is known on a real bench: hybrid is held against what trim leaves"
     };
