@@ -2,7 +2,7 @@
 //! and the same noise.
 //!
 //! Of four successive rows the third difference, `a - 3 b + 3 c - d`, is noise alone: what a drift does in four rows is a
-//! parabola at most. Four rows of each 64 are looked at, so that the signs are as many throws of a coin, and not of one
+//! parabola at most. Four rows of each 32 are looked at, so that the signs are as many throws of a coin, and not of one
 //! moment; two runs agree in half of them, a copy in nearly all.
 
 use crate::log::Rows;
@@ -11,13 +11,14 @@ use crate::log::Rows;
 const OF: usize = 4;
 
 /// From the first of four rows to that of the next four.
-const EVERY: u64 = 64;
+const EVERY: u64 = 32;
 
 /// Signs that are kept of a sensor's log.
 const MOST: usize = 192;
 
-/// The fewest signs that both logs have. 31 of 32 coins fall alike in one of 10^8 pairs of logs.
-const LEAST: usize = 32;
+/// The fewest signs that both logs have: 32 moments of three axes, whose noise may be one. 31 of 32 coins fall alike in one of
+/// 10^8 pairs of logs.
+const LEAST: usize = 96;
 
 /// The share of signs that agree in a copy, at least: where a difference is as small as the rounding, they may not.
 const ALIKE: f64 = 0.95;
