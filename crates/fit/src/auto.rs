@@ -128,12 +128,13 @@ impl Attempt {
             false => ResidualStatistics::NONE,
         };
         let band = band::band(series, measured, &[(&deployed, 1.0)]);
-        let zeroed = nested::zeroed(series, &deployed);
+        let [a, b] = nested::zeroed_either_way(series, &deployed);
         let next_run_band = if outer.complete() {
-            let held_out = nested::zeroed(series, &outer.deployed);
-            band::band(series, measured, &[(&held_out, HELD_OUT_SHARE), (&zeroed, 1.0 - HELD_OUT_SHARE)])
+            let [c, d] = nested::zeroed_either_way(series, &outer.deployed);
+            let (own, held_out) = (0.5 * (1.0 - HELD_OUT_SHARE), 0.5 * HELD_OUT_SHARE);
+            band::band(series, measured, &[(&a, own), (&b, own), (&c, held_out), (&d, held_out)])
         } else {
-            band::band(series, measured, &[(&zeroed, 1.0)])
+            band::band(series, measured, &[(&a, 0.5), (&b, 0.5)])
         };
         let used = (0..series.rate.len()).filter(|&group| series.is_used(group)).count() as u64;
         let statistics = FitStatistics {

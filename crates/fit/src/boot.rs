@@ -26,18 +26,44 @@ pub fn take_zero_off(residuals: &mut [f64], time_s: &[f64], used: &[usize]) {
 /// How the noise of the zero itself varies the sum of squares of what is left of a run, which all of it shifts: a variance.
 /// `used` are the run's rows, their zero taken off.
 ///
-/// The noise s of a row is by neighbours' differences, `s^2 = sum (r[k+1] - r[k])^2 / 2 n` (von Neumann et al., 1941), so that
-/// what a curve leaves is no part of it. A zero of b rows has the variance `v = s^2 / b`. So has the mean m of what is left,
-/// and the variance of the square of such a mean is `4 m^2 v + 2 v^2`, with `m^2 - v` in the place of a square that was
-/// found with that noise in it.
+/// The variance of the square of a mean m that has the variance v is `4 m^2 v + 2 v^2`, with `m^2 - v` in the place of a square
+/// that was found with that noise in it.
 pub(crate) fn variance_by_the_zero(residuals: &[f64], time_s: &[f64], used: &[usize]) -> f64 {
-    let left: Vec<f64> = used.iter().map(|&row| residuals[row]).filter(|left| left.is_finite()).collect();
-    let count = left.len() as f64;
-    let differences = left.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
-    let zero = differences / (2.0 * (count - 1.0)) / booted(time_s, used) as f64;
-    let mean = left.iter().sum::<f64>() / count;
-    let variance = count.powi(2) * (4.0 * (mean.powi(2) - zero).max(0.0) * zero + 2.0 * zero.powi(2));
-    if variance.is_finite() { variance } else { 0.0 }
+    let Zero { count, mean, variance } = Zero::of(residuals, time_s, used);
+    let squares = count.powi(2) * (4.0 * (mean.powi(2) - variance).max(0.0) * variance + 2.0 * variance.powi(2));
+    if squares.is_finite() { squares } else { 0.0 }
+}
+
+/// Gives a run, of which the zero was taken off, another one that its noise might have made: by one standard deviation to a
+/// `side` (1 or -1) of where it is, less what of that its own noise will have done.
+pub(crate) fn move_zero(residuals: &mut [f64], time_s: &[f64], used: &[usize], side: f64) {
+    let Zero { mean, variance, .. } = Zero::of(residuals, time_s, used);
+    let of_the_run = (mean.powi(2) - variance).max(0.0).sqrt().copysign(mean);
+    let shift = of_the_run - mean + side * variance.sqrt();
+    if shift.is_finite() {
+        used.iter().for_each(|&row| residuals[row] += shift);
+    }
+}
+
+/// What is known of a zero by what it left.
+struct Zero {
+    /// How much is left of the run.
+    count: f64,
+    /// The mean of that, and its variance by the zero's noise.
+    mean: f64,
+    variance: f64,
+}
+
+impl Zero {
+    /// The noise s of a row is by neighbours' differences, `s^2 = sum (r[k+1] - r[k])^2 / 2 n` (von Neumann et al., 1941), so
+    /// that what a curve leaves is no part of it. A zero of b rows has the variance `s^2 / b`.
+    fn of(residuals: &[f64], time_s: &[f64], used: &[usize]) -> Self {
+        let left: Vec<f64> = used.iter().map(|&row| residuals[row]).filter(|left| left.is_finite()).collect();
+        let count = left.len() as f64;
+        let differences = left.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
+        let variance = differences / (2.0 * (count - 1.0)) / booted(time_s, used) as f64;
+        Self { count, mean: left.iter().sum::<f64>() / count, variance }
+    }
 }
 
 /// What is left of a run after its zero was taken off, about nothing: rates less predictions in, one a time.

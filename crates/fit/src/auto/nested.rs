@@ -5,7 +5,7 @@ use std::ops::Range;
 use zerorate_core::drift::{Drift, ValidRange};
 
 use super::{in_recording, predict};
-use crate::boot::{take_zero_off, variance_by_the_zero};
+use crate::boot::{move_zero, take_zero_off, variance_by_the_zero};
 use crate::choose::standard_error;
 use crate::drift_fit::{Candidate, HeldOut, LogLeft, StaticCubic, finite};
 use crate::folds::{FOLDS, rows_of_fold};
@@ -242,6 +242,17 @@ pub(super) fn zeroed(series: &Series<'_>, left: &[f64]) -> Vec<f64> {
     let mut zeroed = left.to_vec();
     logs_of(series, left).iter().for_each(|log| take_zero_off(&mut zeroed, series.time_s, log));
     zeroed
+}
+
+/// The same with two zeros that its noise might have made as well, a standard deviation to either side: the next run's start
+/// has noise of its own.
+pub(super) fn zeroed_either_way(series: &Series<'_>, left: &[f64]) -> [Vec<f64>; 2] {
+    let zeroed = zeroed(series, left);
+    [1.0, -1.0].map(|side| {
+        let mut other = zeroed.clone();
+        logs_of(series, left).iter().for_each(|log| move_zero(&mut other, series.time_s, log, side));
+        other
+    })
 }
 
 /// The groups of each log of which something is left.
