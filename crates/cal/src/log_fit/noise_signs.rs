@@ -55,9 +55,9 @@ impl NoiseSigns {
         (self.signs.len() >= LEAST).then(|| self.signs.clone())
     }
 
-    /// Whether this is the noise of a log whose signs were written.
+    /// Whether this is the noise of a log whose signs were written. An axis that is silent in one of the two is another's.
     pub(super) fn is_of(&self, other: &str) -> bool {
-        let both = self.signs.bytes().zip(other.bytes()).filter(|(own, other)| *own != b'0' && *other != b'0');
+        let both = self.signs.bytes().zip(other.bytes()).filter(|(own, other)| *own != b'0' || *other != b'0');
         let count = |(signs, alike), (own, other)| (signs + 1, alike + usize::from(own == other));
         let (signs, alike) = both.fold((0, 0), count);
         signs >= LEAST && alike as f64 >= ALIKE * signs as f64
