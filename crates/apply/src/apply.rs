@@ -118,8 +118,8 @@ pub enum TimeFault {
 }
 
 /// Writes a table again as comma-separated text, every row and column kept, with `predicted_<column>` (the bias by the
-/// model, in the column's unit) and `corrected_<column>` (rate less bias) added for each model. A row without a rate still gets its prediction;
-/// a row without a temperature gets neither.
+/// model, in the column's unit) and `corrected_<column>` (rate less bias) added for each model. A row without a rate
+/// still gets its prediction; a row without a temperature gets neither.
 ///
 /// A history runs through every row with a temperature, as it would on a device that started with the first.
 ///

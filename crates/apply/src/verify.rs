@@ -56,7 +56,8 @@ pub struct Verified {
     /// Whether every axis of the calibration is there and meets its limits; `None` where no limit was given and none is
     /// missing: then nothing was tested.
     pub passed: Option<bool>,
-    /// Whether the calibration was fitted on this very log, on rows of it or on a copy: what is left is then in-sample, and no test.
+    /// Whether the calibration was fitted on this very log, on rows of it or on a copy: what is left is then in-sample,
+    /// and no test.
     pub in_sample: bool,
     /// The temperature's unit.
     pub temperature_unit: TemperatureUnit,

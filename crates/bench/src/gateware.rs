@@ -19,7 +19,8 @@ use zerorate_sim::{SharedPlant, Truth};
 use crate::simulated::OnPlant;
 
 /// Scan to scan at the block, for sets of so many scans: a scan takes 38 us, reading status and head at 10 MHz 58 us, the
-/// head once more with the scans 53 us, a scan's samples 6.4 us, and starting anew 30 us. So a tap that follows from a set is there before the next scan.
+/// head once more with the scans 53 us, a scan's samples 6.4 us, and starting anew 30 us. So a tap that follows from a
+/// set is there before the next scan.
 #[must_use]
 pub fn scan_period_us(set_length: u16) -> u32 {
     190 + u32::from(set_length) * 13 / 2

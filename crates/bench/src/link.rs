@@ -9,8 +9,8 @@ use std::time::Instant;
 
 pub use threaded::ThreadedLink;
 
-/// Groups without a word after which a simulated board, whose time passes only while somebody waits, is given up: one that works
-/// alone takes them without end, and says only what it was asked to.
+/// Groups without a word after which a simulated board, whose time passes only while somebody waits, is given up: one
+/// that works alone takes them without end, and says only what it was asked to.
 pub(crate) const MOST_UNHEARD: u32 = 10_000;
 
 /// A line that bytes are sent and received on.

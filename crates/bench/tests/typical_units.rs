@@ -177,8 +177,8 @@ fn each_direction_is_compared_with_the_plants_drift_in_the_same_direction() {
     }
 }
 
-/// Two thousand counts, of which a rule that judged a ramp's model by how it goes on past its ends left 9 to 41 floors. Now it is
-/// 3 to 10, which is what straight pieces between 33 knots leave.
+/// Two thousand counts, of which a rule that judged a ramp's model by how it goes on past its ends left 9 to 41 floors.
+/// Now it is 3 to 10, which is what straight pieces between 33 knots leave.
 #[test]
 fn a_steep_drift_is_compensated_on_a_second_ramp() {
     for (number, seed) in [(11, 11), (39, 17), (40, 19), (35, 31)] {

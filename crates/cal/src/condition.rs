@@ -1,8 +1,8 @@
 //! Conditioning: from the rows of a log to groups of which only drift is left.
 //!
 //! Rows without numbers, start-up rows and spikes are dropped within a group; groups in which the unit was
-//! moved, or the temperature stood still, are left out, and steps of the rate are found and taken out, on the groups ([`level()`]). Everything found is
-//! counted and can be shown. What is kept in memory is groups.
+//! moved, or the temperature stood still, are left out, and steps of the rate are found and taken out, on the groups
+//! ([`level()`]). Everything found is counted and can be shown. What is kept in memory is groups.
 
 mod group;
 mod level;

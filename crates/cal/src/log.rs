@@ -1,7 +1,7 @@
 //! Logs of any kind, read as sensors that give rows: tables, recordings of the bench, logs of autopilots.
 //!
-//! The kind is recognised by content, never by name, also where a log is packed ([`crate::packed`]). A log goes by as batches of rows to a [`Sink`]; what is kept in
-//! memory is a batch a sensor, however long the log.
+//! The kind is recognised by content, never by name, also where a log is packed ([`crate::packed`]). A log goes by as
+//! batches of rows to a [`Sink`]; what is kept in memory is a batch a sensor, however long the log.
 
 mod error;
 mod of_autopilot;

@@ -183,8 +183,8 @@ pub struct Soaks {
 /// The soaks of one axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisSoaks {
-    /// The largest distance of a soak from the ramp's curve, counts, of those that are not [`outside`](SoakPoint::outside_ramp);
-    /// `None` where none is.
+    /// The largest distance of a soak from the ramp's curve, counts, of those that are not
+    /// [`outside`](SoakPoint::outside_ramp); `None` where none is.
     pub max_difference_counts: Option<f64>,
     /// The soaks, in the order in which they were made.
     pub points: Vec<SoakPoint>,

@@ -1,8 +1,8 @@
 //! Logs as tables: delimited text or Parquet, read as a stream of batches of columns.
 //!
 //! Text is as people have it: with commas, semicolons, tabs or spaces between cells, decimal commas where the cells leave
-//! room for them, lines of comment (`#`), a row of units below the names, ISO times. The format is recognised by content, never by name. A table is read several times rather than kept: what it holds in
-//! memory is a batch.
+//! room for them, lines of comment (`#`), a row of units below the names, ISO times. The format is recognised by
+//! content, never by name. A table is read several times rather than kept: what it holds in memory is a batch.
 
 mod ahead;
 mod cells;

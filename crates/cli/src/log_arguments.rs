@@ -96,7 +96,8 @@ impl ColumnArguments {
 #[derive(Debug, Args)]
 pub struct LogArguments {
     /// The log: PX4 ULog, ArduPilot DataFlash, text in columns (CSV, TSV, semicolons), Parquet or a recording of the bench,
-    /// each also in gzip or alone in a zip, recognised by what is in it. Several logs of one unit, as of a cold and a warm day, make one fit
+    /// each also in gzip or alone in a zip, recognised by what is in it. Several logs of one unit, as of a cold and a
+    /// warm day, make one fit
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
 

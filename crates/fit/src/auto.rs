@@ -33,11 +33,6 @@ use nested::Outer;
 /// start a little colder.
 pub const BEYOND: f64 = 1.0 / 8.0;
 
-/// How much the held-out residuals say of the next run against those of the fit of everything: as much (Toussaint and
-/// Sharpe, *An efficient method for estimating the probability of misclassification*, 1975). A fit that lacks a whole fold
-/// is worse than the one that is deployed, and a residual of what was fitted is smaller than one to come.
-const HELD_OUT_SHARE: f64 = 0.5;
-
 /// What came of a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroupFit {
@@ -127,14 +122,16 @@ impl Attempt {
             true => ResidualStatistics::by_folds(&outer.residuals),
             false => ResidualStatistics::NONE,
         };
-        let band = band::band(series, measured, &[(&deployed, 1.0)]);
+        let band = band::band(series, measured, &[&deployed]);
         let [a, b] = nested::zeroed_either_way(series, &deployed);
+        // What is held out says as much of the next run as what was fitted (Toussaint and Sharpe, *An efficient method for
+        // estimating the probability of misclassification*, 1975): a fit that lacks a whole fold is worse than the one that
+        // is deployed, and a residual of what was fitted is smaller than one to come.
         let next_run_band = if outer.complete() {
             let [c, d] = nested::zeroed_either_way(series, &outer.deployed);
-            let (own, held_out) = (0.5 * (1.0 - HELD_OUT_SHARE), 0.5 * HELD_OUT_SHARE);
-            band::band(series, measured, &[(&a, own), (&b, own), (&c, held_out), (&d, held_out)])
+            band::band(series, measured, &[&a, &b, &c, &d])
         } else {
-            band::band(series, measured, &[(&a, 0.5), (&b, 0.5)])
+            band::band(series, measured, &[&a, &b])
         };
         let used = (0..series.rate.len()).filter(|&group| series.is_used(group)).count() as u64;
         let statistics = FitStatistics {

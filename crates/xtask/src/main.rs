@@ -65,8 +65,8 @@ enum Chore {
         /// Leave out this step; `--without lot` saves some twenty minutes, for its query engine is long to build
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
-        /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house, build, numpy, numbers, damage, circuit,
-        /// gateware, firmware, chip, report, lot
+        /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house,
+        /// build, numpy, numbers, damage, circuit, gateware, firmware, chip, report, lot
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -86,8 +86,8 @@ enum Chore {
     /// Compare the figures of two builds of `zerorate`, digit by digit
     ///
     /// `calibrate` with three seeds (what is printed, and every file but the report), a `study`, and `fit` of the chamber
-    /// cycle as ULog, DataFlash, CSV and TSV, by the model that it chooses and by a plain cubic. Wall times and versions are left
-    /// out. A change that only moves code must move no figure: keep a build from before it.
+    /// cycle as ULog, DataFlash, CSV and TSV, by the model that it chooses and by a plain cubic. Wall times and
+    /// versions are left out. A change that only moves code must move no figure: keep a build from before it.
     Figures {
         /// The build whose figures hold
         #[arg(long, value_name = "PROGRAM")]
@@ -132,7 +132,8 @@ enum Chore {
     /// Check the acquisition gateware and build it for the iCEBreaker
     ///
     /// Verilator's lint, a proof by yosys, the tests of the verilated block, a shortened test of a unit through it, synthesis
-    /// and place-and-route: the table of gateware/acquisition/README.md. What that needs is installed if this runs as root on Debian, and named if not.
+    /// and place-and-route: the table of gateware/acquisition/README.md. What that needs is installed if this runs as
+    /// root on Debian, and named if not.
     Gateware,
     /// Build the firmware for every board and say how large it is
     ///
@@ -146,8 +147,8 @@ enum Chore {
     /// Run the image for the STM32F405 in an emulator of the chip, against the simulated bench
     ///
     /// Builds the image as `firmware` does, and runs every case of chip/README.md on it, a line each: power-up, the fault
-    /// table, restarts, chip select, the native board's bits. Unicorn is built from source; clang and cmake are installed if this
-    /// runs as root on Debian, and named if not.
+    /// table, restarts, chip select, the native board's bits. Unicorn is built from source; clang and cmake are
+    /// installed if this runs as root on Debian, and named if not.
     Chip,
 }
 

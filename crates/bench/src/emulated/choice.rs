@@ -13,8 +13,8 @@ const BUILT: &str = "firmware/target/thumbv7em-none-eabihf/release/zerorate-mps2
 })]
 pub struct FirmwareMissing(Option<PathBuf>);
 
-/// The firmware for the emulated board: the one named, here or in `ZERORATE_FIRMWARE`, or what was built in the sources that we stand in or were built
-/// from.
+/// The firmware for the emulated board: the one named, here or in `ZERORATE_FIRMWARE`, or what was built in the sources
+/// that we stand in or were built from.
 ///
 /// # Errors
 /// [`FirmwareMissing`].

@@ -22,7 +22,8 @@ pub struct Soak {
     pub set_point: Celsius,
 }
 
-/// Soaks at every temperature of the set-up that the ramp covers, one hour each, and takes a minute of groups at the end of each.
+/// Soaks at every temperature of the set-up that the ramp covers, one hour each, and takes a minute of groups at the
+/// end of each.
 ///
 /// # Errors
 /// [`BenchError`].

@@ -282,7 +282,8 @@ impl Grouping {
         };
         let gap_s = self.length.gap_s();
         match self.groups.last_mut() {
-            // A few rows are no average like the others: those at the end of a log, or before a gap, belong to the group before.
+            // A few rows are no average like the others: those at the end of a log, or before a gap, belong to the
+            // group before.
             Some(before) if self.length.is_short(&group) && group.follows(before, gap_s) => before.join(&group),
             _ => self.groups.push(group),
         }

@@ -2,7 +2,6 @@
 
 use std::time::SystemTime;
 
-use super::noise_signs::NoiseSigns;
 use super::overlap::{Fingerprint, LogRows};
 use super::repeated;
 use super::still::{Still, Stillness};
@@ -78,9 +77,7 @@ impl Logs {
             ending = file.read(&mut taken)?;
         }
         let autopilot = file.autopilot();
-        let runs = taken.sensors.iter_mut().map(|taken| std::mem::take(&mut taken.fingerprint)).collect();
-        let noise = taken.sensors.iter_mut().map(|taken| std::mem::take(&mut taken.noise)).collect();
-        let rows = LogRows { runs, noise };
+        let rows = LogRows(taken.sensors.iter_mut().map(|taken| std::mem::take(&mut taken.fingerprint)).collect());
         let (seen, sensors) = taken.finish();
         self.refuse_overlap(source, sources, &rows)?;
         let of_sensors = sensors.iter().map(|sensor| (&sensor.stream, &sensor.groups[..]));
@@ -98,14 +95,15 @@ impl Logs {
 
     /// Refuses a log that shares rows with one before it.
     fn refuse_overlap(&self, source: &Source, sources: &[Source], own: &LogRows) -> Result<(), LogFitError> {
-        for (first, theirs) in sources.iter().zip(&self.rows) {
+        for (before, theirs) in sources.iter().zip(&self.rows) {
+            let names = || (before.name().to_owned(), source.name().to_owned());
             if let Some(part) = own.part_in(theirs) {
                 let part = if part < 0.99 { format!("about {:.0} %", (100.0 * part).max(1.0)) } else { "all".into() };
-                let (first, second) = (first.name().to_owned(), source.name().to_owned());
+                let (first, second) = names();
                 return Err(LogFitError::Overlapping { first, second, part });
             }
             if own.are_copied_from(theirs) {
-                let (first, second) = (first.name().to_owned(), source.name().to_owned());
+                let (first, second) = names();
                 return Err(LogFitError::Copied { first, second });
             }
         }
@@ -235,7 +233,6 @@ struct Taken {
     stream: Stream,
     grouping: Grouping,
     fingerprint: Fingerprint,
-    noise: NoiseSigns,
     stillness: Vec<Stillness>,
     rows: u64,
     first_s: f64,
@@ -281,7 +278,6 @@ impl Sink for Taking<'_> {
                 stream: stream.clone(),
                 grouping,
                 fingerprint,
-                noise: NoiseSigns::default(),
                 stillness,
                 rows: 0,
                 first_s,
@@ -298,7 +294,6 @@ impl Sink for Taking<'_> {
         taken.last_s = rows.time_s[rows.time_s.len() - 1];
         taken.grouping.push_rows(rows);
         taken.fingerprint.push_rows(rows);
-        taken.noise.push_rows(rows);
         taken.stillness.iter_mut().enumerate().for_each(|(axis, stillness)| stillness.push_rows(rows, axis));
     }
 }

@@ -32,12 +32,9 @@ const LEAST_TWICE: f64 = 0.01;
 /// An odd number of well mixed bits, the base of the rolling hash (the golden ratio's).
 const BASE: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// What the rows of one log are known by, a sensor each: by runs of them, and by their noise.
+/// What the rows of one log are known by, a sensor each.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct LogRows {
-    pub(super) runs: Vec<Fingerprint>,
-    pub(super) noise: Vec<NoiseSigns>,
-}
+pub struct LogRows(pub(super) Vec<Fingerprint>);
 
 impl LogRows {
     /// What a calibration keeps of it: a few runs a sensor, 16 hexadecimal digits each, and the signs of each one's noise.
@@ -48,8 +45,8 @@ impl LogRows {
             few.thin(MOST_WRITTEN);
             few.kept.into_keys()
         };
-        let runs = self.runs.iter().flat_map(few).map(|run| format!("{run:016x}"));
-        runs.chain(self.noise.iter().filter_map(NoiseSigns::written)).collect()
+        let runs = self.0.iter().flat_map(few).map(|run| format!("{run:016x}"));
+        runs.chain(self.0.iter().filter_map(|sensor| sensor.noise.written())).collect()
     }
 
     /// Whether some of these rows are among those that a calibration was fitted on, or these are a copy of them.
@@ -57,28 +54,28 @@ impl LogRows {
     pub fn are_among(&self, written: &[String]) -> bool {
         let runs = || written.iter().filter_map(|run| u64::from_str_radix(run, 16).ok());
         let common = |own: &Fingerprint| runs().filter(|run| own.kept.contains_key(run)).count();
-        let noise = |own: &NoiseSigns| written.iter().any(|written| own.is_of(written));
-        self.runs.iter().any(|own| common(own) >= LEAST_IN_COMMON) || self.noise.iter().any(noise)
+        let is_copy = |own: &Fingerprint| written.iter().any(|written| own.noise.is_of(written));
+        self.0.iter().any(|own| common(own) >= LEAST_IN_COMMON || is_copy(own))
     }
 
     /// The part of these rows that another log has too; `None` where the two have nothing in common.
     pub(super) fn part_in(&self, other: &Self) -> Option<f64> {
-        let parts = self.runs.iter().flat_map(|own| other.runs.iter().filter_map(|other| own.part_in(other)));
+        let parts = self.0.iter().flat_map(|own| other.0.iter().filter_map(|other| own.part_in(other)));
         parts.max_by(f64::total_cmp)
     }
 
     /// Whether these rows are a copy of another log's, in other numbers.
     pub(super) fn are_copied_from(&self, other: &Self) -> bool {
-        self.noise.iter().any(|own| other.noise.iter().any(|other| own.are_of(other)))
+        self.0.iter().any(|own| other.0.iter().any(|other| own.noise.are_of(&other.noise)))
     }
 
     /// The part of these rows that stand in the log before, too; `None` where all are there once.
     pub(super) fn part_twice(&self) -> Option<f64> {
-        self.runs.iter().filter_map(Fingerprint::part_twice).max_by(f64::total_cmp)
+        self.0.iter().filter_map(Fingerprint::part_twice).max_by(f64::total_cmp)
     }
 }
 
-/// What one sensor's rows in one log are known by.
+/// What one sensor's rows in one log are known by: by runs of them, and by their noise.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fingerprint {
     /// The hashes of the last rows and whether each was unlike the one before, by the row's number modulo [`RUN`].
@@ -92,19 +89,22 @@ pub(super) struct Fingerprint {
     zeros: u32,
     /// How often each was met.
     kept: BTreeMap<u64, u32>,
+    noise: NoiseSigns,
 }
 
 impl Default for Fingerprint {
     fn default() -> Self {
         let base_of_run = (0..RUN).fold(1_u64, |power, _| power.wrapping_mul(BASE));
         let last = [(0, false); RUN];
-        Self { last, rows: 0, changes: 0, rolling: 0, base_of_run, zeros: 0, kept: BTreeMap::new() }
+        let (kept, noise) = (BTreeMap::new(), NoiseSigns::default());
+        Self { last, rows: 0, changes: 0, rolling: 0, base_of_run, zeros: 0, kept, noise }
     }
 }
 
 impl Fingerprint {
     /// Takes in successive rows.
     pub(super) fn push_rows(&mut self, rows: &Rows<'_>) {
+        self.noise.push_rows(rows);
         for (row, temperature) in rows.temperature.iter().enumerate() {
             let values = rows.values.iter().map(|axis| axis[row]);
             self.push(std::iter::once(*temperature).chain(values).fold(0, |hash, value| mixed(hash ^ value.to_bits())));
@@ -195,10 +195,9 @@ mod tests {
 
     #[test]
     fn the_few_runs_that_are_written_tell_a_log_from_others() {
-        let of_runs = |runs| LogRows { runs, noise: Vec::new() };
-        let written = of_runs(vec![rows(0..60_000), rows(900_000..960_000)]).written();
+        let written = LogRows(vec![rows(0..60_000), rows(900_000..960_000)]).written();
         assert!(written.len() <= 2 * MOST_WRITTEN && written.len() > MOST_WRITTEN / 2, "{}", written.len());
-        let of = |range| of_runs(vec![rows(range)]);
+        let of = |range| LogRows(vec![rows(range)]);
         assert!(of(0..60_000).are_among(&written) && of(20_000..60_000).are_among(&written));
         assert!(!of(100_000..160_000).are_among(&written) && !of(0..60_000).are_among(&[]));
     }

@@ -226,12 +226,10 @@ pub(super) fn page(
     calibration: Option<&Path>,
 ) -> String {
     let name = output::argument(calibration.unwrap_or(Path::new("calibration.json")));
-    let export_command =
-        |format: Format| format!("zerorate export {name} --format {format} --out {}", format.file_name());
+    let export = |format: Format| format!("zerorate export {name} --format {format} --out {}", format.file_name());
     let About { serial, labels, units } = about;
-    let export_command: Option<&dyn Fn(Format) -> String> = Some(&export_command);
     let fit = &in_options(fit.clone());
-    LogPage { fit, units, serial, labels, sources: origins, next_command, export_command }.to_html()
+    LogPage { fit, units, serial, labels, sources: origins, next_command, export_command: Some(&export) }.to_html()
 }
 
 /// A fit whose sentences name the command's options, where the library names its parameters.

@@ -24,8 +24,8 @@ pub struct AxisLaw {
 }
 
 /// How far the drift may be past the middle between two taps where a table changes from one to the other, in halves of a
-/// Q16 count: half a count, as far as the integers may be off the drift that the table was solved for. A tap that is believed leaves the reading at most a count
-/// further from the centre than its neighbour would.
+/// Q16 count: half a count, as far as the integers may be off the drift that the table was solved for. A tap that is
+/// believed leaves the reading at most a count further from the centre than its neighbour would.
 const EDGE_TOLERANCE: i64 = 1 << 16;
 
 impl AxisLaw {

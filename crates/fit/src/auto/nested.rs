@@ -139,8 +139,7 @@ impl Outer {
     /// fold: a device is switched on once a log.
     fn of_whole_logs(&self, series: &Series<'_>, left: &[f64]) -> Option<ResidualStatistics> {
         let predicted = predicted(left, &self.deployed);
-        let left = zeroed(series, &predicted);
-        let logs = logs_of(series, &predicted);
+        let (left, logs) = zeroed_logs(series, &predicted);
         let by_zeros = logs.iter().map(|log| variance_by_the_zero(&left, series.time_s, log)).sum();
         let left = ResidualStatistics::by_folds(&left)
             .varied_by(by_zeros, left.iter().filter(|left| left.is_finite()).count());
@@ -239,26 +238,28 @@ fn predicted(left: &[f64], deployed: &[f64]) -> Vec<f64> {
 
 /// What is left once a zero was taken where each log begins; NaN while it is taken.
 pub(super) fn zeroed(series: &Series<'_>, left: &[f64]) -> Vec<f64> {
+    zeroed_logs(series, left).0
+}
+
+/// The same, and the groups of each log of which something was left.
+fn zeroed_logs(series: &Series<'_>, left: &[f64]) -> (Vec<f64>, Vec<Vec<usize>>) {
+    let known: Vec<usize> = (0..left.len()).filter(|&group| left[group].is_finite()).collect();
+    let of_one_log = |&a: &usize, &b: &usize| series.log[a] == series.log[b];
+    let logs: Vec<Vec<usize>> = known.chunk_by(of_one_log).map(<[usize]>::to_vec).collect();
     let mut zeroed = left.to_vec();
-    logs_of(series, left).iter().for_each(|log| take_zero_off(&mut zeroed, series.time_s, log));
-    zeroed
+    logs.iter().for_each(|log| take_zero_off(&mut zeroed, series.time_s, log));
+    (zeroed, logs)
 }
 
 /// The same with two zeros that its noise might have made as well, a standard deviation to either side: the next run's start
 /// has noise of its own.
 pub(super) fn zeroed_either_way(series: &Series<'_>, left: &[f64]) -> [Vec<f64>; 2] {
-    let zeroed = zeroed(series, left);
+    let (zeroed, logs) = zeroed_logs(series, left);
     [1.0, -1.0].map(|side| {
         let mut other = zeroed.clone();
-        logs_of(series, left).iter().for_each(|log| move_zero(&mut other, series.time_s, log, side));
+        logs.iter().for_each(|log| move_zero(&mut other, series.time_s, log, side));
         other
     })
-}
-
-/// The groups of each log of which something is left.
-fn logs_of(series: &Series<'_>, left: &[f64]) -> Vec<Vec<usize>> {
-    let known: Vec<usize> = (0..left.len()).filter(|&group| left[group].is_finite()).collect();
-    known.chunk_by(|&a, &b| series.log[a] == series.log[b]).map(<[usize]>::to_vec).collect()
 }
 
 /// The static cubic of everything, with what it leaves of the rates less the recording's own drift in time.

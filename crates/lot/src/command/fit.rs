@@ -17,9 +17,9 @@ const SHOWN: usize = 40;
 
 /// Fit every recording of a lot: one row a unit and axis
 ///
-/// Each unit's drift is fitted on its own scale, judged, and each of its ramp's eight folds is predicted by the fit of the others.
-/// A file that is damaged or no recording is named and left out. A run that was ended goes on where it was: units whose
-/// recording is as it was are not fitted again.
+/// Each unit's drift is fitted on its own scale, judged, and each of its ramp's eight folds is predicted by the fit of
+/// the others. A file that is damaged or no recording is named and left out. A run that was ended goes on where it was:
+/// units whose recording is as it was are not fitted again.
 #[derive(Debug, Args)]
 pub struct Fit {
     /// The recordings: a folder (looked through whole), a glob in quotes, or s3://BUCKET/PREFIX
