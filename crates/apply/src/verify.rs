@@ -30,7 +30,7 @@ use zerorate_cal::quality::{Reason, Verdict};
 use zerorate_cal::source::{Faulty, Source};
 use zerorate_cal::table::Columns;
 use zerorate_cal::trace::period_s;
-use zerorate_cal::units::{RateUnit, TemperatureUnit};
+use zerorate_cal::units::{RateUnit, TemperatureUnit, WrittenRate};
 
 /// How a log is to be verified.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -43,6 +43,9 @@ pub struct VerifyOptions {
     pub limits: Limits,
     /// Take a log that the calibration was fitted on all the same.
     pub in_sample: bool,
+    /// The unit in which sentences tell rates, where they can be told in it; `None` for the calibration's own, or a
+    /// thousandth of it.
+    pub told_in: Option<WrittenRate>,
 }
 
 /// How a log did. An axis of the log is a calibration's where it is of the same part by its number, else where it has the
@@ -152,7 +155,7 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
     let missing: Vec<String> = absent.map(|(own, _)| missing(own, &fit)).collect();
     let is_within = missing.is_empty() && axes.iter().all(|axis| axis.missed.is_empty());
     let passed = (!options.limits.is_empty() || !is_within).then_some(is_within);
-    let reasons = told::reasons(&fit, &axes, calibration.temperature_unit);
+    let reasons = told::reasons(&fit, &axes, calibration.temperature_unit, options.told_in);
     let verdict = match (passed, reasons.is_empty()) {
         (Some(false), _) => Verdict::Rejected,
         (_, false) => Verdict::Warning,

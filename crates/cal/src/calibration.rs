@@ -163,7 +163,7 @@ impl Calibration {
 
     /// What is to be known of the axes that it does not help, a sentence each.
     pub fn no_gains(&self) -> impl Iterator<Item = String> {
-        self.axes.iter().filter_map(|(name, axis)| axis.no_gain(name))
+        self.axes.iter().filter_map(|(name, axis)| axis.no_gain(name, None))
     }
 
     /// The file's text.

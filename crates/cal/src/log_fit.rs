@@ -34,7 +34,7 @@ use crate::quality::{Judgement, Verdict};
 use crate::source::Source;
 use crate::table::Columns;
 use crate::trace::TracePoint;
-use crate::units::{RateUnit, TemperatureUnit};
+use crate::units::{RateScale, RateUnit, TemperatureUnit, WrittenRate};
 
 /// How a log is to be fitted.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -53,6 +53,8 @@ pub struct FitOptions {
     pub sensor: Option<SensorChoice>,
     /// Tell a step of the rate, and leave it in: what a calibration leaves of a run has it too.
     pub keep_steps: bool,
+    /// The unit in which sentences tell rates, where they can be told in it; `None` for the log's own, or a thousandth of it.
+    pub told_in: Option<WrittenRate>,
 }
 
 impl FitOptions {
@@ -202,6 +204,14 @@ pub struct LogFit {
 }
 
 impl LogFit {
+    /// The unit for what is told of the axes in this unit: that of their drifts.
+    #[must_use]
+    pub fn scale(&self, unit: RateUnit, asked: Option<WrittenRate>) -> RateScale {
+        let axes = self.axes.iter().filter(|axis| axis.calibration.rate_unit == unit);
+        let drifts: Vec<f64> = axes.map(|axis| axis.calibration.measured_drift().peak_to_peak()).collect();
+        RateScale::of(unit, &drifts, asked)
+    }
+
     pub(crate) fn new(sources: &[Source]) -> Self {
         Self {
             sources: sources

@@ -1,5 +1,6 @@
 //! The units of times, rates and temperatures. Nothing is converted but where data enter.
 
+mod scale;
 mod written;
 
 use std::fmt;
@@ -8,6 +9,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+pub use scale::RateScale;
 pub use written::{WrittenRate, WrittenTemperature};
 
 /// The least temperature span of a calibration, degrees C: below it a curve is mostly noise.

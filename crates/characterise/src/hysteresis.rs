@@ -1,6 +1,7 @@
 //! Heating less cooling at equal temperature.
 
 use std::collections::BTreeMap;
+use zerorate_cal::units::{RateScale, WrittenRate};
 
 use serde::Serialize;
 use zerorate_cal::log_fit::AxisFit;
@@ -56,6 +57,7 @@ impl Hysteresis {
         points: &[TracePoint],
         warming: &[bool],
         less_drift_in_time: &[f64],
+        asked: Option<WrittenRate>,
     ) -> Result<Self, String> {
         let ((min, max), unit) = (span(points), axis.temperature_unit);
         if max - min < unit.min_span() {
@@ -81,9 +83,11 @@ impl Hysteresis {
         let mean_standard_error = noise * mean_error;
         let is_noise = |value: f64, error: f64| value.abs() <= TELLING * error;
         if is_noise(largest.value, standard_error) && is_noise(mean, mean_standard_error) {
+            let scale = RateScale::of(axis.calibration.rate_unit, &[mean, mean_standard_error], asked);
             return Err(format!(
-                "heating and cooling differ nowhere by more than their noise, on average by {mean:.1e} ± {mean_standard_error:.1e} {}",
-                axis.calibration.rate_unit
+                "heating and cooling differ nowhere by more than their noise, on average by {} ± {}",
+                scale.number(mean),
+                scale.told(mean_standard_error)
             ));
         }
         let squares: f64 = both.iter().map(|own| own.value.powi(2) - (noise * own.error).powi(2)).sum();

@@ -6,6 +6,7 @@ mod sensitivity;
 mod soak;
 
 use serde::{Serialize, Serializer};
+use zerorate_cal::units::{RateScale, WrittenRate};
 
 use zerorate_fit::allan::{Allan, NoAllan};
 use zerorate_fit::direction::warming;
@@ -47,9 +48,9 @@ fn or_reason<T: Serialize, S: Serializer>(found: &Result<T, String>, to: S) -> R
 }
 
 impl Characteristics {
-    /// Of one fitted axis.
+    /// Of one fitted axis; sentences tell rates in the unit that is asked for, if any is.
     #[must_use]
-    pub fn of(axis: &AxisFit) -> Self {
+    pub fn of(axis: &AxisFit, asked: Option<WrittenRate>) -> Self {
         let points: Vec<TracePoint> = axis
             .trace
             .iter()
@@ -61,7 +62,7 @@ impl Characteristics {
         let left = less_drift_in_time(axis, &points);
         Self {
             temperature_sensitivity: TemperatureSensitivity::of(axis),
-            hysteresis: Hysteresis::of(axis, &points, &warming, &left),
+            hysteresis: Hysteresis::of(axis, &points, &warming, &left, asked),
             ramp_sensitivity: RampSensitivity::of(&level(&of_curve(&points, &left)), &warming),
             residual_noise: residual_noise(&level(&points)).map_err(|error| error.to_string()),
         }
@@ -109,13 +110,19 @@ pub fn missing<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Characteristics)
 }
 
 /// Where hysteresis may be a drift in time, a sentence each.
-pub fn doubtful<'a>(axes: impl IntoIterator<Item = (&'a AxisFit, &'a Characteristics)>) -> Vec<String> {
+pub fn doubtful<'a>(
+    axes: impl IntoIterator<Item = (&'a AxisFit, &'a Characteristics)>,
+    asked: Option<WrittenRate>,
+) -> Vec<String> {
     let doubt = |(axis, found): (&AxisFit, &Characteristics)| {
         let Hysteresis { mean, less_drift_in_time, .. } = found.hysteresis.as_ref().ok()?;
-        let (less, unit) = ((*less_drift_in_time)?, axis.calibration.rate_unit);
+        let less = (*less_drift_in_time)?;
+        let scale = RateScale::of(axis.calibration.rate_unit, &[*mean, less], asked);
         Some(format!(
-            "{}: heating less cooling is {mean:.2e} {unit} on average as recorded, and {less:.2e} less the drift in time that the fit found: one cycle does not tell the two apart, several do",
-            axis.name
+            "{}: heating less cooling is {} on average as recorded, and {} less the drift in time that the fit found: one cycle does not tell the two apart, several do",
+            axis.name,
+            scale.told(*mean),
+            scale.number(less)
         ))
     };
     axes.into_iter().filter_map(doubt).collect()

@@ -26,7 +26,7 @@ fn two_cycles(model: &str, mut rate: impl FnMut(i32, f64, f64) -> f64) -> Charac
     }
     let log = Source::bytes("cycle.csv", text.into_bytes());
     let fit = fit(&[log], &FitOptions { model: model.parse().unwrap(), ..FitOptions::default() }).unwrap();
-    Characteristics::of(&fit.axes[0])
+    Characteristics::of(&fit.axes[0], None)
 }
 
 /// Noise of a standard deviation of one: a sum of twelve (Irwin and Hall) of a linear congruential generator.
@@ -81,7 +81,7 @@ fn a_jump_from_one_log_to_the_next_is_no_hysteresis_and_no_noise() {
     let mut state = 5;
     let logs = [log("a.csv", 0, 0.0, &mut state), log("b.csv", 10_000, 0.02, &mut state)];
     let fit = fit(&logs, &FitOptions::default()).unwrap();
-    let found = Characteristics::of(&fit.axes[0]);
+    let found = Characteristics::of(&fit.axes[0], None);
     assert!(found.hysteresis.as_ref().is_err_and(|why| why.contains("differ nowhere")), "{:?}", found.hysteresis);
     let noise = found.residual_noise.unwrap();
     // An average of 21 rows of 1e-5.
@@ -137,7 +137,7 @@ fn a_span_of_a_fraction_of_a_degree_tells_no_hysteresis() {
     }
     let options = FitOptions { allow_narrow: true, ..FitOptions::default() };
     let fit = fit(&[Source::bytes("soak.csv", text.into_bytes())], &options).unwrap();
-    let found = Characteristics::of(&fit.axes[0]).hysteresis.unwrap_err();
+    let found = Characteristics::of(&fit.axes[0], None).hysteresis.unwrap_err();
     assert!(found.contains("spans 0.2 C and too little"), "{found}");
 }
 
@@ -156,7 +156,7 @@ fn what_a_log_does_not_hold_is_refused_with_what_to_do() {
         text += &format!("{row},{},{}\n", 0.02 * f64::from(row), f64::from((row * 617) % 1000) * 1e-7);
     }
     let fit = fit(&[Source::bytes("ramp.csv", text.into_bytes())], &FitOptions::default()).unwrap();
-    let found = Characteristics::of(&fit.axes[0]);
+    let found = Characteristics::of(&fit.axes[0], None);
     assert!(found.hysteresis.unwrap_err().contains("let it warm and cool"));
     assert!(found.ramp_sensitivity.unwrap_err().contains("fast and slowly"));
     let noise = found.residual_noise.unwrap();

@@ -63,6 +63,11 @@ pub struct ShownUnits {
 }
 
 impl ShownUnits {
+    /// The unit asked for.
+    pub fn asked(self) -> Option<WrittenRate> {
+        self.units
+    }
+
     /// The unit asked for, if rates in one of these units can be told in it. Accelerations stay in their own.
     pub fn of(self, found: impl Iterator<Item = RateUnit>) -> Result<Option<WrittenRate>> {
         let Some(asked) = self.units else { return Ok(None) };
@@ -149,7 +154,7 @@ impl LogArguments {
             allow_narrow: self.allow_narrow,
             group_s: self.group_seconds,
             sensor: self.sensor,
-            keep_steps: false,
+            ..FitOptions::default()
         }
     }
 

@@ -11,7 +11,6 @@ use serde::Serialize;
 use zerorate_words::{as_options, sentence};
 
 pub use grid::Grid;
-pub use zerorate_report::RateScale;
 pub use zerorate_report::number::{aligned, thousands, three_digits};
 
 /// Lines longer than this are hard to read, however wide the terminal.

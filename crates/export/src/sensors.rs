@@ -9,7 +9,7 @@ use super::{ExportError, ExportOptions, Format};
 use zerorate_cal::calibration::{AxisCalibration, Calibration};
 use zerorate_cal::log::{Sensor, SensorKind};
 use zerorate_cal::matching::direction;
-use zerorate_cal::units::{RateUnit, TemperatureUnit};
+use zerorate_cal::units::{RateScale, RateUnit, TemperatureUnit};
 
 /// One sensor with up to three axes, in the autopilots' units: rad/s or m/s^2, degrees C.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -52,10 +52,10 @@ impl fmt::Display for ExportedSensor {
 impl ExportedSensor {
     /// The unit of its cubics.
     #[must_use]
-    pub fn unit(&self) -> &'static str {
+    pub fn unit(&self) -> RateUnit {
         match self.kind {
-            SensorKind::Gyro => "rad/s",
-            SensorKind::Accelerometer => "m/s^2",
+            SensorKind::Gyro => RateUnit::RadPerS,
+            SensorKind::Accelerometer => RateUnit::MetresPerS2,
         }
     }
 }
@@ -140,7 +140,6 @@ pub(super) fn of_another_autopilot(calibration: &Calibration, own: imu_logs::For
 
 /// What to know of a sensor's cubics, a sentence an axis.
 pub(super) fn remarks(sensor: &ExportedSensor) -> Vec<String> {
-    let unit = sensor.unit();
     let mut remarks = vec![format!(
         "{sensor}: from {:.2} to {:.2} C; outside, the curve is held at its end",
         sensor.range[0], sensor.range[1]
@@ -148,7 +147,7 @@ pub(super) fn remarks(sensor: &ExportedSensor) -> Vec<String> {
     for (axis, letter) in sensor.axes.iter().zip(LETTERS) {
         remarks.push(match axis {
             None => format!("{sensor} {letter}: not calibrated, left at 0"),
-            Some(axis) => format!("{sensor} {letter}: {}", axis.cost(unit)),
+            Some(axis) => format!("{sensor} {letter}: {}", axis.cost(RateScale::own(sensor.unit()))),
         });
     }
     remarks
@@ -170,35 +169,40 @@ impl ExportedAxis {
 
     /// What the cubic costs, as a phrase.
     #[must_use]
-    pub fn cost(&self, unit: &str) -> String {
+    pub fn cost(&self, scale: RateScale) -> String {
         let Loss { chosen_rms, cubic_rms, furthest } = self.loss;
         match (chosen_rms, cubic_rms) {
             (Some(chosen), Some(cubic)) if (chosen - cubic).abs() <= 1e-9 * chosen.abs() => {
                 format!(
-                    "the curve of {} is a cubic or less, nothing of it is lost; it leaves {chosen:.3e} {unit} rms of held-out eighths of the log, zeroed",
-                    self.model
+                    "the curve of {} is a cubic or less, nothing of it is lost; it leaves {} rms of held-out eighths of the log, zeroed",
+                    self.model,
+                    scale.told(chosen)
                 )
             }
             (Some(chosen), Some(cubic)) => {
                 let costs = if cubic <= chosen {
                     format!(
-                        "this cubic leaves {cubic:.3e} {unit} rms of held-out eighths of the log, zeroed, no more than the chosen {} ({chosen:.3e})",
-                        self.model
+                        "this cubic leaves {} rms of held-out eighths of the log, zeroed, no more than the chosen {} ({})",
+                        scale.told(cubic),
+                        self.model,
+                        scale.number(chosen)
                     )
                 } else {
                     format!(
-                        "this cubic leaves {cubic:.3e} {unit} rms of held-out eighths of the log, zeroed, {:.0} % more than the chosen {} ({chosen:.3e})",
+                        "this cubic leaves {} rms of held-out eighths of the log, zeroed, {:.0} % more than the chosen {} ({})",
+                        scale.told(cubic),
                         100.0 * (cubic / chosen - 1.0),
-                        self.model
+                        self.model,
+                        scale.number(chosen)
                     )
                 };
                 // The cubic is the chosen curve.
                 if furthest < 1e-6 * cubic {
                     return costs;
                 }
-                format!("{costs}; it is {furthest:.1e} {unit} from the chosen curve at most")
+                format!("{costs}; it is {} from the chosen curve at most", scale.told(furthest))
             }
-            _ => format!("this cubic is {furthest:.1e} {unit} from the chosen {} at most", self.model),
+            _ => format!("this cubic is {} from the chosen {} at most", scale.told(furthest), self.model),
         }
     }
 }

@@ -2,12 +2,11 @@
 
 use maud::{Markup, html};
 use zerorate_cal::log_fit::{AxisFit, FittedLog, LogFit};
-use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::{RateScale, RateUnit};
 use zerorate_fit::drift_fit::LogLeft;
 
 use super::number::{decimals_for, fixed, fixed_or_none};
 use super::page::Table;
-use super::rate::RateScale;
 
 /// What the figures of each log mean.
 #[must_use]

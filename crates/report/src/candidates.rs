@@ -5,7 +5,7 @@ use zerorate_fit::drift_fit::Candidate;
 
 use super::number::{decimals_for, fixed, fixed_or_none};
 use super::page::Table;
-use super::rate::RateScale;
+use zerorate_cal::units::RateScale;
 
 /// Rows at most: the one chosen, and those that predict best.
 const SHOWN: usize = 12;

@@ -11,7 +11,7 @@ use maud::{Markup, html};
 use zerorate_cal::calibration::{CREATED_BY, Origin};
 use zerorate_cal::condition::{Excluded, Rejected};
 use zerorate_cal::log_fit::{AxisFit, LogFit};
-use zerorate_cal::units::{TemperatureUnit, WrittenRate};
+use zerorate_cal::units::{RateScale, TemperatureUnit, WrittenRate};
 use zerorate_core::drift::{Drift, Shape};
 use zerorate_export::{ExportedAxis, Format};
 use zerorate_fit::least_squares::raw_coefficients;
@@ -21,7 +21,6 @@ use super::by_log;
 use super::candidates;
 use super::number::{fixed, polynomial, whole};
 use super::page::{self, Chapter, Table, told};
-use super::rate::RateScale;
 
 /// The page of a log's fit, and what its caller knows besides.
 #[derive(Clone, Copy)]
@@ -62,7 +61,7 @@ impl LogPage<'_> {
         }
         if !fit.axes.is_empty() {
             chapters.push(("noise", "Noise and sensitivities", noise::chapter(fit, self.units)));
-            chapters.push(("coefficients", "Coefficients to copy", coefficients(fit)));
+            chapters.push(("coefficients", "Coefficients to copy", coefficients(fit, self.units)));
             let parameters = parameters::chapter(fit, self.export_command);
             chapters.extend(parameters.map(|chapter| ("parameters", "Parameters to copy", chapter)));
         }
@@ -82,7 +81,7 @@ impl LogPage<'_> {
     fn before_and_after(&self) -> Markup {
         html! {
             @for unit in headline::units(self.fit) {
-                (by_log::table(self.fit, unit, RateScale::of_fit(self.fit, unit, self.units)))
+                (by_log::table(self.fit, unit, self.fit.scale(unit, self.units)))
                 (self.within_the_recording(unit))
             }
             @for (place, axis) in self.fit.axes.iter().enumerate() {
@@ -94,7 +93,7 @@ impl LogPage<'_> {
 
     fn models(&self) -> Markup {
         let table = |axis: &AxisFit| {
-            let scale = RateScale::of_fit(self.fit, axis.calibration.rate_unit, self.units);
+            let scale = self.fit.scale(axis.calibration.rate_unit, self.units);
             candidates::table(&axis.name, &axis.calibration.fit.statistics.candidates, scale)
         };
         html! { div.pair { @for axis in &self.fit.axes { (table(axis)) } } }
@@ -147,7 +146,7 @@ fn excluded(fit: &LogFit) -> Markup {
     }
 }
 
-fn coefficients(fit: &LogFit) -> Markup {
+fn coefficients(fit: &LogFit, units: Option<WrittenRate>) -> Markup {
     html! {
         p {
             "Temperature in " (degree(fit))
@@ -156,14 +155,15 @@ fn coefficients(fit: &LogFit) -> Markup {
         }
         div.pair { @for (place, axis) in fit.axes.iter().enumerate() { div {
             @let shape = &copied(axis).shape;
+            @let cost = cost(axis, fit.scale(axis.calibration.rate_unit, units));
             h3 { (axis.name) ", " (axis.calibration.rate_unit) }
-            @if let Some(cost) = cost(axis) {
+            @if let Some(cost) = &cost {
                 p.small { "Of " (axis.calibration.fit.chosen_model()) " this is the static cubic alone: " (cost) "." }
             }
             @if let Shape::Polynomial(_) = shape {
                 div.equation { p { i { "bias" } " = " (polynomial(&raw_coefficients(shape), "T", 5)) } }
             }
-            (parameters::to_copy(&format!("coefficients-{}", place + 1), &in_full(axis)))
+            (parameters::to_copy(&format!("coefficients-{}", place + 1), &in_full(axis, cost.as_deref())))
         } } }
     }
 }
@@ -177,16 +177,16 @@ fn copied(axis: &AxisFit) -> &Drift {
 }
 
 /// What the static cubic costs, where it is the curve to copy.
-fn cost(axis: &AxisFit) -> Option<String> {
+fn cost(axis: &AxisFit, scale: RateScale) -> Option<String> {
     let calibration = &axis.calibration;
     let is_cubic = !std::ptr::eq(copied(axis), &calibration.fit.model.drift);
-    is_cubic.then(|| ExportedAxis::of(&axis.name, calibration).cost(&calibration.rate_unit.to_string()))
+    is_cubic.then(|| ExportedAxis::of(&axis.name, calibration).cost(scale))
 }
 
 /// What the coefficients are of: the model chosen, or what four numbers can hold of it.
-fn of_what(axis: &AxisFit) -> String {
+fn of_what(axis: &AxisFit, cost: Option<&str>) -> String {
     let (model, chosen) = (Model::of_shape(&copied(axis).shape), axis.calibration.fit.chosen_model());
-    match (cost(axis), &axis.calibration.fit.model.time_drift) {
+    match (cost, &axis.calibration.fit.model.time_drift) {
         (Some(cost), _) => format!("{model}, the static cubic beside {chosen}\n# {cost}\n# "),
         (None, Some(_)) => format!("{model}, of {chosen} without the log's own drift in time: "),
         (None, None) => format!("{chosen}: "),
@@ -194,7 +194,7 @@ fn of_what(axis: &AxisFit) -> String {
 }
 
 /// Coefficients in full, as most languages read them: the shortest text that gives back the same double.
-fn in_full(axis: &AxisFit) -> String {
+fn in_full(axis: &AxisFit, cost: Option<&str>) -> String {
     let drift = copied(axis);
     let numbers: Vec<String> = raw_coefficients(&drift.shape).iter().map(|number| format!("{number:e}")).collect();
     let what = match drift.shape {
@@ -204,7 +204,7 @@ fn in_full(axis: &AxisFit) -> String {
     format!(
         "# {}, {}{what}\ncoefficients = [\n  {},\n]\nmeasured_range = [{}, {}]\nvalid_range = [{}, {}]\n",
         axis.name,
-        of_what(axis),
+        of_what(axis, cost),
         numbers.join(",\n  "),
         axis.calibration.fit.measured.min(),
         axis.calibration.fit.measured.max(),

@@ -1,17 +1,16 @@
 //! A trend that is left, in a sentence: the same on a screen and in a page.
 
 use zerorate_cal::log_fit::{AxisFit, LogFit};
-use zerorate_cal::units::WrittenRate;
+use zerorate_cal::units::{RateScale, WrittenRate};
 use zerorate_fit::trend::{Against, Trend};
 
 use crate::number::aligned;
-use crate::rate::RateScale;
 
 /// A sentence for each trend in what the model leaves of a log, in the unit that was asked for. None in most.
 #[must_use]
 pub fn trend_sentences(fit: &LogFit, asked: Option<WrittenRate>) -> Vec<String> {
     let of_axis = |axis: &AxisFit| {
-        let scale = RateScale::of_fit(fit, axis.calibration.rate_unit, asked);
+        let scale = fit.scale(axis.calibration.rate_unit, asked);
         let sentence = |trend: &Trend| sentence(&axis.name, trend, scale);
         axis.calibration.fit.statistics.trends.iter().map(sentence).collect::<Vec<_>>()
     };

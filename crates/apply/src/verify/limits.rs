@@ -8,7 +8,7 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::VerifiedAxis;
-use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::{RateScale, RateUnit};
 
 /// A size with its unit, as it was written: `0.5 mrad/s`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -171,8 +171,8 @@ impl Limits {
                 if found.is_nan() || found > most {
                     let (name, times) = (&axis.name, found / most);
                     missed.push(format!(
-                        "{name}: {what} {found:.3e} {}, {times:.2} times the limit of {limit}",
-                        axis.rate_unit
+                        "{name}: {what} {}, {times:.2} times the limit of {limit}",
+                        RateScale::of(axis.rate_unit, &[found], None).told(found)
                     ));
                 }
             }

@@ -3,7 +3,7 @@
 use super::VerifiedAxis;
 use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::quality::{Judgement, Reason, ReasonKind};
-use zerorate_cal::units::TemperatureUnit;
+use zerorate_cal::units::{RateScale, TemperatureUnit, WrittenRate};
 use zerorate_fit::folds::TELLING;
 
 /// A larger share of the log outside what was measured is told. Two runs of one chamber's ramp end a few averages apart, and
@@ -11,12 +11,17 @@ use zerorate_fit::folds::TELLING;
 const TOLD_OUTSIDE: f64 = 0.02;
 
 /// The reasons: what is wrong with the log, then what the calibration does to it.
-pub(super) fn reasons(fit: &LogFit, axes: &[VerifiedAxis], unit: TemperatureUnit) -> Vec<Reason> {
+pub(super) fn reasons(
+    fit: &LogFit,
+    axes: &[VerifiedAxis],
+    unit: TemperatureUnit,
+    told_in: Option<WrittenRate>,
+) -> Vec<Reason> {
     let of_log = fit.judgement.reasons.iter().filter(|reason| !is_of_a_fit_alone(reason)).cloned();
     let mut judgement = Judgement::default();
     of_log
-        .chain(worse(axes))
-        .chain(worse_from_a_zero(axes))
+        .chain(worse(axes, told_in))
+        .chain(worse_from_a_zero(axes, told_in))
         .chain(outside(axes, unit))
         .for_each(|reason| judgement.add(reason));
     judgement.reasons
@@ -28,26 +33,27 @@ fn is_of_a_fit_alone(reason: &Reason) -> bool {
     matches!(reason.kind, NarrowSpan | OneDirection | Unmeasured | WorseThanUncorrected)
 }
 
-fn worse(axes: &[VerifiedAxis]) -> impl Iterator<Item = Reason> {
-    axes.iter().filter(|axis| axis.worse).map(|axis| {
-        let text = format!(
-            "{}: worse than uncorrected: {:.3e} {} rms is left of {:.3e} that were recorded",
-            axis.name, axis.corrected.rms, axis.rate_unit, axis.raw.rms
-        );
+fn worse(axes: &[VerifiedAxis], told_in: Option<WrittenRate>) -> impl Iterator<Item = Reason> {
+    let left = move |axis: &VerifiedAxis| left_of(axis, [axis.corrected.rms, axis.raw.rms], told_in);
+    axes.iter().filter(|axis| axis.worse).map(move |axis| {
+        let text = format!("{}: worse than uncorrected: {} that were recorded", axis.name, left(axis));
         Reason::new(ReasonKind::WorseThanUncorrected, text)
     })
 }
 
 /// An axis that is no worse about its mean, of which a device with its zero at the start has more left all the same.
-fn worse_from_a_zero(axes: &[VerifiedAxis]) -> impl Iterator<Item = Reason> {
+fn worse_from_a_zero(axes: &[VerifiedAxis], told_in: Option<WrittenRate>) -> impl Iterator<Item = Reason> {
     let worse = |axis: &&VerifiedAxis| !axis.worse && axis.deployed.rms > TELLING * axis.uncorrected.rms;
-    axes.iter().filter(worse).map(|axis| {
-        let text = format!(
-            "{}: less a zero at the start, worse than uncorrected: {:.3e} {} rms is left of {:.3e}",
-            axis.name, axis.deployed.rms, axis.rate_unit, axis.uncorrected.rms
-        );
+    let left = move |axis: &VerifiedAxis| left_of(axis, [axis.deployed.rms, axis.uncorrected.rms], told_in);
+    axes.iter().filter(worse).map(move |axis| {
+        let text = format!("{}: less a zero at the start, worse than uncorrected: {}", axis.name, left(axis));
         Reason::new(ReasonKind::WorseThanUncorrected, text)
     })
+}
+
+fn left_of(axis: &VerifiedAxis, [left, of]: [f64; 2], told_in: Option<WrittenRate>) -> String {
+    let scale = RateScale::of(axis.rate_unit, &[left, of], told_in);
+    format!("{} rms is left of {}", scale.told(left), scale.number(of))
 }
 
 /// Axes of one range are told together, by the largest share.

@@ -10,7 +10,7 @@ use zerorate_fit::predict::{DriftModel, TimeDrift};
 use super::drift_form::{DriftForm, HistoryForm, StaticCubicForm};
 use super::trim::TrimCalibration;
 use crate::log::Sensor;
-use crate::units::RateUnit;
+use crate::units::{RateScale, RateUnit, WrittenRate};
 
 /// More left than uncorrected is told from chance by so many standard errors.
 const SIGMAS: f64 = 2.0;
@@ -54,9 +54,9 @@ impl AxisCalibration {
     }
 
     /// What is to be known of an axis whose calibration leaves a device more than it had: its folds are of this log, and the
-    /// next log is no easier. `None` where it helps, and where nobody knows.
+    /// next log is no easier. `None` where it helps, and where nobody knows. Rates are told in the unit that is asked for, if any is.
     #[must_use]
-    pub fn no_gain(&self, name: &str) -> Option<String> {
+    pub fn no_gain(&self, name: &str, asked: Option<WrittenRate>) -> Option<String> {
         let (left, uncorrected) = (self.fit.statistics.deployed?, self.fit.statistics.uncorrected?.rms);
         let deployed = left.rms;
         // So little more may be chance; that it does not help is none.
@@ -66,9 +66,11 @@ impl AxisCalibration {
             _ if deployed <= uncorrected + telling => "it does not help on a log like this one",
             _ => "do not use it",
         };
-        let unit = self.rate_unit;
+        let scale = RateScale::of(self.rate_unit, &[deployed, uncorrected], asked);
         Some(format!(
-            "{name}: a device that takes this off has {deployed:.3e} {unit} rms left of data that were not fitted, and {uncorrected:.3e} without it: {what}"
+            "{name}: a device that takes this off has {} rms left of data that were not fitted, and {} without it: {what}",
+            scale.told(deployed),
+            scale.number(uncorrected)
         ))
     }
 

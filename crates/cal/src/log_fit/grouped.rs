@@ -120,7 +120,7 @@ fn overlap(a: (f64, f64), b: (f64, f64)) -> bool {
 fn fit_sensor(sensor: &Gathered, levels: &Levels, options: &FitOptions, fit: &mut LogFit) {
     for (axis, name) in sensor.stream.names.iter().enumerate() {
         let mut judgement = Judgement::default();
-        words::report(&mut judgement, sensor, axis, levels, options.keep_steps);
+        words::report(&mut judgement, sensor, axis, levels, options);
         fit.axes.extend(fit_axis(sensor, options, axis, &mut judgement));
         fit.verdicts.push(AxisVerdict { name: name.clone(), judgement });
     }
@@ -166,7 +166,8 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
         residual: *residual,
     };
     let mut calibration = AxisCalibration::of_fit(fitted.fit, stream.unit);
-    let no_gain = calibration.no_gain(name).map(|text| Reason::new(ReasonKind::WorseThanUncorrected, text));
+    let no_gain =
+        calibration.no_gain(name, options.told_in).map(|text| Reason::new(ReasonKind::WorseThanUncorrected, text));
     no_gain.into_iter().for_each(|reason| judgement.add(reason));
     calibration.sensor = stream.sensor;
     calibration.reference_temperature = is_accelerometer(stream).then_some(f64::midpoint(valid.min(), valid.max()));

@@ -2,17 +2,19 @@
 
 use zerorate_fit::auto::BEYOND;
 
+use super::FitOptions;
 use super::gather::Gathered;
 use super::still::Still;
 use crate::condition::{DropReason, Excluded, Levels, Step};
 use crate::log::Stream;
 use crate::quality::{Judgement, Reason, ReasonKind};
+use crate::units::RateScale;
 
 /// A step of the temperature of this fraction of the least span is coarse.
 const COARSE: f64 = 0.02;
 
 /// Puts what conditioning found of an axis into its judgement.
-pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, levels: &Levels, keep_steps: bool) {
+pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, levels: &Levels, options: &FitOptions) {
     let (stream, tally) = (&sensor.stream, &sensor.tallies[axis]);
     let (name, unit) = (&stream.names[axis], stream.temperature_unit.name());
     let missing = tally.count(DropReason::MissingTemperature) + tally.count(DropReason::MissingRate);
@@ -33,12 +35,13 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
             judgement.add(reason);
         }
     }
-    let then = match keep_steps {
+    let then = match options.keep_steps {
         true => "it stands in what is left",
         false => "the step was taken out, and the curve holds for the level before it",
     };
     for step in levels.steps.iter().filter(|step| step.axis == axis) {
-        let text = format!("{}: {then}", of_step(step, name, &stream.unit.to_string(), unit));
+        let text =
+            format!("{}: {then}", of_step(step, name, RateScale::of(stream.unit, &[step.size], options.told_in), unit));
         judgement.add(Reason::new(ReasonKind::Step, text));
     }
 }
@@ -115,13 +118,14 @@ fn lasting(seconds: f64) -> String {
     }
 }
 
-fn of_step(step: &Step, name: &str, rate_unit: &str, unit: &str) -> String {
+fn of_step(step: &Step, name: &str, scale: RateScale, unit: &str) -> String {
     let row = step.row + 1;
     let place =
         if step.time_s.is_finite() { format!("{:.0} s (row {row}, ", step.time_s) } else { format!("row {row} (") };
     format!(
-        "{name}: the rate steps by {:.3e} {rate_unit} at about {place}{:.1} {unit}) and stays, with no temperature change to match",
-        step.size, step.temperature
+        "{name}: the rate steps by {} at about {place}{:.1} {unit}) and stays, with no temperature change to match",
+        scale.told(step.size),
+        step.temperature
     )
 }
 

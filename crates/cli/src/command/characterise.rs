@@ -87,7 +87,7 @@ impl Characterise {
         let options = FitOptions { columns, sensor: self.sensor, allow_narrow: true, ..FitOptions::default() };
         let fit = fit(&[log], &options)?;
         let sensitivities: Vec<(&AxisFit, Characteristics)> =
-            fit.axes.iter().map(|axis| (axis, Characteristics::of(axis))).collect();
+            fit.axes.iter().map(|axis| (axis, Characteristics::of(axis, None))).collect();
         drop(busy);
         let told = !sensitivities.is_empty() || noises.iter().any(|axis| axis.noise.is_ok());
         if self.json {
@@ -230,7 +230,7 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
         ]);
     }
     page.grid(&grid);
-    let doubtful = doubtful(axes.iter().map(|(axis, found)| (*axis, found)));
+    let doubtful = doubtful(axes.iter().map(|(axis, found)| (*axis, found)), None);
     doubtful.iter().for_each(|sentence| page.sentence("  - ", sentence));
     let missing = missing(axes.iter().map(|(axis, found)| (axis.name.as_str(), found)));
     missing.iter().for_each(|sentence| page.sentence("  - ", sentence));

@@ -11,7 +11,7 @@ use clap::Args;
 use zerorate_bench::recorded;
 use zerorate_cal::calibration::{Calibration, Origin};
 use zerorate_cal::fit::fit;
-use zerorate_cal::log_fit::{FittedLog, LogFit};
+use zerorate_cal::log_fit::{FitOptions, FittedLog, LogFit};
 use zerorate_cal::recording::Recording;
 use zerorate_cal::source::Source;
 use zerorate_cal::units::WrittenRate;
@@ -104,7 +104,8 @@ impl Fit {
         let files = [("--out", &places.out), ("--record", &self.record), ("--report", &places.report)];
         output::check_all(&files.map(|(option, path)| (option, path.as_deref())), &logs)?;
         let busy = Busy::reading(logs[0]);
-        let fit = fit(&self.log.sources(), &self.log.options())?;
+        let options = FitOptions { told_in: self.units.asked(), ..self.log.options() };
+        let fit = fit(&self.log.sources(), &options)?;
         let units = self.units.of(fit.axes.iter().map(|axis| axis.calibration.rate_unit))?;
         let written = if fit.judgement.rejected() { Vec::new() } else { self.write(&fit, &places, units)? };
         drop(busy);

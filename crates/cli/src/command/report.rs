@@ -12,7 +12,7 @@ use zerorate_cal::log::{Sensor, SensorChoice};
 use zerorate_cal::log_fit::{FitOptions, LogFit};
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
-use zerorate_cal::units::WrittenRate;
+use zerorate_cal::units::{RateScale, WrittenRate};
 use zerorate_fit::drift_fit::{FitStatistics, ResidualOver};
 use zerorate_fit::model::Model;
 use zerorate_report::board_page;
@@ -185,6 +185,7 @@ impl Report {
             // What was calibrated was allowed.
             allow_narrow: true,
             sensor: choice(&sensors),
+            told_in: self.shown.asked(),
             ..FitOptions::default()
         }
     }
@@ -202,9 +203,9 @@ fn in_the_same_units(log: &Path, fit: &LogFit, calibration: &Calibration) -> Res
         let now = again.map_or(f64::NAN, |axis| axis.calibration.drift().peak_to_peak());
         ensure!(
             (1.0 / SAME_SIZE..SAME_SIZE).contains(&(now / earlier)),
-            "{}: {name} does not come out with the drift that the calibration has, {earlier:.3e} {}: give --rate-unit and --temperature-unit as for the fit",
+            "{}: {name} does not come out with the drift that the calibration has, {}: give --rate-unit and --temperature-unit as for the fit",
             log.display(),
-            own.rate_unit
+            RateScale::of(own.rate_unit, &[earlier], None).told(earlier)
         );
     }
     Ok(())

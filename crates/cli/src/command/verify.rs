@@ -114,7 +114,8 @@ impl Verify {
         if columns.rates.is_empty() {
             columns.rates = self.known_columns(&calibration);
         }
-        let options = VerifyOptions { columns, sensor: self.sensor, limits, in_sample: self.in_sample };
+        let (sensor, in_sample, told_in) = (self.sensor, self.in_sample, self.units.asked());
+        let options = VerifyOptions { columns, sensor, limits, in_sample, told_in };
         let verified = verify(&log, &calibration, &options)?;
         drop(busy);
         let units = self.units.of(verified.axes.iter().map(|axis| axis.rate_unit))?;

@@ -117,4 +117,15 @@ fn a_curve_of_one_direction_is_told_and_so_is_what_it_does_on_the_way_back() {
         zerorate(folder.path(), &["verify", "cool.csv", "--with", "calibration.json", "--max-rms", "1mrad/s"]);
     assert_eq!(limited.code, 1);
     limited.says(&["failed", "worse than uncorrected"]);
+    let hourly = zerorate(folder.path(), &["verify", "cool.csv", "--with", "calibration.json", "--units", "deg/h"]);
+    let sentence = hourly.out.split("worse than uncorrected: ").nth(1).expect("a reason");
+    let told = |left: &str| left.split_whitespace().next().and_then(|number| number.parse::<f64>().ok());
+    let (left, of) = sentence.split_once(" deg/h rms is left of ").expect("deg/h");
+    // One deg/h is 1/3600 of a degree, pi/180 of a radian.
+    let per_hour = 3600.0 * 180.0 / std::f64::consts::PI;
+    for (told, rms) in [(told(left), &json["axes"][0]["corrected"]["rms"]), (told(of), &json["axes"][0]["raw"]["rms"])]
+    {
+        let (told, rms) = (told.unwrap(), per_hour * rms.as_f64().unwrap());
+        assert!((told / rms - 1.0).abs() < 6e-4, "{told} for {rms}");
+    }
 }

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use super::calibrations::{axis, calibration, drift, three_axes};
 use crate::{Cubic, ExportError, ExportOptions, ExportedAxis, Format, Loss, export};
 use zerorate_cal::calibration::Calibration;
-use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::{RateScale, RateUnit};
 use zerorate_core::drift::ValidRange;
 use zerorate_fit::predict::TimeDrift;
 
@@ -226,15 +226,16 @@ fn a_cubic_that_is_better_than_the_model_is_not_told_as_a_loss() {
     let (model, cubic) = ("table:16".to_owned(), Cubic { reference: 0.0, coefficients: [0.0; 4], range: [0.0, 1.0] });
     let cost = |chosen_rms, cubic_rms| {
         let loss = Loss { chosen_rms: Some(chosen_rms), cubic_rms: Some(cubic_rms), furthest: 0.0 };
-        ExportedAxis { name: "x".to_owned(), model: model.clone(), cubic: cubic.clone(), loss }.cost("rad/s")
+        ExportedAxis { name: "x".to_owned(), model: model.clone(), cubic: cubic.clone(), loss }
+            .cost(RateScale::own(RateUnit::RadPerS))
     };
     assert_eq!(
         cost(1.0e-3, 0.8e-3),
-        "this cubic leaves 8.000e-4 rad/s rms of held-out eighths of the log, zeroed, no more than the chosen table:16 (1.000e-3)"
+        "this cubic leaves 8.000e-4 rad/s rms of held-out eighths of the log, zeroed, no more than the chosen table:16 (0.001000)"
     );
     assert_eq!(
         cost(1.0e-3, 1.5e-3),
-        "this cubic leaves 1.500e-3 rad/s rms of held-out eighths of the log, zeroed, 50 % more than the chosen table:16 (1.000e-3)"
+        "this cubic leaves 0.001500 rad/s rms of held-out eighths of the log, zeroed, 50 % more than the chosen table:16 (0.001000)"
     );
 }
 

@@ -1,7 +1,7 @@
 //! Figures 2 and 3: the full-temperature test and the fitted drift.
 
 use maud::{Markup, html};
-use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::{RateScale, RateUnit};
 
 use super::axis::BoardAxis;
 use super::{Board, indexed};
@@ -9,7 +9,6 @@ use crate::candidates;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample};
 use crate::number::{fixed, polynomial, with_error};
 use crate::paper::PaperAxis;
-use crate::rate::RateScale;
 
 pub(super) fn chapter(board: &Board) -> Markup {
     html! {
@@ -29,7 +28,7 @@ pub(super) fn chapter(board: &Board) -> Markup {
 
 /// A board's rates are in counts.
 fn in_counts() -> RateScale {
-    RateScale::of(RateUnit::Counts, &[], None)
+    RateScale::own(RateUnit::Counts)
 }
 
 /// Whether the recording ends on the cold side again.

@@ -4,14 +4,13 @@ use maud::html;
 use zerorate_cal::condition::Excluded;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::trace::TracePoint;
-use zerorate_cal::units::WrittenRate;
+use zerorate_cal::units::{RateScale, WrittenRate};
 use zerorate_fit::direction::warming;
 use zerorate_fit::drift_fit::BandPoint;
 
 use super::degree;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample, holding};
 use crate::number::significant;
-use crate::rate::RateScale;
 
 /// Time in the unit that suits its span: its name and the seconds in it.
 fn time_unit(span_s: f64) -> (&'static str, f64) {
@@ -63,7 +62,7 @@ fn band(axis: &AxisFit, scale: RateScale) -> Vec<Vec<(f64, f64)>> {
 
 pub(crate) fn figure(fit: &LogFit, axis: &AxisFit, units: Option<WrittenRate>, place: usize) -> Figure {
     let (name, points) = (&axis.name, &axis.trace);
-    let scale = RateScale::of_fit(fit, axis.calibration.rate_unit, units);
+    let scale = fit.scale(axis.calibration.rate_unit, units);
     let unit = scale.unit();
     let time = Time::of(points);
     let warming = warming(&points.iter().map(|point| point.temperature).collect::<Vec<_>>());

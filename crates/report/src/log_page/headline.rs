@@ -4,14 +4,13 @@ use maud::{Markup, html};
 use zerorate_cal::calibration::{CREATED_BY, Origin};
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
-use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::{RateScale, RateUnit};
 use zerorate_fit::drift_fit::FitStatistics;
 use zerorate_fit::residual::ResidualStatistics;
 
 use super::{LogPage, degree};
 use crate::number::{decimals_for, fixed, whole, with_error};
 use crate::page::{self, Table, told};
-use crate::rate::RateScale;
 use crate::trend::trend_sentences;
 
 impl LogPage<'_> {
@@ -41,7 +40,7 @@ impl LogPage<'_> {
     fn deployed(&self, unit: RateUnit) -> Markup {
         let fit = self.fit;
         let axes = axes_in(fit, unit);
-        let scale = RateScale::of_fit(fit, unit, self.units);
+        let scale = fit.scale(unit, self.units);
         let decimals = decimals(&axes, scale);
         let row = |axis: &&AxisFit| {
             let (before, statistics) = (before(axis), &axis.calibration.fit.statistics);
@@ -85,7 +84,7 @@ impl LogPage<'_> {
     /// What is left within the recording: smaller than what a device gets.
     pub(super) fn within_the_recording(&self, unit: RateUnit) -> Markup {
         let axes = axes_in(self.fit, unit);
-        let scale = RateScale::of_fit(self.fit, unit, self.units);
+        let scale = self.fit.scale(unit, self.units);
         let decimals = decimals(&axes, scale);
         let row = |axis: &&AxisFit| {
             let statistics = &axis.calibration.fit.statistics;

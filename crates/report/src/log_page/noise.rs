@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use zerorate_cal::log_fit::{AxisFit, LogFit};
-use zerorate_cal::units::WrittenRate;
+use zerorate_cal::units::{RateScale, WrittenRate};
 use zerorate_characterise::{Characteristics, doubtful, missing};
 use zerorate_fit::allan::{Allan, AllanPoint, Coefficient};
 
@@ -11,7 +11,6 @@ use super::degree;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample};
 use crate::number::{fixed, significant};
 use crate::page::{Table, told};
-use crate::rate::RateScale;
 
 /// Averaging times beyond this many seconds carry the temperature's cycle more than noise; the caption says so.
 const SECONDS_AN_HOUR: f64 = 3600.0;
@@ -35,13 +34,13 @@ impl Told<'_> {
 }
 
 pub(super) fn chapter(fit: &LogFit, units: Option<WrittenRate>) -> Markup {
-    let told_as = |axis| Told { axis, scale: RateScale::of_fit(fit, axis.calibration.rate_unit, units) };
+    let told_as = |axis| Told { axis, scale: fit.scale(axis.calibration.rate_unit, units) };
     let axes: Vec<(Told, Characteristics)> =
-        fit.axes.iter().map(|axis| (told_as(axis), Characteristics::of(axis))).collect();
+        fit.axes.iter().map(|axis| (told_as(axis), Characteristics::of(axis, units))).collect();
     let drawn = axes.iter().filter_map(|(axis, found)| Some((*axis, found.residual_noise.as_ref().ok()?)));
     let drawn: Vec<(Told, &Allan)> = drawn.collect();
     html! {
-        (sensitivities(fit, &axes))
+        (sensitivities(fit, &axes, units))
         @if !drawn.is_empty() {
             (figure(fit, &drawn).markup())
             (coefficients(&drawn))
@@ -53,7 +52,7 @@ pub(super) fn chapter(fit: &LogFit, units: Option<WrittenRate>) -> Markup {
 }
 
 /// A row an axis, under IEEE's names.
-fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)]) -> Markup {
+fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<WrittenRate>) -> Markup {
     let degree = degree(fit);
     let mut rows = Vec::new();
     for (axis, found) in axes {
@@ -77,7 +76,7 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)]) -> Markup {
         });
         rows.push(cells);
     }
-    let doubtful = doubtful(axes.iter().map(|(axis, found)| (axis.axis, found)));
+    let doubtful = doubtful(axes.iter().map(|(axis, found)| (axis.axis, found)), units);
     let missing = missing(axes.iter().map(|(axis, found)| (axis.axis.name.as_str(), found)));
     let caption = html! {
         "Sensitivities of the bias, as IEEE Std 952 names them. Hysteresis is heating less cooling at equal temperature: its mean, "

@@ -1,10 +1,10 @@
 //! What was chosen, what it predicts, and what it was chosen from.
 
 use zerorate_cal::log_fit::{AxisFit, LogFit};
-use zerorate_cal::units::WrittenRate;
+use zerorate_cal::units::{RateScale, WrittenRate};
 use zerorate_fit::drift_fit::{Candidate, HeldOut};
 
-use crate::screen::{Grid, Page, RateScale, aligned};
+use crate::screen::{Grid, Page, aligned};
 
 /// The model of each axis and what it predicts of data that played no part in choosing it; nothing where nothing was
 /// chosen.
@@ -12,7 +12,7 @@ pub fn models(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
     let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| nested(axis).is_some()).collect();
     let Some(first) = axes.first() else { return };
     let unit = first.calibration.rate_unit;
-    let scale = RateScale::of_fit(fit, unit, asked);
+    let scale = fit.scale(unit, asked);
     page.heading(&format!("Model, and what it leaves of an eighth of the log (rms, {})", scale.unit()));
     let mut grid = Grid::new("llrrrr");
     grid.head(["", "", "in the", "deployed,", "deployed,", "cubic,"]);
@@ -40,7 +40,7 @@ pub fn models(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
 pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
     for axis in &fit.axes {
         let candidates = &axis.calibration.fit.statistics.candidates;
-        let scale = RateScale::of_fit(fit, axis.calibration.rate_unit, asked);
+        let scale = fit.scale(axis.calibration.rate_unit, asked);
         page.heading(&format!("Candidates of {} (rms, {})", axis.name, scale.unit()));
         let mut grid = Grid::new("llrrrrrr");
         grid.head(["", "", "in-", "held", "± to the", "de-", "cold", "hot"]);

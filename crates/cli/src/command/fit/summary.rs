@@ -6,13 +6,13 @@ use console::Style;
 use zerorate_cal::condition::Rejected;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
-use zerorate_cal::units::{RateUnit, WrittenRate};
+use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
 use zerorate_fit::drift_fit::{FitStatistics, LogLeft, ResidualOver};
 use zerorate_fit::residual::ResidualStatistics;
 use zerorate_report::{by_log_sentence, trend_sentences};
 
 use super::models;
-use crate::screen::{Grid, Page, RateScale, aligned, style, thousands};
+use crate::screen::{Grid, Page, aligned, style, thousands};
 
 /// The page: verdict, curves, what was left out, what was guessed, what to do next.
 pub fn page(
@@ -33,14 +33,14 @@ pub fn page(
                 units.push(axis.calibration.rate_unit);
             }
         }
-        units.iter().for_each(|unit| curves(&mut page, fit, RateScale::of_fit(fit, *unit, asked), *unit));
+        units.iter().for_each(|unit| curves(&mut page, fit, fit.scale(*unit, asked), *unit));
         terms(&mut page, fit);
         for trend in trend_sentences(fit, asked) {
             page.gap();
             page.sentence("  ", &trend);
         }
-        units.iter().for_each(|unit| by_log(&mut page, fit, RateScale::of_fit(fit, *unit, asked), *unit));
-        units.iter().for_each(|unit| in_recording(&mut page, fit, RateScale::of_fit(fit, *unit, asked), *unit));
+        units.iter().for_each(|unit| by_log(&mut page, fit, fit.scale(*unit, asked), *unit));
+        units.iter().for_each(|unit| in_recording(&mut page, fit, fit.scale(*unit, asked), *unit));
         terms_in_recording(&mut page, fit, over);
         models::models(&mut page, fit, asked);
         if explained {

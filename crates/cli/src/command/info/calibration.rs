@@ -5,10 +5,10 @@ use std::path::Path;
 use anyhow::Result;
 use serde::Serialize;
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin};
-use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::{RateScale, RateUnit};
 use zerorate_fit::drift_fit::ResidualOver;
 
-use crate::screen::{Grid, Page, RateScale, aligned, three_digits};
+use crate::screen::{Grid, Page, aligned, three_digits};
 
 /// Digits of a SHA-256 that tell one file from another at a glance.
 const SHORT_HASH: usize = 12;

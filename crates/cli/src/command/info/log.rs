@@ -5,10 +5,10 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use zerorate_cal::table::{Columns, Resolved, ResolvedRate, ResolvedSensor, Table};
-use zerorate_cal::units::{RateUnit, TimeUnit};
+use zerorate_cal::units::{RateScale, RateUnit, TimeUnit};
 
 use super::recording::duration;
-use crate::screen::{Grid, Page, RateScale, aligned, thousands};
+use crate::screen::{Grid, Page, aligned, thousands};
 
 #[derive(Debug, Serialize)]
 pub struct Facts {

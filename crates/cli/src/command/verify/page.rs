@@ -3,9 +3,9 @@
 use console::Style;
 use zerorate_apply::verify::{Verified, VerifiedAxis};
 use zerorate_cal::log_fit::zero_taken_in;
-use zerorate_cal::units::{RateUnit, WrittenRate};
+use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
 
-use crate::screen::{Grid, Page, RateScale, aligned, style};
+use crate::screen::{Grid, Page, aligned, style};
 
 /// The page: verdict, why, what is left of each axis, and the command that fits the runs as one.
 pub fn page(verified: &Verified, asked: Option<WrittenRate>, join: Option<&str>) -> Page {

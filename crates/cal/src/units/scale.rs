@@ -1,10 +1,13 @@
-//! The one way in which a rate gets its unit for people: on a screen, in a page's tables and in its figures.
+//! The one way in which a rate gets its unit for people: on a screen, in a page's tables and figures, and in sentences.
 
-use zerorate_cal::log_fit::LogFit;
-use zerorate_cal::units::{RateUnit, WrittenRate};
+use super::{RateUnit, WrittenRate};
 
 /// Rates below this are shown in thousandths of the unit, but for counts.
 const SMALL: f64 = 0.1;
+
+/// Powers of ten from which and up to which a number in a sentence is written without them.
+const LEAST_PLAIN: i32 = -3;
+const MOST_PLAIN: i32 = 5;
 
 /// A unit for people, and how many of it make one of a calibration's.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,21 +34,38 @@ impl RateScale {
         if !thousandth.is_empty() && largest < SMALL {
             return Self { name: thousandth, factor: 1e3 };
         }
-        Self { name: unit.name(), factor: 1.0 }
+        Self::own(unit)
     }
 
-    /// The unit for what a log's fit tells of its axes in this unit: that of their drifts.
+    /// The unit itself, as beside numbers that are in it.
     #[must_use]
-    pub fn of_fit(fit: &LogFit, unit: RateUnit, asked: Option<WrittenRate>) -> Self {
-        let axes = fit.axes.iter().filter(|axis| axis.calibration.rate_unit == unit);
-        let drifts: Vec<f64> = axes.map(|axis| axis.calibration.measured_drift().peak_to_peak()).collect();
-        Self::of(unit, &drifts, asked)
+    pub fn own(unit: RateUnit) -> Self {
+        Self { name: unit.name(), factor: 1.0 }
     }
 
     /// A rate of the calibration in this unit.
     #[must_use]
     pub fn of_rate(self, rate: f64) -> f64 {
         self.factor * rate
+    }
+
+    /// A rate as it stands in a sentence, without its unit: four significant digits, so that two that are told apart differ.
+    #[must_use]
+    pub fn number(self, rate: f64) -> String {
+        let rate = self.of_rate(rate);
+        let written = format!("{rate:.3e}");
+        match written.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok()) {
+            Some(exponent @ LEAST_PLAIN..=MOST_PLAIN) => {
+                format!("{rate:.*}", usize::try_from(3 - exponent).unwrap_or(0))
+            }
+            _ => written,
+        }
+    }
+
+    /// The same with its unit.
+    #[must_use]
+    pub fn told(self, rate: f64) -> String {
+        format!("{} {}", self.number(rate), self.name)
     }
 
     /// The unit's name.
@@ -79,6 +99,17 @@ mod tests {
         let of = |unit, size: f64| RateScale::of(unit, &[0.0, -size], None);
         assert_eq!((of(RateUnit::RadPerS, 0.004).unit(), of(RateUnit::RadPerS, 0.004).of_rate(0.004)), ("mrad/s", 4.0));
         assert_eq!([of(RateUnit::Dps, 3.0).unit(), of(RateUnit::Counts, 0.01).unit()], ["dps", "counts"]);
+    }
+
+    #[test]
+    fn a_sentence_has_four_digits_of_a_rate() {
+        let told = |unit, rate| RateScale::of(unit, &[rate], None).told(rate);
+        assert_eq!(told(RateUnit::RadPerS, -6.2137e-4), "-0.6214 mrad/s");
+        assert_eq!(told(RateUnit::RadPerS, 9.9996e-4), "1.000 mrad/s");
+        assert_eq!(told(RateUnit::Dps, 12.3449), "12.34 dps");
+        assert_eq!(told(RateUnit::Counts, 40_123.4), "40123 counts");
+        assert_eq!(told(RateUnit::RadPerS, 2.5e-9), "2.500e-6 mrad/s");
+        assert_eq!(told(RateUnit::Counts, f64::NAN), "NaN counts");
     }
 
     #[test]
