@@ -32,7 +32,8 @@ pub fn served_in_vain(given: &Given) -> Result<String> {
 pub fn damaged_set(given: &Given) -> Result<String> {
     let mut bench = given.at_work()?;
     just_before_a_set(&mut bench)?;
-    bench.machine.chip().board.cut = Some(crate::chip::board::Cut { after: 20, lasts: None });
+    // Within the burst, whose STATUS has taken six bytes.
+    bench.machine.chip().board.cut = Some(crate::chip::board::Cut { after: 8 * 20, lasts: None });
     let groups = bench.groups(3)?;
     consecutive(&groups)?;
     let errors = bench.faults()?.acquisition_errors;

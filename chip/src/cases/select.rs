@@ -1,4 +1,4 @@
-//! Chip select of the acquisition port goes high by itself: within the reading of sets, and within the setting up.
+//! Chip select of the acquisition port goes high by itself, at any bit: within the reading of sets, and within the setting up.
 
 use anyhow::{Context, Result, ensure};
 use embedded_hal::spi::SpiDevice;
@@ -11,10 +11,13 @@ use crate::chip::board::{Cut, SetSums};
 use crate::chip::time::{MILLISECOND, SECOND, Ticks, milliseconds};
 
 const CUTS: u32 = 1000;
+/// The clocks of a register read and of one written.
+const READ: u32 = 8 * 6;
+const WRITE: u32 = 8 * 10;
 /// What a group's reading clocks: STATUS, then the burst's header.
-const READING: u32 = 6 + 66;
-/// What setting up clocks: identity, version, stop, period and length written and read, start.
-const SETTING_UP: u32 = 8 * 6;
+const READING: u32 = READ + 8 * 66;
+/// What setting up clocks: identity and version, stop, period and length and start, each read back.
+const SETTING_UP: u32 = 2 * READ + WRITE + 3 * (WRITE + READ);
 /// Two groups, and what the tick and the line take.
 const TWO_GROUPS: Ticks = 3 * SECOND + 30 * MILLISECOND;
 
@@ -29,10 +32,10 @@ impl Chance {
         u32::try_from(self.0 >> 33).unwrap_or(0) % n
     }
 
-    /// A cut before one of so many bytes; half of them end by themselves, within a transfer.
-    fn cut(&mut self, bytes: u32) -> Cut {
-        let after = 1 + self.below(bytes);
-        let lasts = (self.below(2) == 1).then(|| 1 + self.below(8));
+    /// A cut before one of so many bits; half of them end by themselves, within a transfer.
+    fn cut(&mut self, bits: u32) -> Cut {
+        let after = 1 + self.below(bits);
+        let lasts = (self.below(2) == 1).then(|| 1 + self.below(64));
         Cut { after, lasts }
     }
 }
@@ -90,13 +93,13 @@ pub fn cut_reading(given: &Given) -> Result<String> {
 
 /// Cuts while a port that has begun anew is set up.
 pub fn cut_setting_up(given: &Given) -> Result<String> {
-    const TIMES: u32 = 200;
+    const TIMES: u32 = CUTS;
     let mut bench = given.at_work()?;
     let (mut chance, mut longest, mut restarts) = (Chance(0xC0FFEE), 0, 0);
     for n in 0..TIMES {
         bench.plant.borrow_mut().reset_port();
         // The tick's own look at STATUS comes before, up to five times.
-        bench.machine.chip().board.cut = Some(chance.cut(SETTING_UP + 5 * 6));
+        bench.machine.chip().board.cut = Some(chance.cut(SETTING_UP + 5 * READ));
         longest = longest.max(silence(&mut bench)?);
         let resets = bench.machine.resets.len();
         if resets > 1 + restarts {
@@ -109,17 +112,7 @@ pub fn cut_setting_up(given: &Given) -> Result<String> {
         bench.forget_groups();
         let sets = bench.machine.chip().board.seen.len();
         let mut from = sets.saturating_sub(2);
-        let group = match bench.group_within(4 * SECOND) {
-            Ok(g) => g,
-            Err(e) => {
-                let b = &bench.machine.chip().board;
-                println!("n {n} sets {} cuts {} {:?}", b.sets, b.cuts, b.cut);
-                println!("{:?}", bench.machine.resets);
-                println!("{:?}", bench.identify());
-                println!("{:?}", bench.faults());
-                return Err(e);
-            }
-        };
+        let group = bench.group_within(4 * SECOND).with_context(|| format!("after cut {n}"))?;
         untorn(&group, &bench.machine.chip().board.seen, &mut from)?;
     }
     bench.nothing_wrong()?;

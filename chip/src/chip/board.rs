@@ -13,12 +13,12 @@ pub enum Bus {
     Potentiometer,
 }
 
-/// A chip select of the port that goes high by itself.
+/// A chip select of the port that goes high by itself, at any bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cut {
-    /// Bytes of the port's bus before it.
+    /// Clocks of the port's bus before it.
     pub after: u32,
-    /// Bytes for which it stays high; `None`: until the program selects the port anew.
+    /// Clocks for which it stays high; `None`: until the program selects the port anew.
     pub lasts: Option<u32>,
 }
 
@@ -148,10 +148,12 @@ impl Board {
     /// A byte is clocked.
     pub fn exchange(&mut self, bus: Bus, byte: u8) -> u8 {
         self.clocked += 1;
-        if bus == Bus::Port {
-            self.disturb();
-        }
-        self.pins(bus).exchange(byte)
+        (0..8).rev().fold(0, |answer, place| {
+            if bus == Bus::Port {
+                self.disturb();
+            }
+            answer << 1 | u8::from(self.pins(bus).clock(byte >> place & 1 == 1))
+        })
     }
 
     /// The chip's chip select goes high.
@@ -171,7 +173,7 @@ impl Board {
         }
     }
 
-    /// Chip select goes high and low by itself, where it is to, before a byte of the port's.
+    /// Chip select goes high and low by itself, where it is to, before a bit of the port's.
     fn disturb(&mut self) {
         let Some(cut) = &mut self.cut else { return };
         if cut.after > 0 {

@@ -1,4 +1,4 @@
-//! The acquisition port's master: reads whole sets (docs/acquisition-port.md, version 1.0). Of one whose scans are wanted it
+//! The acquisition port's master: reads whole sets (docs/acquisition-port.md, version 2.0). Of one whose scans are wanted it
 //! reads the sums first, and the scans when the wipers are written: they take 6 ms on the bus, two sample periods.
 
 use crc::{CRC_32_MPEG_2, Crc, NoTable};
@@ -24,7 +24,7 @@ const SET: u8 = 0x10;
 /// "ZRAQ".
 const EXPECTED_IDENTITY: u32 = 0x5A52_4151;
 /// The major version this master speaks; minor ones add registers.
-const EXPECTED_MAJOR: u32 = 1;
+const EXPECTED_MAJOR: u32 = 2;
 
 const CONTROL_RUN: u32 = 1;
 const CONTROL_RESTART: u32 = 2;
@@ -95,9 +95,12 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
         Ok(u32::from_be_bytes(word))
     }
 
+    /// A port that gets this bent or in part takes nothing of it.
     fn write_word(&mut self, address: u8, word: u32) -> Result<(), PortError<SPI::Error>> {
         let [a, b, c, d] = word.to_be_bytes();
-        self.spi.write(&[WRITE | address, 0, a, b, c, d]).map_err(PortError::Spi)
+        let crc = CRC.checksum(&[WRITE | address, 0, a, b, c, d]);
+        let [e, f, g, h] = crc.to_be_bytes();
+        self.spi.write(&[WRITE | address, 0, a, b, c, d, e, f, g, h]).map_err(PortError::Spi)
     }
 
     /// Writes a setting and reads it back: a write that was lost or bent would change what every group means, unseen.

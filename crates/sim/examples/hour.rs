@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("an hour's soak: {:.1} ms", begun.elapsed().as_secs_f64() * 1e3);
 
     plant.borrow_mut().chamber_set_point(Celsius(60.0))?;
-    port.write(&[0x82, 0, 0, 0, 0, 1])?;
+    port.write(&[0x82, 0, 0, 0, 0, 1, 0xAD, 0x20, 0x81, 0xE6])?;
     let begun = Instant::now();
     let mut scans = 0;
     for _ in 0..2400 {

@@ -12,7 +12,7 @@ pub(crate) struct Ad7949 {
     /// The configuration in force; none before the first one after power-up, when the sheet calls it undefined, and after
     /// one that the bench does not have.
     configuration: Option<Configuration>,
-    /// What the frame being clocked sends.
+    /// What is still to be sent of the frame, the next bit highest.
     sending: u16,
     /// What the conversion since the last frame gave.
     converted: u16,
@@ -40,19 +40,17 @@ impl Configuration {
 impl Ad7949 {
     /// Chip select falls: the last conversion's result goes to the shift register.
     pub(crate) fn select(&mut self) {
-        self.sending = self.converted;
+        self.sending = self.converted << 2;
         self.shift = 0;
         self.clocks = 0;
     }
 
-    pub(crate) fn exchange(&mut self, byte: u8) -> u8 {
-        let sent = match self.clocks {
-            0 => (self.sending << 2).to_be_bytes()[0],
-            8 => (self.sending << 2).to_be_bytes()[1],
-            _ => 0,
-        };
-        self.shift = self.shift << 8 | u32::from(byte);
-        self.clocks += 8;
+    /// A clock: a bit in and a bit out.
+    pub(crate) fn clock(&mut self, bit: bool) -> bool {
+        let sent = self.sending >> 15 == 1;
+        self.sending <<= 1;
+        self.shift = self.shift << 1 | u32::from(bit);
+        self.clocks += 1;
         sent
     }
 
@@ -75,6 +73,7 @@ impl Ad7949 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spi::eight_clocks;
 
     const HELD: [u16; 4] = [0x1234, 0x0001, 0x3FFF, 0x2000];
 
@@ -85,7 +84,7 @@ mod tests {
 
     fn frame(part: &mut Ad7949, word: u16, held: &[u16; 4]) -> u16 {
         part.select();
-        let result = (word << 2).to_be_bytes().map(|byte| part.exchange(byte));
+        let result = (word << 2).to_be_bytes().map(|byte| eight_clocks(byte, |bit| part.clock(bit)));
         part.deselect(held);
         u16::from_be_bytes(result)
     }
@@ -124,7 +123,7 @@ mod tests {
         }
         frame(&mut part, word(2), &HELD);
         part.select();
-        part.exchange(0xFF);
+        eight_clocks(0xFF, |bit| part.clock(bit));
         part.deselect(&HELD);
         assert_eq!(frame(&mut part, word(0), &HELD) >> 2, HELD[2]);
         assert_eq!(frame(&mut part, word(0), &HELD) >> 2, HELD[2]);

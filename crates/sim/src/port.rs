@@ -1,10 +1,10 @@
-//! The acquisition port: the SPI slave of `docs/acquisition-port.md`, version 1.0, with its two banks.
+//! The acquisition port: the SPI slave of `docs/acquisition-port.md`, version 2.0, with its two banks.
 
 use crate::crc32::Crc32;
 
 /// "ZRAQ".
 const IDENTITY: u32 = 0x5A52_4151;
-const VERSION: u32 = 0x0001_0000;
+const VERSION: u32 = 0x0002_0000;
 const RUN: u32 = 1 << 0;
 const RESTART: u32 = 1 << 1;
 const READY: u32 = 1 << 0;
@@ -13,6 +13,13 @@ const OVERRUN: u32 = 1 << 1;
 const SET: u8 = 0x10;
 /// Words of the burst before the samples, their CRC included.
 const HEADER_WORDS: usize = 16;
+/// Bit 7 of the first byte.
+const WRITE: u8 = 1 << 7;
+/// The first byte, both bytes of the head, a word, and a whole write with its CRC, in bits.
+const ADDRESS_BITS: usize = 8;
+const HEAD_BITS: usize = 16;
+const WORD_BITS: usize = 32;
+const WRITE_BITS: usize = HEAD_BITS + 2 * WORD_BITS;
 
 /// What a set is filled by: taken up at its start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,14 +37,17 @@ struct Bank {
     lost_before: bool,
 }
 
-/// One SPI transfer in progress.
+/// One SPI transfer in progress: two shift registers, and what the next word to send comes from.
 #[derive(Debug, Clone)]
 struct Transfer {
-    bytes: usize,
-    write: bool,
-    address: u8,
-    /// The word being sent or received.
-    word: [u8; 4],
+    /// Clocks since chip select fell.
+    bits: usize,
+    /// What has come, the last bit lowest.
+    received: u128,
+    /// What is still to be sent of a word, the next bit highest.
+    sending: u32,
+    /// The first byte, once it is in.
+    head: u8,
     /// Words 0 to 15 of the burst, as they were when it began; `None` when no set waited.
     header: Option<[u32; HEADER_WORDS]>,
     samples_crc: Crc32,
@@ -131,60 +141,51 @@ impl Port {
 
     /// Chip select falls.
     pub(crate) fn select(&mut self) {
-        self.transfer = Some(Transfer {
-            bytes: 0,
-            write: false,
-            address: 0,
-            word: [0; 4],
-            header: None,
-            samples_crc: Crc32::new(),
-        });
+        self.transfer =
+            Some(Transfer { bits: 0, received: 0, sending: 0, head: 0, header: None, samples_crc: Crc32::new() });
     }
 
-    /// Eight clocks: a byte in and a byte out.
-    pub(crate) fn exchange(&mut self, byte: u8) -> u8 {
-        let Some(mut transfer) = self.transfer.take() else { return 0 };
-        let sent = match transfer.bytes {
-            0 => {
-                transfer.write = byte & 0x80 != 0;
-                transfer.address = byte & 0x7F;
-                if transfer.address == SET && !transfer.write {
-                    transfer.header = self.waiting.as_ref().map(|bank| self.header(bank));
-                }
-                0
+    /// A clock: a bit in and a bit out.
+    pub(crate) fn clock(&mut self, bit: bool) -> bool {
+        let Some(transfer) = &mut self.transfer else { return false };
+        let sent = transfer.sending >> 31 == 1;
+        transfer.sending <<= 1;
+        transfer.received = transfer.received << 1 | u128::from(bit);
+        transfer.bits += 1;
+        if transfer.bits == ADDRESS_BITS {
+            [.., transfer.head] = transfer.received.to_be_bytes();
+            if transfer.head == SET {
+                transfer.header = self.waiting.as_ref().map(|bank| header(bank, self.lost));
             }
-            1 => 0,
-            bytes => self.exchange_word(&mut transfer, bytes - 2, byte),
-        };
-        transfer.bytes += 1;
-        self.transfer = Some(transfer);
+        }
+        if transfer.bits >= HEAD_BITS && (transfer.bits - HEAD_BITS).is_multiple_of(WORD_BITS) {
+            self.load();
+        }
         sent
     }
 
-    /// Chip select rises: a set whose header was sent whole is released.
+    /// Chip select rises: a write that is whole takes effect, and a set whose header was sent whole is released.
     pub(crate) fn deselect(&mut self) {
         let Some(transfer) = self.transfer.take() else { return };
-        if transfer.header.is_some() && transfer.bytes >= 2 + 4 * HEADER_WORDS {
+        if let Some((address, word)) = transfer.written() {
+            self.write(address, word);
+        }
+        if transfer.header.is_some() && transfer.bits >= HEAD_BITS + WORD_BITS * HEADER_WORDS {
             self.waiting = None;
             self.lost_since_release = false;
         }
     }
 
-    fn exchange_word(&mut self, transfer: &mut Transfer, position: usize, byte: u8) -> u8 {
-        let (index, place) = (position / 4, position % 4);
-        let burst = transfer.address == SET && !transfer.write;
-        if transfer.write {
-            transfer.word[place] = byte;
-            if place == 3 {
-                self.write(address_of(transfer, index), u32::from_be_bytes(transfer.word));
-            }
-            return 0;
-        }
-        if place == 0 {
-            let word = if burst { self.burst_word(transfer, index) } else { self.read(address_of(transfer, index)) };
-            transfer.word = word.to_be_bytes();
-        }
-        transfer.word[place]
+    /// The next word goes to the shift register.
+    fn load(&mut self) {
+        let Some(mut transfer) = self.transfer.take() else { return };
+        let index = (transfer.bits - HEAD_BITS) / WORD_BITS;
+        transfer.sending = match transfer.head {
+            SET => self.burst_word(&mut transfer, index),
+            head if head & WRITE != 0 => 0,
+            first => self.read(address_of(first, index)),
+        };
+        self.transfer = Some(transfer);
     }
 
     fn read(&self, address: Option<u8>) -> u32 {
@@ -203,11 +204,11 @@ impl Port {
         }
     }
 
-    fn write(&mut self, address: Option<u8>, word: u32) {
+    fn write(&mut self, address: u8, word: u32) {
         match address {
-            Some(0x02) => self.control(word),
-            Some(0x03) if (100..=1_000_000).contains(&word) => self.written.scan_period_us = word,
-            Some(0x04) if (1..=512).contains(&word) => self.written.set_length = word,
+            0x02 => self.control(word),
+            0x03 if (100..=1_000_000).contains(&word) => self.written.scan_period_us = word,
+            0x04 if (1..=512).contains(&word) => self.written.set_length = word,
             _ => {}
         }
     }
@@ -229,32 +230,6 @@ impl Port {
         self.running = run;
     }
 
-    fn header(&self, bank: &Bank) -> [u32; HEADER_WORDS] {
-        let mut sums = [0_u32; 4];
-        let mut squares = [0_u64; 4];
-        for scan in bank.samples.chunks_exact(4) {
-            for (channel, &sample) in scan.iter().enumerate() {
-                sums[channel] += u32::from(sample);
-                squares[channel] += u64::from(sample) * u64::from(sample);
-            }
-        }
-        let length = u32::try_from(bank.samples.len() / 4).unwrap_or(u32::MAX);
-        let mut words = [0; HEADER_WORDS];
-        words[0] = bank.number;
-        words[1] = length << 16 | u32::from(bank.lost_before);
-        words[2] = self.lost;
-        words[3..7].copy_from_slice(&sums);
-        for (pair, square) in words[7..15].chunks_exact_mut(2).zip(squares) {
-            let bytes = square.to_be_bytes();
-            pair[0] = u32::from_be_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-            pair[1] = u32::from_be_bytes([bytes[4], bytes[5], bytes[6], bytes[7]]);
-        }
-        let mut crc = Crc32::new();
-        words[..15].iter().for_each(|&word| crc.push(word));
-        words[15] = crc.value();
-        words
-    }
-
     fn burst_word(&self, transfer: &mut Transfer, index: usize) -> u32 {
         let (Some(header), Some(bank)) = (&transfer.header, &self.waiting) else { return 0 };
         if index < HEADER_WORDS {
@@ -264,7 +239,7 @@ impl Port {
         match bank.samples.get(first..first + 2) {
             Some(pair) => {
                 let word = u32::from(pair[0]) << 16 | u32::from(pair[1]);
-                transfer.samples_crc.push(word);
+                transfer.samples_crc.push(&word.to_be_bytes());
                 word
             }
             None if first == bank.samples.len() => transfer.samples_crc.value(),
@@ -273,9 +248,47 @@ impl Port {
     }
 }
 
-/// The address of a word of a transfer; none from the burst on, where there are only reserved ones.
-fn address_of(transfer: &Transfer, index: usize) -> Option<u8> {
-    let address = u8::try_from(usize::from(transfer.address) + index).ok()?;
+impl Transfer {
+    /// The address and the word of a write; none unless all of it came, nothing after it, and its CRC is right.
+    fn written(&self) -> Option<(u8, u32)> {
+        let [.., head, around, a, b, c, d, e, f, g, h] = self.received.to_be_bytes();
+        let mut crc = Crc32::new();
+        crc.push(&[head, around, a, b, c, d]);
+        let is_whole = self.bits == WRITE_BITS && head & WRITE != 0 && crc.value() == u32::from_be_bytes([e, f, g, h]);
+        is_whole.then(|| (head & !WRITE, u32::from_be_bytes([a, b, c, d])))
+    }
+}
+
+/// Words 0 to 15 of a set's burst.
+fn header(bank: &Bank, lost: u32) -> [u32; HEADER_WORDS] {
+    let mut sums = [0_u32; 4];
+    let mut squares = [0_u64; 4];
+    for scan in bank.samples.chunks_exact(4) {
+        for (channel, &sample) in scan.iter().enumerate() {
+            sums[channel] += u32::from(sample);
+            squares[channel] += u64::from(sample) * u64::from(sample);
+        }
+    }
+    let length = u32::try_from(bank.samples.len() / 4).unwrap_or(u32::MAX);
+    let mut words = [0; HEADER_WORDS];
+    words[0] = bank.number;
+    words[1] = length << 16 | u32::from(bank.lost_before);
+    words[2] = lost;
+    words[3..7].copy_from_slice(&sums);
+    for (pair, square) in words[7..15].chunks_exact_mut(2).zip(squares) {
+        let bytes = square.to_be_bytes();
+        pair[0] = u32::from_be_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        pair[1] = u32::from_be_bytes([bytes[4], bytes[5], bytes[6], bytes[7]]);
+    }
+    let mut crc = Crc32::new();
+    words[..15].iter().for_each(|word| crc.push(&word.to_be_bytes()));
+    words[15] = crc.value();
+    words
+}
+
+/// The address of a word of a read; none from the burst on, where there are only reserved ones.
+fn address_of(first: u8, index: usize) -> Option<u8> {
+    let address = u8::try_from(usize::from(first) + index).ok()?;
     (address < SET).then_some(address)
 }
 

@@ -26,12 +26,17 @@ impl Error for BusFault {
     }
 }
 
-/// A part that hangs on SPI: what it does as chip select falls, in eight clocks, and as chip select rises.
+/// A part that hangs on SPI: what it does as chip select falls, in a clock, and as chip select rises.
 trait Slave {
     const BUS: Bus;
     fn select(plant: &mut Plant);
-    fn exchange(plant: &mut Plant, byte: u8) -> u8;
+    fn clock(plant: &mut Plant, bit: bool) -> bool;
     fn deselect(plant: &mut Plant);
+}
+
+/// A byte, most significant bit first, through whatever takes and gives a bit.
+pub(crate) fn eight_clocks(byte: u8, mut clock: impl FnMut(bool) -> bool) -> u8 {
+    (0..8).rev().fold(0, |sent, place| sent << 1 | u8::from(clock(byte >> place & 1 == 1)))
 }
 
 /// What a part does at its pins.
@@ -39,13 +44,13 @@ trait Slave {
 struct SlavePins {
     bus: Bus,
     select: fn(&mut Plant),
-    exchange: fn(&mut Plant, u8) -> u8,
+    clock: fn(&mut Plant, bool) -> bool,
     deselect: fn(&mut Plant),
 }
 
 impl SlavePins {
     fn of<S: Slave>() -> Self {
-        Self { bus: S::BUS, select: S::select, exchange: S::exchange, deselect: S::deselect }
+        Self { bus: S::BUS, select: S::select, clock: S::clock, deselect: S::deselect }
     }
 }
 
@@ -86,16 +91,16 @@ impl Pins {
         self.selected = Some(selected);
     }
 
-    /// Eight clocks: a byte in and a byte out.
-    pub fn exchange(&mut self, byte: u8) -> u8 {
+    /// A clock: a bit in and a bit out.
+    pub fn clock(&mut self, bit: bool) -> bool {
         let plant = &mut *self.plant.borrow_mut();
         match self.selected {
-            Some(Selected::Well) => (self.slave.exchange)(plant, byte),
+            Some(Selected::Well) => (self.slave.clock)(plant, bit),
             Some(Selected::Mute) => {
-                _ = (self.slave.exchange)(plant, byte);
-                0
+                _ = (self.slave.clock)(plant, bit);
+                false
             }
-            Some(Selected::Deaf) | None => 0,
+            Some(Selected::Deaf) | None => false,
         }
     }
 
@@ -115,7 +120,7 @@ fn transact<S: Slave>(shared: &SharedPlant, operations: &mut [Operation<'_, u8>]
     }
     let is_mute = plant.transfer_is_mute(S::BUS);
     let exchange = |plant: &mut Plant, byte| {
-        let word = S::exchange(plant, byte);
+        let word = eight_clocks(byte, |bit| S::clock(plant, bit));
         if is_mute { 0 } else { word }
     };
     S::select(plant);
@@ -203,14 +208,12 @@ impl Slave for PortSlave {
     fn select(plant: &mut Plant) {
         plant.port.select();
     }
-    /// A register takes its word with the last byte of it: from then on the port scans, whatever time chip select takes.
-    fn exchange(plant: &mut Plant, byte: u8) -> u8 {
-        let sent = plant.port.exchange(byte);
-        plant.port_written();
-        sent
+    fn clock(plant: &mut Plant, bit: bool) -> bool {
+        plant.port.clock(bit)
     }
     fn deselect(plant: &mut Plant) {
         plant.port.deselect();
+        plant.port_written();
     }
 }
 
@@ -223,9 +226,9 @@ impl Slave for PotentiometerSlave {
         plant.potentiometer.select();
     }
     /// The part is write-only: nothing drives the line back, which a pull-down keeps low.
-    fn exchange(plant: &mut Plant, byte: u8) -> u8 {
-        (0..8).rev().for_each(|place| plant.potentiometer.clock(byte >> place & 1 == 1));
-        0
+    fn clock(plant: &mut Plant, bit: bool) -> bool {
+        plant.potentiometer.clock(bit);
+        false
     }
     fn deselect(plant: &mut Plant) {
         let now_ns = plant.now_ns();
@@ -242,8 +245,8 @@ impl Slave for ConverterSlave {
     fn select(plant: &mut Plant) {
         plant.ad7949.select();
     }
-    fn exchange(plant: &mut Plant, byte: u8) -> u8 {
-        plant.ad7949.exchange(byte)
+    fn clock(plant: &mut Plant, bit: bool) -> bool {
+        plant.ad7949.clock(bit)
     }
     fn deselect(plant: &mut Plant) {
         let held = plant.held();
@@ -276,17 +279,18 @@ mod tests {
     use crate::parameters::PlantParameters;
 
     #[test]
-    fn a_port_that_is_started_at_its_pins_scans_from_the_last_byte_on_however_long_chip_select_stays_low() {
+    fn a_port_that_is_started_at_its_pins_scans_from_the_rise_of_chip_select_on() {
         let plant = Plant::new(PlantParameters::paper(), 1).share();
         plant.borrow_mut().pass_until_ns(7_000_000);
         let mut pins = PortSpi::new(&plant).pins();
         pins.select();
-        for byte in [0x82, 0, 0, 0, 0, 3] {
-            _ = pins.exchange(byte);
+        // RESTART and RUN.
+        for byte in [0x82, 0, 0, 0, 0, 3, 0xA4, 0xA2, 0xBA, 0x88] {
+            _ = eight_clocks(byte, |bit| pins.clock(bit));
         }
         plant.borrow_mut().pass_until_ns(8_000_000);
         pins.deselect();
-        assert_eq!(plant.borrow().next_scan_ns(), Some(10_000_000));
+        assert_eq!(plant.borrow().next_scan_ns(), Some(11_000_000));
     }
 
     #[test]
@@ -295,13 +299,13 @@ mod tests {
         let mut pins = PortSpi::new(&plant).pins();
         let identity = |pins: &mut Pins| {
             pins.select();
-            let sent = [0, 0, 0, 0, 0, 0].map(|byte| pins.exchange(byte));
+            let sent = [0, 0, 0, 0, 0, 0].map(|byte| eight_clocks(byte, |bit| pins.clock(bit)));
             pins.deselect();
             (sent[2..] == *b"ZRAQ", sent == [0; 6])
         };
         plant.borrow_mut().inject(Fault::PortSpi { transfers: 1 });
         assert_eq!([identity(&mut pins), identity(&mut pins)], [(false, true), (true, false)]);
-        assert_eq!(pins.exchange(0x10), 0);
+        assert_eq!(eight_clocks(0x10, |bit| pins.clock(bit)), 0);
         plant.borrow_mut().inject(Fault::MutePort { transfers: 1 });
         assert_eq!([identity(&mut pins), identity(&mut pins)], [(false, true), (true, false)]);
     }

@@ -54,7 +54,7 @@ def blocks():
     d.text(232, 28, "SCK, up to 10 MHz", 13, "end", colour=GREY)
     d.text(258, 28, "clk, 24 MHz", 13, "start", colour=GREY)
 
-    d.box(90, 130, 130, 250, "spi_slave", ["place in the", "transfer,", "bits in,", "bits out"], SPI)
+    d.box(90, 130, 130, 250, "spi_slave", ["place in the", "transfer,", "bits in, bits", "out, their CRC"], SPI)
     for y, name, to_block in ((165, "SCK", True), (215, "CS", True), (265, "MOSI", True), (335, "MISO", False)):
         d.line([(22, y), (90, y)] if to_block else [(90, y), (22, y)], arrow=True)
         d.text(52, y - 6, name, 12)
@@ -77,7 +77,7 @@ def blocks():
     d.line([(275, 335), (220, 335)], arrow=True)
     d.text(251, 352, "transmit", 11, colour=NOTE)
     d.line([(220, 215), (490, 215)], arrow=True)
-    d.text(345, 208, "head, received", 12, colour=NOTE)
+    d.text(345, 208, "head, received, is_sound", 12, colour=NOTE)
 
     d.line([(425, 100), (490, 100)], arrow=True)
     d.line([(565, 140), (565, 175)], arrow=True)

@@ -1,5 +1,5 @@
 // The acquisition block: scans an AD7949, keeps whole sets in two banks of block RAM, and hands them to the processor
-// through the port of docs/acquisition-port.md, version 1.0.
+// through the port of docs/acquisition-port.md, version 2.0.
 module acquisition #(
     parameter int CLOCKS_PER_US = 24,
     parameter int ADC_HALF_CLOCKS = 2,
@@ -23,11 +23,11 @@ module acquisition #(
     // The master's clock.
     logic [7:0]  head;
     logic [31:0] received, transmit;
-    logic        head_toggle, begin_toggle, end_toggle;
+    logic        is_sound, head_toggle, begin_toggle, end_toggle;
 
     spi_slave slave(
         .spi_sck, .spi_csn, .spi_mosi, .spi_miso,
-        .head, .received, .head_toggle, .begin_toggle, .end_toggle, .transmit
+        .head, .received, .is_sound, .head_toggle, .begin_toggle, .end_toggle, .transmit
     );
 
     // Our clock, from here on.
@@ -42,7 +42,7 @@ module acquisition #(
     logic       beyond, write, fetch, is_burst, read_begins, read_ends, release_set;
 
     transfer current(
-        .clk, .rst_n, .head, .head_in, .word_begins, .word_ends, .deselected,
+        .clk, .rst_n, .head, .head_in, .word_begins, .word_ends, .deselected, .is_sound,
         .address, .beyond, .write, .fetch, .is_burst, .read_begins, .read_ends, .release_set
     );
 
@@ -151,6 +151,6 @@ module acquisition #(
 
     // A word is whole and still when SCK takes it to the shift register. This is what limits SCK to 10 MHz.
     assert property (@(negedge spi_sck) disable iff (!rst_n)
-        !slave.in_head && slave.place == 5'd0 |-> settled && events.head_level == events.head_before);
+        slave.part != slave.HEAD && slave.place == 5'd0 |-> settled && events.head_level == events.head_before);
 `endif
 endmodule

@@ -1,5 +1,4 @@
-// CRC-32/MPEG-2 of words, bit-serial in the order of the wire: polynomial 0x04C11DB7, initial value all ones, not
-// reflected, not inverted.
+// CRC-32/MPEG-2 of words, bit-serial in the order of the wire.
 //
 // A word takes 32 clocks. The wire takes 32 of its own for it, and those are longer, so this is always done in time.
 module crc32 (
@@ -11,9 +10,10 @@ module crc32 (
     output logic        busy,
     output logic [31:0] crc
 );
-    localparam logic [31:0] POLYNOMIAL = 32'h04C1_1DB7;
+    logic [4:0]  place;
+    logic [31:0] after;
 
-    logic [4:0] place;
+    crc32_bit step(.crc, .taken(word[place]), .after);
 
     always_ff @(posedge clk) begin
         if (clear) begin
@@ -23,7 +23,7 @@ module crc32 (
             busy  <= 1'b1;
             place <= 5'd31;
         end else if (busy) begin
-            crc   <= {crc[30:0], 1'b0} ^ (crc[31] != word[place] ? POLYNOMIAL : 32'd0);
+            crc   <= after;
             place <= place - 5'd1;
             busy  <= place != 5'd0;
         end

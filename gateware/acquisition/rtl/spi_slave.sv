@@ -4,11 +4,12 @@
 // 50 ns from the fall to a settled MISO. The 24 MHz clock would need two to three periods (83 to 125 ns) only to see the
 // fall, so the shift registers have SCK itself for their clock; see README, "Two clocks".
 //
-// Towards `clk` nothing crosses but three toggles, and two words that are still while the toggles are looked at:
+// Towards `clk` nothing crosses but three toggles, and what is still while the toggles are looked at:
 //   head_toggle   flips when the address byte is in; `head` keeps it until the next one, at least 16 clocks of SCK on
 //   begin_toggle  flips with the first bit of a word, so `transmit` has been taken and may be replaced: it must be
 //                 settled before the word ends, 31.5 clocks of SCK on (the first word: 8.5 clocks after head_toggle)
-//   end_toggle    flips when a word is through; `received` keeps it for at least 32 clocks of SCK
+//   end_toggle    flips when a word is through. With the first one `received` has it, with the second `is_sound` tells
+//                 whether that is the CRC of all before it; they keep that until the next transfer has as many words
 // Chip select, when high, puts this part back to the start whatever state it is in. The toggles it leaves as they are,
 // since setting them back would be an event.
 module spi_slave (
@@ -19,6 +20,7 @@ module spi_slave (
 
     output logic [7:0]  head,
     output logic [31:0] received,
+    output logic        is_sound,
     output logic        head_toggle,
     output logic        begin_toggle,
     output logic        end_toggle,
@@ -29,17 +31,31 @@ module spi_slave (
     localparam logic [4:0] LAST_BIT_OF_ADDRESS = 5'd23;
     localparam logic [4:0] LAST_BIT_OF_WORD = 5'd31;
 
-    // The bit that SCK's next rise takes.
-    logic [4:0] place;
-    logic       in_head;
+    // Where in the transfer, the words counted as far as a write has them.
+    typedef enum logic [1:0] {HEAD, FIRST_WORD, SECOND_WORD, BEYOND} part_t;
+
+    // The bit that SCK's next rise takes, and the CRC of those before it. Of bytes and their CRC it is 0.
+    part_t       part;
+    logic [4:0]  place;
+    logic [31:0] crc, crc_after;
+
+    crc32_bit step(.crc, .taken(spi_mosi), .after(crc_after));
 
     always_ff @(posedge spi_sck or posedge spi_csn) begin
         if (spi_csn) begin
-            place   <= FIRST_BIT_OF_HEAD;
-            in_head <= 1'b1;
+            part  <= HEAD;
+            place <= FIRST_BIT_OF_HEAD;
+            crc   <= 32'hFFFF_FFFF;
         end else begin
-            place   <= place + 5'd1;
-            in_head <= in_head && place != LAST_BIT_OF_WORD;
+            place <= place + 5'd1;
+            crc   <= crc_after;
+            if (place == LAST_BIT_OF_WORD) begin
+                case (part)
+                    HEAD: part <= FIRST_WORD;
+                    FIRST_WORD: part <= SECOND_WORD;
+                    default: part <= BEYOND;
+                endcase
+            end
         end
     end
 
@@ -53,15 +69,14 @@ module spi_slave (
 
     always_ff @(posedge spi_sck) begin
         incoming <= {incoming[29:0], spi_mosi};
-        if (in_head && place == LAST_BIT_OF_ADDRESS) begin
+        if (part == HEAD && place == LAST_BIT_OF_ADDRESS) begin
             head        <= {incoming[6:0], spi_mosi};
             head_toggle <= !head_toggle;
         end
-        if (!in_head && place == 5'd0) begin_toggle <= !begin_toggle;
-        if (!in_head && place == LAST_BIT_OF_WORD) begin
-            received   <= {incoming, spi_mosi};
-            end_toggle <= !end_toggle;
-        end
+        if (part != HEAD && place == 5'd0) begin_toggle <= !begin_toggle;
+        if (part != HEAD && place == LAST_BIT_OF_WORD) end_toggle <= !end_toggle;
+        if (part == FIRST_WORD && place == LAST_BIT_OF_WORD) received <= {incoming, spi_mosi};
+        if (part == SECOND_WORD && place == LAST_BIT_OF_WORD) is_sound <= crc_after == 32'd0;
     end
 
     // On the fall `place` already names the bit that the rise after it takes: at 0 a word is to begin.
@@ -69,7 +84,7 @@ module spi_slave (
 
     always_ff @(negedge spi_sck or posedge spi_csn) begin
         if (spi_csn) outgoing <= 32'd0;
-        else if (!in_head && place == 5'd0) outgoing <= transmit;
+        else if (part != HEAD && place == 5'd0) outgoing <= transmit;
         else outgoing <= {outgoing[30:0], 1'b0};
     end
 

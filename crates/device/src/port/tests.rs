@@ -4,7 +4,18 @@ use std::vec::Vec;
 use super::*;
 use embedded_hal_mock::eh1::spi::{Mock, Transaction};
 
-/// A burst of two scans, its CRCs made by another reading of the rule: bit by bit, as the document says.
+/// Bytes and their CRC, by another reading of the rule: bit by bit, as the document says.
+fn with_crc(mut bytes: Vec<u8>) -> Vec<u8> {
+    let mut register = u32::MAX;
+    for bit in bytes.iter().flat_map(|byte| (0..8).rev().map(move |k| byte >> k & 1)) {
+        let feedback = (register >> 31) ^ u32::from(bit);
+        register = register << 1 ^ (feedback * 0x04C1_1DB7);
+    }
+    bytes.extend(register.to_be_bytes());
+    bytes
+}
+
+/// A burst of two scans, in its two parts.
 fn burst(number: u32, scans: &[[u16; 4]]) -> (Vec<u8>, Vec<u8>) {
     let mut words = vec![number, u32::try_from(scans.len()).unwrap() << 16, 0];
     let channel = |k: usize| scans.iter().map(move |scan| u64::from(scan[k]));
@@ -13,15 +24,6 @@ fn burst(number: u32, scans: &[[u16; 4]]) -> (Vec<u8>, Vec<u8>) {
         let squares: u64 = channel(k).map(|s| s * s).sum();
         words.extend([u32::try_from(squares >> 32).unwrap(), (squares & 0xFFFF_FFFF).try_into().unwrap()]);
     }
-    let with_crc = |mut bytes: Vec<u8>| {
-        let mut register = u32::MAX;
-        for bit in bytes.iter().flat_map(|byte| (0..8).rev().map(move |k| byte >> k & 1)) {
-            let feedback = (register >> 31) ^ u32::from(bit);
-            register = register << 1 ^ (feedback * 0x04C1_1DB7);
-        }
-        bytes.extend(register.to_be_bytes());
-        bytes
-    };
     let head = with_crc(words.iter().flat_map(|w| w.to_be_bytes()).collect());
     (head, with_crc(scans.iter().flatten().flat_map(|s| s.to_be_bytes()).collect()))
 }
@@ -38,6 +40,10 @@ fn word_read(address: u8, word: u32) -> Vec<Transaction<u8>> {
 fn word_write(address: u8, word: u32) -> Vec<Transaction<u8>> {
     let mut bytes = vec![0x80 | address, 0];
     bytes.extend(word.to_be_bytes());
+    sent(with_crc(bytes))
+}
+
+fn sent(bytes: Vec<u8>) -> Vec<Transaction<u8>> {
     vec![Transaction::transaction_start(), Transaction::write_vec(bytes), Transaction::transaction_end()]
 }
 
@@ -57,7 +63,7 @@ const SCANS: [[u16; 4]; 2] = [[8500, 8541, 8501, 8763], [8502, 16_383, 8499, 0]]
 
 fn started() -> Vec<Transaction<u8>> {
     let mut expected = word_read(0x00, 0x5A52_4151);
-    expected.extend(word_read(0x01, 0x0001_0000));
+    expected.extend(word_read(0x01, 0x0002_0000));
     expected.extend(word_write(0x02, 0));
     expected.extend(word_write(0x03, 3000));
     expected.extend(word_read(0x03, 3000));
@@ -147,6 +153,35 @@ fn something_else_on_the_bus_is_named() {
     let mut spi = Mock::new(&word_read(0x00, 0xFFFF_FFFF));
     let error = PortAcquisition::new(&mut spi).start(Timing::PAPER).unwrap_err();
     assert_eq!(error, PortError::NotAPort { identity: 0xFFFF_FFFF });
+    spi.done();
+}
+
+#[test]
+fn a_port_of_another_major_version_is_named_and_nothing_is_written_to_it() {
+    for version in [0x0001_0000, 0x0001_0007, 0x0003_0000] {
+        let mut expected = word_read(0x00, 0x5A52_4151);
+        expected.extend(word_read(0x01, version));
+        let mut spi = Mock::new(&expected);
+        let error = PortAcquisition::new(&mut spi).start(Timing::PAPER).unwrap_err();
+        assert_eq!(error, PortError::UnknownVersion { version });
+        spi.done();
+    }
+}
+
+/// The CRCs are zlib's, which has the same polynomial the other way round:
+///
+///     python3 -c 'import sys, zlib
+///     turn = lambda number, bits: int(format(number, f"0{bits}b")[::-1], 2)
+///     turned = bytes(turn(byte, 8) for byte in bytes.fromhex(sys.argv[1]))
+///     print(hex(turn(zlib.crc32(turned) ^ 0xFFFFFFFF, 32)))' 830000000BB8
+#[test]
+fn a_write_goes_out_with_a_crc_that_is_not_our_own() {
+    let mut expected = sent(vec![0x82, 0, 0, 0, 0, 0, 0xA9, 0xE1, 0x9C, 0x51]);
+    expected.extend(sent(vec![0x83, 0, 0, 0, 0x0B, 0xB8, 0xD1, 0x5C, 0xED, 0x6E]));
+    let mut spi = Mock::new(&expected);
+    let mut port = PortAcquisition::new(&mut spi);
+    port.stop().unwrap();
+    port.write_word(SCAN_PERIOD, 3000).unwrap();
     spi.done();
 }
 

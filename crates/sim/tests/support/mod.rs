@@ -17,8 +17,11 @@ pub fn running(parameters: PlantParameters, seed: u64) -> (SharedPlant, PortSpi,
     (plant, port, potentiometer)
 }
 
+/// Writes RUN; the last four bytes are the write's CRC-32/MPEG-2.
 pub fn run(port: &mut PortSpi, run: bool) {
-    port.write(&[0x82, 0, 0, 0, 0, u8::from(run)]).unwrap();
+    let start = [0x82, 0, 0, 0, 0, 1, 0xAD, 0x20, 0x81, 0xE6];
+    let stop = [0x82, 0, 0, 0, 0, 0, 0xA9, 0xE1, 0x9C, 0x51];
+    port.write(if run { &start } else { &stop }).unwrap();
 }
 
 pub fn write_tap(potentiometer: &mut PotentiometerSpi, axis: Axis, tap: u16) {

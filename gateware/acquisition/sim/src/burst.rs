@@ -1,4 +1,4 @@
-//! The set's burst as docs/acquisition-port.md lays it out, read word by word.
+//! The set's burst and a write as docs/acquisition-port.md lays them out.
 
 use crc::{CRC_32_MPEG_2, Crc};
 
@@ -69,4 +69,12 @@ pub fn scans(burst: &[u32], length: usize) -> Option<Vec<[u16; 4]>> {
     let words = checked(burst.get(HEAD_WORDS..=HEAD_WORDS + 2 * length)?)?;
     let scan = |pair: &[u32]| [(pair[0] >> 16) as u16, pair[0] as u16, (pair[1] >> 16) as u16, pair[1] as u16];
     Some(words.chunks_exact(2).map(scan).collect())
+}
+
+/// The bytes that write a word.
+#[must_use]
+pub fn written(address: u8, word: u32) -> [u8; 10] {
+    let [a, b, c, d] = word.to_be_bytes();
+    let [e, f, g, h] = CRC.checksum(&[0x80 | address, 0, a, b, c, d]).to_be_bytes();
+    [0x80 | address, 0, a, b, c, d, e, f, g, h]
 }

@@ -10,7 +10,7 @@ mod shared;
 
 pub use ad7949::{Ad7949, Frame, Limits};
 pub use bench::{Bench, Disturbance, Scan};
-pub use burst::{Head, checked, head, scans};
+pub use burst::{Head, checked, head, scans, written};
 pub use master::{ConverterDelay, ConverterSpi, Port, Timing};
 pub use model::{Inputs, Model, Outputs, Scale};
 pub use random::Random;

@@ -11,10 +11,12 @@ use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use crate::Ps;
 use crate::ad7949::{Ad7949, Frame};
 use crate::bench::Bench;
+use crate::burst::written;
 use crate::random::Random;
 
-/// From chip select's rise to data ready's fall when a set is released, at most: five of the block's clocks.
-const RELEASE_PS: Ps = 210_000;
+/// From chip select's rise to data ready's fall, at most: five of the block's clocks when a set is released, and one more when
+/// a restart drops it.
+const FALL_PS: Ps = 250_000;
 
 /// How a master clocks. Each range is drawn from anew every time.
 #[derive(Debug, Clone, Copy)]
@@ -133,26 +135,26 @@ impl Port {
         self.read(0x10, 16 + 2 * length + 1)
     }
 
-    /// Writes words from an address on.
-    pub fn write(&mut self, address: u8, words: &[u32]) {
+    /// Writes a word.
+    pub fn write(&mut self, address: u8, word: u32) {
         self.select();
-        self.byte(0x80 | address);
-        self.byte(0);
-        words.iter().flat_map(|word| word.to_be_bytes()).for_each(|byte| _ = self.byte(byte));
+        written(address, word).into_iter().for_each(|byte| _ = self.byte(byte));
         self.deselect();
     }
 
     /// Sets SCAN_PERIOD and SET_LENGTH, and starts anew with RESTART. The bench counts its scans from here.
     pub fn start(&mut self, period_us: u32, length: u32) {
-        self.write(0x02, &[0, period_us, length]);
-        self.write(0x02, &[0b11]);
+        self.write(0x02, 0);
+        self.write(0x03, period_us);
+        self.write(0x04, length);
+        self.write(0x02, 0b11);
         self.bench.count_scans();
     }
 
     /// Waits for the data ready line, or so many microseconds of SCAN_PERIOD; whether it is high.
     pub fn wait_for_data_ready(&mut self, at_most_us: u64) -> bool {
         let until_ps = self.bench.now_ps() + self.bench.period_ps(at_most_us);
-        self.bench.pass(RELEASE_PS);
+        self.bench.pass(FALL_PS);
         while !self.bench.data_ready() && self.bench.now_ps() < until_ps {
             self.bench.pass(200_000);
         }

@@ -42,7 +42,7 @@ fn disturbed_read(port: &mut Port, address: u8, words: usize) -> Vec<u32> {
 fn after_a_glitch_on_any_spi_pin_at_any_moment_of_a_read_the_next_whole_set_comes() {
     const LENGTH: usize = 3;
     let mut random = Random::new(7);
-    let (mut spoilt, mut stopped) = (0, 0);
+    let mut spoilt = 0;
     for seed in 0..20 {
         let timing = [Timing::FASTEST, Timing::QUICK][seed as usize % 2];
         let mut port = Port::new(bench(seed), timing, u64::from(seed));
@@ -59,14 +59,7 @@ fn after_a_glitch_on_any_spi_pin_at_any_moment_of_a_read_the_next_whole_set_come
             spoilt += u32::from(status[0] & 1 == 0 || !whole);
             // Undisturbed, the next is whole.
             port.bench.pass(1_000_000);
-            if port.read(CONTROL, 3) != [1, 700, LENGTH as u32] {
-                // Chip select rose within the address byte 0x10, just before its 1: with the zeros after it that is a
-                // write of zeros from address 0 on, and CONTROL is among them. It is what the port's definition asks for;
-                // the master misses its sets and starts anew.
-                assert_eq!((what, port.read(CONTROL, 3)), (Disturbance::ChipSelect, vec![0, 700, LENGTH as u32]));
-                stopped += 1;
-                port.start(700, LENGTH as u32);
-            }
+            assert_eq!(port.read(CONTROL, 3), [1, 700, LENGTH as u32], "no read is a write, however it is cut");
             assert!(port.wait_for_data_ready(5000));
             let burst = port.read(SET, 16 + 2 * LENGTH + 1);
             assert!(check(&port, &burst, LENGTH).is_some() && scans(&burst, LENGTH).is_some());
@@ -74,8 +67,7 @@ fn after_a_glitch_on_any_spi_pin_at_any_moment_of_a_read_the_next_whole_set_come
         assert_eq!(port.bench.converter_faults(), [""; 0]);
     }
     assert!(spoilt > 500, "{spoilt} reads were spoilt: too few for this to mean anything");
-    assert!(stopped < 30, "{stopped} of 3000 glitches stopped it");
-    println!("{spoilt} of 3000 reads were spoilt, {stopped} stopped the block");
+    println!("{spoilt} of 3000 reads were spoilt, and no register changed");
 }
 
 #[test]
@@ -150,21 +142,38 @@ fn a_restart_at_any_clock_of_a_scan_starts_with_a_whole_scan() {
 }
 
 #[test]
-fn a_glitch_in_a_write_is_mended_by_writing_again() {
+fn a_write_with_a_glitch_on_any_spi_pin_is_taken_whole_or_not_at_all() {
     let mut random = Random::new(13);
-    let mut port = Port::new(bench(8), Timing::FASTEST, 8);
-    for _ in 0..1500 {
-        let what = [Disturbance::Sck, Disturbance::ChipSelect, Disturbance::Mosi][random.between(0, 2) as usize];
-        // Both writes take 16 us at 10 MHz.
-        port.bench.disturb(what, random.between(0, 16_000_000), random.between(1_000, 300_000));
-        port.start(100, 3);
-        port.bench.pass(1_000_000);
+    let (mut taken, mut refused) = (0, 0);
+    for seed in 0..20 {
+        let mut port = Port::new(bench(seed), [Timing::FASTEST, Timing::QUICK][seed as usize % 2], u64::from(seed));
+        let mut registers = vec![0, 3000, 500];
+        for _ in 0..150 {
+            let what = [Disturbance::Sck, Disturbance::ChipSelect, Disturbance::Mosi][random.between(0, 2) as usize];
+            // A write at 10 MHz takes 8 us.
+            port.bench.disturb(what, random.between(0, 9_000_000), random.between(1_000, 300_000));
+            let register = random.between(1, 2) as usize;
+            let word = random.between(100, 512) as u32;
+            port.write(CONTROL + register as u8, word);
+            port.bench.pass(10_000_000);
+            let found = port.read(CONTROL, 3);
+            let is_taken = found[register] == word;
+            if is_taken {
+                registers[register] = word;
+            }
+            assert_eq!(found, registers, "{what:?}");
+            taken += u32::from(is_taken);
+            refused += u32::from(!is_taken);
+        }
+        // Undisturbed, it is set up.
         port.start(100, 2);
         assert_eq!(port.read(CONTROL, 3), [1, 100, 2]);
         assert!(port.wait_for_data_ready(1000));
         let burst = port.read_set(2);
         assert!(check(&port, &burst, 2).is_some());
     }
+    assert!(taken > 200 && refused > 500, "{taken} taken, {refused} refused: too few for this to mean anything");
+    println!("of 3000 writes {taken} were taken whole, {refused} not at all");
 }
 
 #[test]

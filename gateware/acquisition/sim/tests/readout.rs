@@ -91,7 +91,7 @@ impl Watch {
     /// Every set that was full was read, or waits, or is in the count, which this returns.
     fn settle_accounts(&mut self) -> u32 {
         // From the next set on there is a scan every 100 ms: time to look while nothing moves.
-        self.port.write(SCAN_PERIOD, &[100_000]);
+        self.port.write(SCAN_PERIOD, 100_000);
         self.port.bench.pass(self.port.bench.period_ps(100 * (self.length as u64 + 1)));
         let scans = self.port.bench.scans().len();
         assert_eq!(scans % self.length, 0);

@@ -2,14 +2,14 @@
 
 #![allow(clippy::unwrap_used)] // All of it is a test.
 
-use zerorate_gateware::{Bench, Disturbance, Head, Port, Random, Scale, Timing, checked, head, scans};
+use zerorate_gateware::{Bench, Disturbance, Head, Port, Random, Scale, Timing, checked, head, scans, written};
 
 const CONTROL: u8 = 0x02;
 const SCAN_PERIOD: u8 = 0x03;
 const SET_LENGTH: u8 = 0x04;
 const STATUS: u8 = 0x05;
 const SET: u8 = 0x10;
-const AT_RESET: [u32; 8] = [0x5A52_4151, 0x0001_0000, 0, 3000, 500, 0, 0, 0];
+const AT_RESET: [u32; 8] = [0x5A52_4151, 0x0002_0000, 0, 3000, 500, 0, 0, 0];
 const READY: u32 = 1;
 const OVERRUN: u32 = 2;
 /// A set of a few scans is there in less, microseconds.
@@ -42,18 +42,18 @@ fn the_registers_read_as_at_reset_at_any_clock() {
 fn settings_within_their_range_read_back_and_others_are_ignored() {
     let mut port = port(1, Timing::QUICK);
     for good in [100, 101, 3000, 65_536, 999_999, 1_000_000] {
-        port.write(SCAN_PERIOD, &[good]);
+        port.write(SCAN_PERIOD, good);
         assert_eq!(port.read(SCAN_PERIOD, 1), [good]);
         for bad in [0, 99, 1_000_001, 1 << 20, 1 << 31, (1 << 20) + 3000, u32::MAX] {
-            port.write(SCAN_PERIOD, &[bad]);
+            port.write(SCAN_PERIOD, bad);
             assert_eq!(port.read(SCAN_PERIOD, 1), [good], "{bad}");
         }
     }
     for good in [1, 2, 255, 511, 512] {
-        port.write(SET_LENGTH, &[good]);
+        port.write(SET_LENGTH, good);
         assert_eq!(port.read(SET_LENGTH, 1), [good]);
         for bad in [0, 513, 1024, (1 << 10) + 5, 1 << 31, u32::MAX] {
-            port.write(SET_LENGTH, &[bad]);
+            port.write(SET_LENGTH, bad);
             assert_eq!(port.read(SET_LENGTH, 1), [good], "{bad}");
         }
     }
@@ -62,49 +62,84 @@ fn settings_within_their_range_read_back_and_others_are_ignored() {
 #[test]
 fn reserved_and_read_only_addresses_ignore_writes_and_read_0() {
     let mut port = port(2, Timing::QUICK);
-    port.write(0x00, &[1, 2]);
-    port.write(STATUS, &[u32::MAX; 20]);
-    port.write(SET, &[u32::MAX; 3]);
-    // Were the address to come round after 0x7F, the last of these would be settings.
-    port.write(0x7E, &[200; 8]);
-    port.write(0x0E, &[200; 8]);
-    for address in 0x11..=0x7F {
-        port.write(address, &[1]);
-        assert_eq!(port.read(address, 2), [0, 0], "{address:#x}");
+    for address in [0x00, 0x01, STATUS] {
+        port.write(address, 200);
+        port.write(address, u32::MAX);
+    }
+    // Their low bits are those of settings, too.
+    for address in 0x06..=0x7F {
+        port.write(address, 200);
+        assert_eq!(port.read(address, 1), [0], "{address:#x}");
     }
     assert_eq!(port.read(0, 8), AT_RESET);
     assert_eq!(port.read(6, 20), [0; 20], "a read that runs into the burst's address does not start it");
     assert_eq!(port.read(0x7E, 12), [0; 12], "nor does one come round to the registers");
 }
 
+/// The CRCs are zlib's, by the command in zerorate-sim's port_tests.rs.
 #[test]
-fn writing_one_register_after_another_in_one_transfer_goes_up_by_one_a_word() {
+fn a_write_is_known_by_a_crc_that_is_not_our_own() {
     let mut port = port(3, Timing::FASTEST);
-    port.write(CONTROL, &[0, 200, 7, 99]);
-    assert_eq!(port.read(CONTROL, 4), [0, 200, 7, 0]);
+    for bytes in
+        [[0x83, 0, 0, 0, 0x0B, 0xB8, 0xD1, 0x5C, 0xED, 0x6E], [0x84, 0, 0, 0, 0x01, 0x2C, 0x8C, 0x27, 0x5F, 0x19]]
+    {
+        port.write(SCAN_PERIOD, 200);
+        send(&mut port, &bytes);
+    }
+    assert_eq!(port.read(CONTROL, 4), [0, 200, 300, 0]);
+    send(&mut port, &[0x83, 0, 0, 0, 0x0B, 0xB8, 0xD1, 0x5C, 0xED, 0x6E]);
+    assert_eq!(port.read(SCAN_PERIOD, 1), [3000]);
+}
+
+fn send(port: &mut Port, bytes: &[u8]) {
+    port.select();
+    bytes.iter().for_each(|&byte| _ = port.byte(byte));
+    port.deselect();
 }
 
 #[test]
-fn a_part_of_a_word_is_dropped_and_a_whole_one_takes_effect_at_its_last_bit() {
-    for bits in 0..32 {
-        let mut port = port(bits, Timing::QUICK);
-        port.select();
-        let _ = [0x80 | SET_LENGTH, 0].map(|byte| port.byte(byte));
-        // 300, cut short.
-        for (index, byte) in [0, 0, 1, 44].into_iter().enumerate() {
-            let count = bits.saturating_sub(8 * u32::try_from(index).unwrap()).min(8);
-            port.bits(byte, count);
+fn a_write_takes_effect_as_chip_select_rises_after_exactly_its_bits() {
+    for bits in 0..=200 {
+        for timing in [Timing::FASTEST, Timing::QUICK] {
+            let mut port = port(bits, timing);
+            port.select();
+            for (byte, from) in written(SET_LENGTH, 300).into_iter().chain([0; 15]).zip((0..).step_by(8)) {
+                port.bits(byte, bits.saturating_sub(from).min(8));
+            }
+            port.deselect();
+            assert_eq!(port.read(SET_LENGTH, 1), [if bits == 80 { 300 } else { 500 }], "{bits} bits");
         }
-        port.deselect();
-        assert_eq!(port.read(SET_LENGTH, 1), [500], "{bits} bits");
     }
     let mut port = port(99, Timing::QUICK);
-    port.write(SET_LENGTH, &[1]);
+    port.write(SET_LENGTH, 1);
     port.select();
-    let _ = [0x80 | CONTROL, 0, 0, 0, 0, 1].map(|byte| port.byte(byte));
-    // Chip select stays low, and the set is filled.
-    assert!(port.wait_for_data_ready(SOON));
+    written(CONTROL, 1).into_iter().for_each(|byte| _ = port.byte(byte));
+    assert!(!port.wait_for_data_ready(SOON), "chip select stays low");
     port.deselect();
+    assert!(port.wait_for_data_ready(SOON));
+}
+
+#[test]
+fn two_words_in_one_write_are_none() {
+    let mut port = port(3, Timing::QUICK);
+    send(&mut port, &[0x83, 0, 0, 0, 0, 200, 0, 0, 0, 2]);
+    send(&mut port, &[written(SCAN_PERIOD, 200), written(SET_LENGTH, 2)].concat());
+    assert_eq!(port.read(CONTROL, 3), [0, 3000, 500]);
+}
+
+#[test]
+fn a_write_with_one_or_two_bits_flipped_changes_nothing() {
+    let mut port = port(13, Timing::QUICK);
+    for (one, other) in (0..80).flat_map(|one| (one..80).map(move |other| (one, other))) {
+        let mut bytes = written(SCAN_PERIOD, 200);
+        bytes[one / 8] ^= 0x80 >> (one % 8);
+        // The same bit twice would be none.
+        if other != one {
+            bytes[other / 8] ^= 0x80 >> (other % 8);
+        }
+        send(&mut port, &bytes);
+        assert_eq!(port.read(CONTROL, 3), [0, 3000, 500], "bits {one} and {other}");
+    }
 }
 
 #[test]
@@ -168,7 +203,8 @@ fn settings_are_taken_up_at_the_start_of_a_set() {
     let mut port = port(7, Timing::FASTEST);
     port.start(500, 3);
     port.bench.pass(port.bench.period_ps(700));
-    port.write(SCAN_PERIOD, &[200, 2]);
+    port.write(SCAN_PERIOD, 200);
+    port.write(SET_LENGTH, 2);
     assert_eq!(port.read(SCAN_PERIOD, 2), [200, 2]);
     let mut lengths = Vec::new();
     for _ in 0..3 {
@@ -190,14 +226,14 @@ fn clearing_run_drops_the_set_being_filled_and_keeps_the_one_that_waits() {
         assert!(port.wait_for_data_ready(SOON));
         port.bench.pass(port.bench.period_ps(pause_us));
         let status = port.read(STATUS, 1)[0];
-        port.write(CONTROL, &[0]);
+        port.write(CONTROL, 0);
         assert_eq!(port.read(CONTROL, 1), [0]);
         let first = samples_of(&port, 0..2);
         // In the last of these the second set may just have been full: then it is the one that waits.
         port.bench.pass(port.bench.period_ps(10_000));
         assert!(port.bench.scans().len() < 6, "it scans no more");
         assert!(port.bench.data_ready());
-        port.write(CONTROL, &[1]);
+        port.write(CONTROL, 1);
         port.bench.count_scans();
         let kept = head(&port.read(SET, 16)).unwrap();
         if kept.number == 0 {
@@ -214,7 +250,7 @@ fn writing_run_again_while_it_runs_changes_nothing() {
     let mut port = port(9, Timing::FASTEST);
     port.start(200, 3);
     port.bench.pass(port.bench.period_ps(450));
-    port.write(CONTROL, &[1]);
+    port.write(CONTROL, 1);
     assert!(port.wait_for_data_ready(SOON));
     assert_eq!(port.bench.scans().len(), 3);
     assert_eq!(head(&port.read(SET, 16)), Some(Head::of(0, false, 0, &samples_of(&port, 0..3))));
@@ -227,7 +263,7 @@ fn restart_drops_all_banks_and_zeroes_number_count_and_flag_and_reads_back_0() {
         port.start(200, 2);
         port.bench.pass(port.bench.period_ps(pause_us));
         assert_ne!(port.read(STATUS, 1)[0] & OVERRUN, 0);
-        port.write(CONTROL, &[0b11]);
+        port.write(CONTROL, 0b11);
         port.bench.count_scans();
         assert_eq!(port.read(CONTROL, 1), [1]);
         assert_eq!(port.read(STATUS, 1), [0]);
@@ -242,7 +278,7 @@ fn restart_without_run_leaves_it_stopped_and_empty() {
     let mut port = port(11, Timing::FASTEST);
     port.start(200, 2);
     assert!(port.wait_for_data_ready(SOON));
-    port.write(CONTROL, &[0b10]);
+    port.write(CONTROL, 0b10);
     assert_eq!(port.read(CONTROL, 4), [0, 200, 2, 0]);
     assert!(!port.wait_for_data_ready(SOON));
     assert_eq!(port.read(SET, 16), [0; 16]);
