@@ -4,11 +4,12 @@ use anyhow::{Context, Result, bail, ensure};
 use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES};
 use zerorate_core::wire::frame::{self, Receiver};
 use zerorate_core::wire::{
-    Answer, CHUNK, Command, FaultCounts, GroupReport, Identity, Message, Request, SampleWindow, Upload,
+    Answer, CHUNK, Command, FaultCounts, GroupReport, Identity, Message, Request, SampleWindow, Stop, Upload,
 };
 use zerorate_sim::{Plant, SharedPlant};
 
 use crate::chip::board::Board;
+use crate::chip::flash::Flash;
 use crate::chip::memory::Image;
 use crate::chip::rcc::Reset;
 use crate::chip::time::{MILLISECOND, SECOND, Ticks};
@@ -43,7 +44,9 @@ impl Bench {
         let plant = plant.share();
         let mut machine = Machine::new(image, Board::new(&plant))?;
         if let Some(records) = records {
-            machine.chip().flash.records.copy_from_slice(records);
+            let flash = &mut machine.chip().flash;
+            flash.records.copy_from_slice(records);
+            flash.set_brown_out_level(0);
         }
         Ok(Self {
             machine,
@@ -140,21 +143,51 @@ impl Bench {
         }
     }
 
+    /// # Errors
+    /// No answer, or another.
+    pub fn stop(&mut self) -> Result<Option<Stop>> {
+        match self.ask(Request::Stop)? {
+            Answer::Stop(stop) => Ok(stop),
+            other => bail!("an answer to another question: {other:?}"),
+        }
+    }
+
     /// Writes a record and has it committed.
     ///
     /// # Errors
     /// It was refused, or no answer came.
     pub fn deploy(&mut self, record: &DeviceRecord) -> Result<()> {
+        let length = self.write(record)?;
+        self.order(Request::CommitCalibration { length })
+    }
+
+    /// Writes a record to the board's buffer; its length.
+    fn write(&mut self, record: &DeviceRecord) -> Result<u16> {
         let mut buffer = [0; MAX_RECORD_BYTES];
         let bytes = record.encode(&mut buffer).ok().context("a record that cannot be")?;
         for (part, chunk) in bytes.chunks(CHUNK).enumerate() {
             let offset = u16::try_from(part * CHUNK)?;
             self.order(Request::WriteCalibration { offset, bytes: chunk.iter().copied().collect() })?;
         }
-        self.order(Request::CommitCalibration { length: u16::try_from(bytes.len())? })
+        Ok(u16::try_from(bytes.len())?)
     }
 
-    /// The same with a byte of the record bent on its way; the answer to the commit.
+    /// Has a record committed, up to where something holds of the flash.
+    ///
+    /// # Errors
+    /// It does not come to hold.
+    pub fn deploy_until(&mut self, record: &DeviceRecord, holds: impl Fn(&Flash) -> bool) -> Result<()> {
+        let length = self.write(record)?;
+        self.sequence += 1;
+        let request = Request::CommitCalibration { length };
+        let command = Command { sequence: self.sequence, at: None, request };
+        self.send(&frame::encode(&command).ok().context("a frame that cannot be")?);
+        let until = self.now() + PATIENCE;
+        ensure!(self.machine.run(until, |machine| holds(&machine.chip().flash))?, "the commit went another way");
+        Ok(())
+    }
+
+    /// Writes a record with a byte of it bent on its way; the answer to the commit.
     ///
     /// # Errors
     /// No answer came.

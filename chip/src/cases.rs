@@ -24,7 +24,7 @@ use crate::paper_record;
 pub type Case = fn(&Given) -> Result<String>;
 
 /// Every case, in the order in which they are run.
-pub const ALL: [(&str, Case); 25] = [
+pub const ALL: [(&str, Case); 27] = [
     ("power comes, no record", power::without_a_record),
     ("a record committed over the line", power::commit),
     ("power comes, a record and no host", power::alone),
@@ -50,6 +50,8 @@ pub const ALL: [(&str, Case); 25] = [
     ("a program that hangs", restarts::hang),
     ("a program that stops itself", restarts::panic),
     ("three in a row", restarts::three_in_a_row),
+    ("why it was reset", restarts::causes),
+    ("power cut in a commit", power::cut_in_a_commit),
 ];
 
 /// The range of temperature readings that the record is of.

@@ -7,9 +7,10 @@ pub mod float;
 mod gpio;
 pub mod memory;
 pub mod nvic;
+mod power;
 pub mod rcc;
 mod spi;
-mod system;
+pub mod system;
 pub mod time;
 mod timer;
 mod usart;
@@ -20,6 +21,7 @@ use self::exti::Exti;
 use self::flash::Flash;
 use self::gpio::Gpio;
 use self::nvic::Nvic;
+use self::power::Power;
 use self::rcc::{Rcc, Reset};
 use self::spi::Spi;
 use self::system::System;
@@ -41,6 +43,7 @@ pub struct Chip {
     /// What an instruction takes.
     pub instruction: Ticks,
     pub rcc: Rcc,
+    power: Power,
     gpio_a: Gpio,
     gpio_b: Gpio,
     exti: Exti,
@@ -64,6 +67,7 @@ impl Chip {
             alarm: 0,
             instruction: 1,
             rcc: Rcc::new(),
+            power: Power::new(),
             gpio_a: Gpio::default(),
             gpio_b: Gpio::default(),
             exti: Exti::default(),
@@ -83,6 +87,7 @@ impl Chip {
     /// Everything but memory as after a reset.
     pub fn reset(&mut self, reset: Reset) {
         self.rcc.reset(reset);
+        self.power.reset();
         self.gpio_a.reset();
         self.gpio_b.reset();
         self.move_selects();
@@ -105,6 +110,7 @@ impl Chip {
         self.timer.advance(self.clock);
         self.pass(self.clock);
         let asks = [
+            (nvic::PVD, self.exti.asks(exti::PVD)),
             (nvic::EXTI0, self.exti.asks(0)),
             (nvic::EXTI1, self.exti.asks(1)),
             (nvic::TIM2, self.timer.asks()),
@@ -115,6 +121,15 @@ impl Chip {
             return Some(Reset::Watchdog);
         }
         std::mem::take(&mut self.system.reset_asked).then_some(Reset::Software)
+    }
+
+    /// The supply goes to so many volts; the reset that it is.
+    pub fn supply(&mut self, volts: f64) -> Option<Reset> {
+        let (rises, reset) = self.power.supply(volts, self.flash.brown_out_level());
+        if rises {
+            self.exti.edge_of_pvd();
+        }
+        reset
     }
 
     /// When something happens by itself next.
@@ -193,8 +208,8 @@ impl Chip {
             0x4002_0400 => plain(self.gpio_b.read(offset)),
             0x4002_3800 => self.rcc.read(offset, now),
             0x4002_3C00 => plain(self.flash.read(offset)),
-            // PWR (the regulator's scale) and port H (the crystal's pins): taken, and without effect.
-            0x4000_7000 => plain(0xC000),
+            0x4000_7000 => plain(self.power.read(offset)),
+            // Port H (the crystal's pins): taken, and without effect.
             0x4002_1C00 => plain(0),
             _ => {
                 self.wrong.push(format!("{address:#010x} read, which is not modelled"));
@@ -257,7 +272,13 @@ impl Chip {
                 self.clock += self.flash.write(offset, word);
                 Ok(())
             }
-            0x4000_7000 | 0x4002_1C00 => Ok(()),
+            0x4000_7000 => {
+                if self.power.write(offset, word) {
+                    self.exti.edge_of_pvd();
+                }
+                Ok(())
+            }
+            0x4002_1C00 => Ok(()),
             _ => Err("written, which is not modelled"),
         };
         if let Err(what) = done {

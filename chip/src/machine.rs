@@ -4,15 +4,16 @@
 //! instructions. While it sleeps, or asks a flag again and again, time goes to the next alarm at once.
 
 mod exception;
-mod run;
+pub mod run;
 
 use anyhow::{Result, anyhow};
-use unicorn_engine::unicorn_const::{Arch, Mode, Prot, uc_error};
+use unicorn_engine::unicorn_const::{Arch, HookType, Mode, Prot, uc_error};
 use unicorn_engine::{ArmCpuModel, RegisterARM, Unicorn};
 
 use crate::chip::board::Board;
 use crate::chip::memory::{self, Image};
 use crate::chip::rcc::Reset;
+use crate::chip::system::Fault;
 use crate::chip::{Chip, flash, float};
 
 /// Instructions that are done here, not by Unicorn.
@@ -29,9 +30,9 @@ enum Special {
 /// What happens to the program when it comes to an address.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ambush {
-    /// A hard fault.
+    /// It loads from where nothing is: a hard fault.
     HardFault,
-    /// It goes on in its panic handler.
+    /// It finds an index out of bounds: a panic.
     Panic,
     /// It goes round in a circle, where it is.
     Hang,
@@ -46,6 +47,10 @@ struct Core {
     masked: bool,
     /// Where the program is thrown off its way.
     ambush: Option<(u32, Ambush)>,
+    /// The instruction that is being done.
+    at: u32,
+    /// An address that did not answer.
+    refused: Option<u32>,
 }
 
 /// A chip with its image on a board.
@@ -60,9 +65,14 @@ pub struct Machine {
     float_used: bool,
     /// Resets since power came to the bench, the latest last.
     pub resets: Vec<Reset>,
-    /// Hard faults that were taken.
-    pub hard_faults: u32,
+    /// The instructions that ended in a hard fault, and the addresses that did not answer.
+    pub hard_faults: Vec<(u32, Option<u32>)>,
+    /// A fault that is not the program's own is to come.
+    expects_fault: bool,
 }
+
+/// The board's supply.
+const NOMINAL_V: f64 = 3.3;
 
 /// What Unicorn says, as an error.
 fn said(error: uc_error) -> anyhow::Error {
@@ -75,7 +85,14 @@ impl Machine {
     /// # Errors
     /// When Unicorn cannot be set up.
     pub fn new(image: &Image, board: Board) -> Result<Self> {
-        let core = Core { chip: Chip::new(board), special: specials(&image.flash), masked: false, ambush: None };
+        let core = Core {
+            chip: Chip::new(board),
+            special: specials(&image.flash),
+            masked: false,
+            ambush: None,
+            at: 0,
+            refused: None,
+        };
         let mut unicorn = Unicorn::new_with_data(Arch::ARM, Mode::THUMB | Mode::MCLASS, core).map_err(said)?;
         unicorn.ctl_set_cpu_model(ArmCpuModel::CORTEX_M4 as i32).map_err(said)?;
         map(&mut unicorn, image).map_err(said)?;
@@ -87,7 +104,8 @@ impl Machine {
             float: [0; 32],
             float_used: false,
             resets: Vec::new(),
-            hard_faults: 0,
+            hard_faults: Vec::new(),
+            expects_fault: false,
         };
         machine.power_on()?;
         Ok(machine)
@@ -136,6 +154,32 @@ impl Machine {
         self.set(RegisterARM::SP, stack)?;
         self.set(RegisterARM::LR, u32::MAX)?;
         self.set(RegisterARM::PC, begin | 1)
+    }
+
+    /// The supply dips to so many volts, and comes back.
+    ///
+    /// # Errors
+    /// What Unicorn says.
+    pub fn dip(&mut self, volts: f64) -> Result<()> {
+        match self.chip().supply(volts) {
+            Some(Reset::Power) => self.power_on()?,
+            Some(reset) => self.reset(reset)?,
+            None => {}
+        }
+        // It may have been low enough to reset, and is not now.
+        let _ = self.chip().supply(NOMINAL_V);
+        Ok(())
+    }
+
+    /// A fault that no handler of its own takes.
+    fn fault(&mut self, at: u32, kind: Fault, address: Option<u32>) {
+        self.hard_faults.push((at, address));
+        if !std::mem::take(&mut self.expects_fault) {
+            self.chip().wrong.push(format!("{kind:?} fault at {at:#010x}"));
+        }
+        let chip = self.chip();
+        chip.system.fault(kind, address);
+        chip.nvic.fault();
     }
 
     /// Throws the program off its way the next time that it begins to serve an interrupt.
@@ -193,8 +237,12 @@ fn specials(flash: &[u8]) -> Vec<Special> {
 /// Maps memory and registers, and the hook that counts.
 fn map(unicorn: &mut Unicorn<'static, Core>, image: &Image) -> Result<(), uc_error> {
     let ram = Prot::READ | Prot::WRITE;
-    unicorn.mem_map(memory::FLASH.into(), memory::PROGRAM_BYTES as u64, Prot::READ | Prot::EXEC)?;
-    unicorn.mem_write(memory::FLASH.into(), &image.flash)?;
+    let records = (flash::RECORDS - memory::FLASH) as usize;
+    for (begin, end) in [(0, records), (records + flash::RECORD_BYTES, memory::FLASH_BYTES)] {
+        let address = u64::from(memory::FLASH) + begin as u64;
+        unicorn.mem_map(address, (end - begin) as u64, Prot::READ | Prot::EXEC)?;
+        unicorn.mem_write(address, &image.flash[begin..end])?;
+    }
     unicorn.mem_map(memory::RAM.into(), memory::RAM_BYTES as u64, ram)?;
     unicorn.mem_map(memory::SIGNATURE.into(), 0x1000, Prot::READ)?;
     unicorn.mem_write(memory::FLASH_SIZE.into(), &memory::FLASH_KIB.to_le_bytes())?;
@@ -247,6 +295,10 @@ fn map(unicorn: &mut Unicorn<'static, Core>, image: &Image) -> Result<(), uc_err
             unicorn.get_data_mut().chip.store_core(low(offset), size, low(word));
         }),
     )?;
+    unicorn.add_mem_hook(HookType::MEM_UNMAPPED, 0, u64::MAX, |unicorn, _, address, _, _| {
+        unicorn.get_data_mut().refused = Some(low(address));
+        false
+    })?;
     unicorn.add_code_hook(0, u64::MAX, run::count)?;
     Ok(())
 }

@@ -9,7 +9,7 @@ use zerorate_core::wire::{CHUNK, Command, GroupReport, Message, Request, SampleW
 use zerorate_device::acquisition::Timing;
 use zerorate_device::application::{Application, Parts};
 use zerorate_device::port::PortAcquisition;
-use zerorate_device::restart::Kept;
+use zerorate_device::restart::{Kept, Started};
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::NoWatchdog;
@@ -35,7 +35,7 @@ fn start(plant: &SharedPlant, flash: &Part) -> Result<Native> {
         store,
         watchdog: NoWatchdog,
         kept: Kepts::default(),
-        by_watchdog: false,
+        started: Started::POWER,
         unit: UnitSerial::default(),
         timing: Timing::PAPER,
     }))

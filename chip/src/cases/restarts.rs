@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 use zerorate_core::units::Axis;
-use zerorate_core::wire::{CalibrationState, ResetCause};
+use zerorate_core::wire::{CalibrationState, ResetCause, Stop};
 
 use super::{Given, paper, wipers};
 use crate::bench::Bench;
@@ -10,6 +10,7 @@ use crate::chip::nvic;
 use crate::chip::rcc::Reset;
 use crate::chip::time::{MILLISECOND, SECOND, milliseconds};
 use crate::machine::Ambush;
+use crate::machine::run::NOTHING;
 
 /// The watchdog runs before the clocks do.
 pub fn dead_crystal(given: &Given) -> Result<String> {
@@ -29,10 +30,10 @@ pub fn dead_crystal(given: &Given) -> Result<String> {
     bench.pass(50 * MILLISECOND)?;
     let identity = bench.identify()?;
     let restarts = bench.faults()?.restarts;
-    ensure!(identity.reset == ResetCause::Watchdog && identity.running && restarts == 1, "{identity:?}, {restarts}");
+    ensure!(identity.reset == ResetCause::Watchdog && identity.running && restarts == 3, "{identity:?}, {restarts}");
     bench.nothing_wrong()?;
     Ok(format!(
-        "a reset every {:.1} s, three times; with the crystal at work again: Watchdog, {restarts} restart counted",
+        "a reset every {:.1} s, three times; with the crystal at work again: Watchdog, {restarts} restarts counted",
         milliseconds(after) / 1e3
     ))
 }
@@ -58,15 +59,18 @@ pub fn hang(given: &Given) -> Result<String> {
     Ok(format!("reset {:.0} ms after, counted, wipers held, at work again", milliseconds(after)))
 }
 
-/// A hard fault, and a panic: the chip restarts itself.
+/// A hard fault, and a panic: the chip restarts itself, and says where it was.
 pub fn panic(given: &Given) -> Result<String> {
     let mut bench = given.at_work()?;
+    ensure!(bench.stop()?.is_none(), "it has not stopped yet");
     let held = wipers(&bench);
     let mut started_in = 0;
-    for (ambush, n) in [(Ambush::HardFault, 1), (Ambush::Panic, 2)] {
+    let site = &given.image.panic;
+    for (ambush, cause, n) in [(Ambush::HardFault, ResetCause::Fault, 1), (Ambush::Panic, ResetCause::Panic, 2)] {
         bench.machine.ambush(nvic::EXTI0, ambush)?;
+        let resets = bench.machine.resets.len();
         let until = bench.now() + 3 * SECOND;
-        ensure!(bench.machine.run(until, |machine| machine.resets.len() > n)?, "no reset after {ambush:?}");
+        ensure!(bench.machine.run(until, |machine| machine.resets.len() > resets)?, "no reset after {ambush:?}");
         let reset_at = bench.now();
         let runs = |machine: &mut crate::machine::Machine| machine.chip().board.plant.borrow().next_scan_ns().is_some();
         // The port scans on while the processor starts; it is started anew by the program.
@@ -76,19 +80,75 @@ pub fn panic(given: &Given) -> Result<String> {
         bench.pass(SECOND / 10)?;
         ensure!(wipers(&bench) == held, "a restart moved a wiper");
         let identity = bench.identify()?;
-        ensure!(identity.reset == ResetCause::Panic && identity.running, "{identity:?}");
-        ensure!(bench.faults()?.restarts == u32::try_from(n)?);
+        ensure!(identity.reset == cause && identity.running, "{identity:?}");
+        ensure!(bench.faults()?.restarts == n);
+        let stop = bench.stop()?;
+        let is_told = match (&stop, ambush) {
+            (Some(Stop::Fault(registers)), Ambush::HardFault) => {
+                let seen = bench.machine.hard_faults == [(given.image.load, Some(NOTHING))];
+                seen && (registers.pc, registers.bfar) == (given.image.load, NOTHING)
+                    // PRECISERR and BFARVALID; FORCED.
+                    && (registers.cfsr, registers.hfsr) == (1 << 9 | 1 << 15, 1 << 30)
+            }
+            (stop, _) => *stop == Some(Stop::panic_at(&site.file, site.line)),
+        };
+        ensure!(is_told, "{stop:x?} after {ambush:?}, {:x?}, {site:?}", bench.machine.hard_faults);
     }
-    ensure!(bench.resets(Reset::Software) == 2 && bench.machine.hard_faults == 1);
+    ensure!(bench.resets(Reset::Software) == 2);
     // A second reason to start is no panic.
     bench.power_cycle()?;
     bench.pass(SECOND / 10)?;
     let identity = bench.identify()?;
     ensure!(identity.reset == ResetCause::Power && bench.faults()?.restarts == 0, "{identity:?}");
+    ensure!(bench.stop()?.is_none(), "power, and the place is still told");
     bench.nothing_wrong()?;
     Ok(format!(
-        "a hard fault and a panic: told as Panic, counted, wipers held, groups being taken again {:.1} ms after",
+        "a load from {NOTHING:#x} at {:#x} and a panic at line {}: told apart, with their places, counted, wipers held, groups \
+         being taken again {:.1} ms after",
+        given.image.load,
+        site.line,
         milliseconds(started_in)
+    ))
+}
+
+/// What resets the chip is told apart, and a dip that does not is counted.
+pub fn causes(given: &Given) -> Result<String> {
+    let mut bench = given.at_work()?;
+    bench.machine.chip().flash.set_brown_out_level(3);
+    bench.power_cycle()?;
+    bench.pass(SECOND / 2)?;
+    let chip = bench.machine.chip();
+    let (level, programmed) = (chip.flash.brown_out_level(), chip.flash.options_programmed);
+    ensure!((level, programmed) == (0, 1), "BOR_LEV is {level}, programmed {programmed} times");
+    for (cause, volts) in [(ResetCause::BrownOut, 2.7), (ResetCause::Power, 0.0)] {
+        bench.machine.dip(volts)?;
+        bench.pass(SECOND / 10)?;
+        let identity = bench.identify()?;
+        ensure!(identity.reset == cause && identity.running, "{volts} V: {identity:?}");
+        ensure!(bench.faults()?.restarts == 0 && bench.stop()?.is_none());
+    }
+    let resets = bench.machine.resets.len();
+    for _ in 0..3 {
+        bench.machine.dip(2.9)?;
+        bench.pass(SECOND / 10)?;
+    }
+    ensure!(bench.machine.resets.len() == resets, "2.9 V have reset it");
+    let dips = bench.faults()?.supply_dips;
+    ensure!(dips == 3, "{dips} dips counted");
+    for (reset, cause) in [(Reset::Pin, ResetCause::Pin), (Reset::Software, ResetCause::Software)] {
+        bench.machine.reset(reset)?;
+        bench.pass(SECOND / 10)?;
+        let identity = bench.identify()?;
+        ensure!(identity.reset == cause && identity.running, "{identity:?}");
+        ensure!(bench.faults()?.supply_dips == 3, "the dips are forgotten");
+    }
+    let programmed = bench.machine.chip().flash.options_programmed;
+    ensure!(programmed == 1, "the option bytes were programmed {programmed} times");
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "BOR at level 3, programmed once in {} starts; 2.7 V told as BrownOut, 0 V as Power, Pin, Software; 3 dips to 2.9 V \
+         counted and no reset",
+        bench.machine.resets.len()
     ))
 }
 
@@ -104,7 +164,7 @@ pub fn three_in_a_row(given: &Given) -> Result<String> {
     bench.pass(SECOND / 10)?;
     let identity = bench.identify()?;
     ensure!(identity.calibration == CalibrationState::SetAside && !identity.running, "{identity:?}");
-    ensure!(identity.reset == ResetCause::Panic && wipers(&bench) == [511; 2], "{identity:?}");
+    ensure!(identity.reset == ResetCause::Fault && wipers(&bench) == [511; 2], "{identity:?}");
     ensure!(bench.faults()?.restarts == 3);
     bench.deploy(&given.record)?;
     ensure!(bench.identify()?.calibration == CalibrationState::InUse, "a new record is not taken");

@@ -7,6 +7,8 @@ const SWIER: u32 = 0x10;
 const PR: u32 = 0x14;
 /// SYSCFG_EXTICR1.
 const EXTICR1: u32 = 0x08;
+/// The PVD's line.
+pub const PVD: u32 = 16;
 /// Port B in EXTICR's nibbles.
 const PORT_B: u32 = 1;
 
@@ -54,6 +56,11 @@ impl Exti {
         if chosen && self.read(register) & 1 != 0 {
             self.words[PR as usize / 4] |= 1;
         }
+    }
+
+    /// The PVD's output has risen, which is line 16.
+    pub fn edge_of_pvd(&mut self) {
+        self.words[PR as usize / 4] |= self.read(RTSR) & 1 << PVD;
     }
 
     /// Whether a line asks for its interrupt.

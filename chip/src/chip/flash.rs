@@ -3,21 +3,35 @@
 //! The core stands still while flash is erased or programmed, for it runs from the same flash: an operation takes its time
 //! where it is begun, and its busy flag is never seen.
 
-use super::time::{MICROSECOND, SECOND, Ticks};
+use super::time::{MICROSECOND, MILLISECOND, Ticks};
 
-/// Where sector 10 begins; 10 and 11 hold the records.
-pub const RECORDS: u32 = 0x080C_0000;
+/// Where sector 1 begins; 1 and 2 hold the records.
+pub const RECORDS: u32 = 0x0800_4000;
 /// Their bytes.
 pub const RECORD_BYTES: usize = 2 * SECTOR;
-const SECTOR: usize = 128 * 1024;
-const FIRST_SECTOR: u32 = 10;
+const SECTOR: usize = 16 * 1024;
+const FIRST_SECTOR: u32 = 1;
 
-/// A byte, eight bits at a time: 16 us typical (data sheet, table 46).
-const PROGRAMS: Ticks = 16 * MICROSECOND;
+/// To erase a sector of 16 KiB, 8, 16 and 32 bits at a time: typical, and at most (data sheet, table 46).
+const ERASES: [[Ticks; 2]; 3] = [
+    [400 * MILLISECOND, 800 * MILLISECOND],
+    [300 * MILLISECOND, 600 * MILLISECOND],
+    [250 * MILLISECOND, 500 * MILLISECOND],
+];
+/// To program a word of any width: typical, and at most (the same table).
+const PROGRAMS: [Ticks; 2] = [16 * MICROSECOND, 100 * MICROSECOND];
+/// To program the option bytes: their own small sector is erased first. The sheet has no figure of its own.
+const OPTIONS: Ticks = 250 * MILLISECOND;
 
 const KEYR: u32 = 0x04;
 const SR: u32 = 0x0C;
 const CR: u32 = 0x10;
+const OPTKEYR: u32 = 0x08;
+const OPTCR: u32 = 0x14;
+const OPTLOCK: u32 = 1 << 0;
+const OPTSTRT: u32 = 1 << 1;
+/// The option bytes of a chip as it is delivered, BOR off; two bits of the register lock and start.
+const DELIVERED: u32 = 0x0FFF_AAEC;
 const PG: u32 = 1 << 0;
 const SER: u32 = 1 << 1;
 const STRT: u32 = 1 << 16;
@@ -33,20 +47,51 @@ pub struct Flash {
     keys: u32,
     /// What the records' sectors hold.
     pub records: Vec<u8>,
-    /// How long a sector of 128 KiB takes to erase: 2 s typical, 4 s at most, eight bits at a time (data sheet, table 46).
-    pub erases_in: Ticks,
-    /// Sectors erased since power came to the bench, and the longest the core stood still at a stretch.
+    /// Whether it takes as long as its sheet allows.
+    pub slow: bool,
+    /// Sectors erased since power came to the bench, words programmed, and how often the option bytes were.
     pub erased: u32,
+    pub programmed: u32,
+    pub options_programmed: u32,
+    /// The option bytes, and their register.
+    options: u32,
+    optcr: u32,
+    option_keys: u32,
 }
 
 impl Flash {
     pub fn new() -> Self {
-        let records = vec![0xFF; RECORD_BYTES];
-        Self { acr: 0, cr: LOCK, sr: 0, keys: 0, records, erases_in: 2 * SECOND, erased: 0 }
+        Self {
+            acr: 0,
+            cr: LOCK,
+            sr: 0,
+            keys: 0,
+            records: vec![0xFF; RECORD_BYTES],
+            slow: false,
+            erased: 0,
+            programmed: 0,
+            options_programmed: 0,
+            options: DELIVERED,
+            optcr: DELIVERED | OPTLOCK,
+            option_keys: 0,
+        }
     }
 
+    /// The registers as after a reset; the option bytes are loaded.
     pub const fn reset(&mut self) {
         (self.acr, self.cr, self.sr, self.keys) = (0, LOCK, 0, 0);
+        (self.optcr, self.option_keys) = (self.options | OPTLOCK, 0);
+    }
+
+    /// The option bytes are of a level already, as a chip has them that was started before; 3 is a chip as delivered.
+    pub const fn set_brown_out_level(&mut self, level: u32) {
+        self.options = DELIVERED & !(3 << 2) | level << 2;
+        self.optcr = self.options | OPTLOCK;
+    }
+
+    /// BOR_LEV as the option bytes have it: 0 is level 3, 3 is off.
+    pub const fn brown_out_level(&self) -> u32 {
+        self.options >> 2 & 3
     }
 
     pub const fn read(&self, offset: u32) -> u32 {
@@ -54,6 +99,7 @@ impl Flash {
             0 => self.acr,
             SR => self.sr,
             CR => self.cr,
+            OPTCR => self.optcr,
             _ => 0,
         }
     }
@@ -67,6 +113,19 @@ impl Flash {
                 (1, 0xCDEF_89AB) => (self.keys, self.cr) = (0, self.cr & !LOCK),
                 _ => self.keys = 0,
             },
+            OPTKEYR => match (self.option_keys, word) {
+                (0, 0x0819_2A3B) => self.option_keys = 1,
+                (1, 0x4C5D_6E7F) => (self.option_keys, self.optcr) = (0, self.optcr & !OPTLOCK),
+                _ => self.option_keys = 0,
+            },
+            OPTCR if self.optcr & OPTLOCK == 0 => {
+                self.optcr = word & !OPTSTRT;
+                if word & OPTSTRT != 0 {
+                    self.options = word & !(OPTLOCK | OPTSTRT);
+                    self.options_programmed += 1;
+                    return OPTIONS;
+                }
+            }
             SR => self.sr &= !word,
             CR if self.cr & LOCK == 0 => {
                 self.cr = word & !STRT;
@@ -87,7 +146,9 @@ impl Flash {
         };
         bytes.fill(0xFF);
         self.erased += 1;
-        self.erases_in
+        // Wider than 32 bits takes a second supply.
+        let width = (self.cr >> 8 & 3).min(2) as usize;
+        ERASES[width][usize::from(self.slow)]
     }
 
     /// Bytes of the records' sectors, as a word.
@@ -108,6 +169,7 @@ impl Flash {
         if let Some(bytes) = self.records.get_mut(offset..offset + size) {
             bytes.iter_mut().zip(word.to_le_bytes()).for_each(|(byte, new)| *byte &= new);
         }
-        PROGRAMS
+        self.programmed += 1;
+        PROGRAMS[usize::from(self.slow)]
     }
 }

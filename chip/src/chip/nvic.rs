@@ -1,6 +1,7 @@
 //! Exceptions: which are enabled, pending and active, and which may come next (ARMv7-M, B1.5 and B3.4).
 
 /// Interrupts of the STM32F405 that are modelled (RM0090 rev 19, table 62).
+pub const PVD: usize = 1;
 pub const EXTI0: usize = 6;
 pub const EXTI1: usize = 7;
 pub const TIM2: usize = 28;

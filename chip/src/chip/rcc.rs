@@ -26,10 +26,14 @@ const RMVF: u32 = 1 << 24;
 pub enum Reset {
     /// Power came.
     Power,
+    /// The supply fell below the level of BOR, and came back.
+    BrownOut,
     /// The program asked for it.
     Software,
     /// The independent watchdog ran out.
     Watchdog,
+    /// The reset pin was pulled low.
+    Pin,
 }
 
 impl Reset {
@@ -38,8 +42,10 @@ impl Reset {
         const PIN: u32 = 1 << 26;
         PIN | match self {
             Self::Power => 1 << 27 | 1 << 25,
+            Self::BrownOut => 1 << 25,
             Self::Software => 1 << 28,
             Self::Watchdog => 1 << 29,
+            Self::Pin => 0,
         }
     }
 }
@@ -60,7 +66,7 @@ impl Rcc {
 
     /// Everything as after reset, but the flags, which add up until the program clears them or power goes.
     pub fn reset(&mut self, reset: Reset) {
-        let kept = if reset == Reset::Power { 0 } else { self.word(CSR) };
+        let kept = if matches!(reset, Reset::Power | Reset::BrownOut) { 0 } else { self.word(CSR) };
         self.words = [0; 0x24];
         (self.crystal_at, self.pll_at) = (NEVER, NEVER);
         *self.word_mut(CR) = 0x83;

@@ -9,12 +9,27 @@ const SYST_CVR: u32 = 0x018;
 const ICSR: u32 = 0xD04;
 const VTOR: u32 = 0xD08;
 const AIRCR: u32 = 0xD0C;
+const CFSR: u32 = 0xD28;
+const HFSR: u32 = 0xD2C;
+const MMFAR: u32 = 0xD34;
+const BFAR: u32 = 0xD38;
 const CPACR: u32 = 0xD88;
 /// The key, and SYSRESETREQ.
 const RESET_REQUEST: u32 = 0x05FA_0004;
 const COUNT_FLAG: u32 = 1 << 16;
 const CORE_CLOCK: u32 = 1 << 2;
 const ENABLE: u32 = 1 << 0;
+
+/// A fault's kind, as CFSR has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// An instruction was fetched where nothing answers: IBUSERR.
+    Fetch = 1 << 8,
+    /// Data were read or written where nothing answers: PRECISERR.
+    Data = 1 << 9,
+    /// An instruction that is none, or of a unit that is off: UNDEFINSTR.
+    Instruction = 1 << 16,
+}
 
 /// Registers from 0xE000E000 on that are not the NVIC's.
 #[derive(Default)]
@@ -26,6 +41,9 @@ pub struct System {
     period: Ticks,
     vectors: u32,
     cpacr: u32,
+    /// What the last fault was, and the address that it could not reach.
+    cfsr: u32,
+    bfar: u32,
     /// A reset was asked for.
     pub reset_asked: bool,
 }
@@ -33,6 +51,13 @@ pub struct System {
 impl System {
     pub fn reset(&mut self) {
         *self = Self::default();
+    }
+
+    /// A fault: its kind, and the address that did not answer, where there is one.
+    pub fn fault(&mut self, kind: Fault, address: Option<u32>) {
+        const BFARVALID: u32 = 1 << 15;
+        self.cfsr |= kind as u32 | if address.is_some() { BFARVALID } else { 0 };
+        self.bfar = address.unwrap_or(0);
     }
 
     /// Where the vectors are; 0 is the flash's alias.
@@ -62,6 +87,11 @@ impl System {
             VTOR => self.vectors,
             AIRCR => 0xFA05_0000,
             CPACR => self.cpacr,
+            CFSR => self.cfsr,
+            // FORCED: a handler of its own is off.
+            HFSR => u32::from(self.cfsr != 0) << 30,
+            MMFAR => 0,
+            BFAR => self.bfar,
             // Priorities of the system's exceptions, of which none is used; SCR, CCR and SHCSR as after reset; FPCCR.
             0xD10 | 0xD18..=0xD24 => 0,
             0xD14 => 0x200,

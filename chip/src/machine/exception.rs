@@ -6,7 +6,6 @@ use anyhow::{Result, ensure};
 use unicorn_engine::RegisterARM;
 
 use super::Machine;
-use crate::chip::nvic::HARD_FAULT;
 
 /// R0 to R3, R12, LR, the return address and the program's status.
 const FRAME: u32 = 8 * 4;
@@ -23,7 +22,6 @@ const FLAGS: u32 = 0xF80F_0000;
 impl Machine {
     /// Takes an exception between two instructions.
     pub(super) fn enter(&mut self, exception: u32) -> Result<()> {
-        self.hard_faults += u32::from(exception == HARD_FAULT);
         let (stack, at) = (self.get(RegisterARM::SP)?, self.get(RegisterARM::PC)?);
         let interrupted = self.chip().nvic.current();
         let flags = self.get(RegisterARM::XPSR)? & FLAGS;

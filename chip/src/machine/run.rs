@@ -1,22 +1,27 @@
 //! Runs the core from alarm to alarm.
 
 use anyhow::{Context, Result, bail};
+use unicorn_engine::unicorn_const::uc_error;
 use unicorn_engine::{RegisterARM, Unicorn};
 
-use super::{Ambush, Core, Machine, Special, said};
+use super::{Ambush, Core, Machine, Special};
 use crate::chip::float;
 use crate::chip::memory;
 use crate::chip::nvic::Masks;
+use crate::chip::system::Fault;
 use crate::chip::time::Ticks;
 
 /// Where an EXC_RETURN begins.
 const RETURNS: u64 = 0xFFFF_FFE0;
+/// Nothing is there.
+pub const NOTHING: u32 = 0xBAD0_0000;
 /// No program ends here.
 const NOWHERE: u64 = memory::RETURN_PAGE as u64;
 
 /// Called before every instruction: counts it, or stops before it.
 pub(super) fn count(unicorn: &mut Unicorn<'_, Core>, address: u64, _: u32) {
     let core = unicorn.get_data_mut();
+    core.at = super::low(address);
     let index = address.wrapping_sub(memory::FLASH.into()) / 2;
     let special = usize::try_from(index).ok().and_then(|index| core.special.get(index)).copied();
     let stops = core.chip.clock >= core.chip.alarm
@@ -79,21 +84,29 @@ impl Machine {
             }
             let from = self.get(RegisterARM::PC)?;
             let ended = self.unicorn.emu_start(u64::from(from) | 1, NOWHERE, 0, 0);
-            self.stopped(ended.map_err(said))?;
+            self.stopped(ended)?;
         }
     }
 
     /// What the core stopped at.
-    fn stopped(&mut self, ended: Result<()>) -> Result<()> {
+    fn stopped(&mut self, ended: Result<(), uc_error>) -> Result<()> {
         let at = self.get(RegisterARM::PC)?;
         // No program can run there: Unicorn says so, or is stopped before it.
         if u64::from(at) >= RETURNS {
             return self.leave(at);
         }
         if let Err(error) = ended {
-            // A fault of the program's: the handlers of single kinds are off.
-            self.chip().wrong.push(format!("a fault at {at:#010x}: {error}"));
-            self.chip().nvic.fault();
+            // Of the program: the handlers of single kinds are off. The instruction is not done.
+            let core = self.unicorn.get_data_mut();
+            let (at, refused) = (core.at, core.refused.take());
+            self.set(RegisterARM::PC, at | 1)?;
+            let fetched = matches!(error, uc_error::FETCH_UNMAPPED | uc_error::FETCH_PROT);
+            let kind = match refused {
+                Some(_) if !fetched => Fault::Data,
+                _ if fetched => Fault::Fetch,
+                _ => Fault::Instruction,
+            };
+            self.fault(at, kind, refused.filter(|_| kind == Fault::Data));
             return Ok(());
         }
         if let Some((_, ambush)) = self.unicorn.get_data().ambush.filter(|&(address, _)| address == at) {
@@ -123,11 +136,12 @@ impl Machine {
 
     fn fall_into(&mut self, ambush: Ambush) -> Result<()> {
         match ambush {
-            Ambush::HardFault => self.chip().nvic.fault(),
-            Ambush::Panic => {
-                let handler = self.image.panic;
-                self.set(RegisterARM::PC, handler | 1)?;
+            Ambush::HardFault => {
+                self.expects_fault = true;
+                self.set(RegisterARM::R0, NOTHING)?;
+                self.set(RegisterARM::PC, self.image.load | 1)?;
             }
+            Ambush::Panic => self.set(RegisterARM::PC, self.image.panic.code | 1)?,
             Ambush::Hang => (self.asleep, self.hung) = (true, true),
         }
         Ok(())
@@ -146,8 +160,7 @@ impl Machine {
         let transfer = float::decode(high, low)
             .with_context(|| format!("{high:04x} {low:04x} at {at:#010x}: a float instruction that is not modelled"))?;
         if !self.chip().system.has_float() {
-            self.chip().wrong.push(format!("a float instruction at {at:#010x}, its unit off"));
-            self.chip().nvic.fault();
+            self.fault(at, Fault::Instruction, None);
             return Ok(());
         }
         self.float_used = true;
