@@ -1,13 +1,16 @@
 //! What the boards have in common besides `zerorate-device`: how RTIC shares the compensator, the bytes on their way from
-//! the host, the memory that a restart does not clear, and what a hard fault does.
+//! the host, the memory that a restart does not clear, and what a panic and a hard fault do.
 //!
 //! It holds no registers: a board's folder has its clock, pins, lines and interrupt vectors.
 
 #![no_std]
 
 use core::mem::MaybeUninit;
+use core::panic::PanicInfo;
 
+use cortex_m::peripheral::SCB;
 use heapless::spsc::Queue;
+use zerorate_core::wire::{FaultRegisters, Stop};
 use zerorate_device::acquisition::Acquisition;
 use zerorate_device::application::Shared;
 use zerorate_device::compensator::Compensator;
@@ -43,15 +46,30 @@ pub fn kept() -> &'static Kept {
     }
 }
 
-/// Counts a fault and restarts the processor. The wiper is left as it is.
-pub fn restart() -> ! {
-    kept().panicked();
-    cortex_m::peripheral::SCB::sys_reset()
+/// Keeps where the program has panicked, and restarts the processor. The wiper is left as it is.
+pub fn panicked(info: &PanicInfo<'_>) -> ! {
+    cortex_m::interrupt::disable();
+    let (file, line) = info.location().map_or(("", 0), |place| (place.file(), place.line()));
+    restart(&Stop::panic_at(file, line))
 }
 
+/// Keeps where the processor could not go on, and restarts it. The wiper is left as it is.
 #[allow(unsafe_code)]
-// SAFETY: it touches words of memory that are there in any state, and restarts.
+// SAFETY: it reads registers that reading does not change, touches words of memory that are there in any state, and restarts.
 #[cortex_m_rt::exception]
-unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
-    restart()
+unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
+    let scb = unsafe { &*SCB::PTR };
+    restart(&Stop::Fault(FaultRegisters {
+        pc: frame.pc(),
+        lr: frame.lr(),
+        cfsr: scb.cfsr.read(),
+        hfsr: scb.hfsr.read(),
+        mmfar: scb.mmfar.read(),
+        bfar: scb.bfar.read(),
+    }))
+}
+
+fn restart(stop: &Stop) -> ! {
+    kept().stopped(stop);
+    SCB::sys_reset()
 }

@@ -16,7 +16,7 @@ use zerorate_device::acquisition::Timing;
 use zerorate_device::application::{Application, Parts, Task};
 use zerorate_device::compensator::Compensator;
 use zerorate_device::port::PortAcquisition;
-use zerorate_device::restart::{Keeping, Kept};
+use zerorate_device::restart::{Keeping, Kept, Reset};
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::NoWatchdog;
@@ -67,7 +67,7 @@ mod app {
             store,
             watchdog: NoWatchdog,
             kept: zerorate_firmware::kept(),
-            by_watchdog: false,
+            started: zerorate_firmware::kept().started(Reset::Untold),
             unit: String::try_from(board.serial()).unwrap_or_default(),
             timing: Timing { scan_period_us: board.scan_period_us, set_length: board.set_length },
         });
@@ -147,10 +147,9 @@ fn open() -> Board {
 /// The wiper is left where it is; the host is told, and the processor starts anew.
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-    cortex_m::interrupt::disable();
     if let Some(place) = info.location() {
         // The host may be gone; the fault is counted all the same.
         let _ = CHANNEL.panicked(place.file(), place.line());
     }
-    zerorate_firmware::restart()
+    zerorate_firmware::panicked(info)
 }

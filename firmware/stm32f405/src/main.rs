@@ -6,15 +6,16 @@
 use cortex_m_rt as _;
 
 mod flash;
+mod supply;
 
 use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
 use heapless::String;
 use heapless::spsc::{Consumer, Producer};
 use nb::block;
 use stm32f4xx_hal::gpio::{Edge, Input, Output, PA4, PB0, PB12, PinState, Speed};
-use stm32f4xx_hal::pac::{self, SPI1, SPI2, TIM2, USART2};
+use stm32f4xx_hal::pac::{self, EXTI, PWR, SPI1, SPI2, TIM2, USART2};
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Config;
+use stm32f4xx_hal::rcc::{Config, Enable};
 use stm32f4xx_hal::serial::{self, Rx, Tx};
 use stm32f4xx_hal::spi::{self, Spi};
 use stm32f4xx_hal::timer::{self, CounterHz, SysDelay};
@@ -29,7 +30,7 @@ use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::Watchdog;
 use zerorate_firmware::{Locked, Received};
 
-use crate::flash::{ChipFlash, RECORDS};
+use crate::flash::ChipFlash;
 
 /// The crystal, and the fastest clocks of the chip and its buses (data sheet, table 14).
 const CRYSTAL_MHZ: u32 = 8;
@@ -44,7 +45,7 @@ const BAUD: u32 = 115_200;
 /// The tick that `zerorate-device` counts seconds by.
 const TICK_HZ: u32 = 1;
 /// By the watchdog's own clock, which may be 47 kHz where its sheet says 32: 6.8 s then. Longer than the 5.5 s from a set to
-/// the next one where the acquisition had to be set up anew, and than a commit, which erases one sector in 4 s at most.
+/// the next one where the acquisition had to be set up anew.
 const WATCHDOG_MS: u32 = 10_000;
 
 type Port = PortAcquisition<ExclusiveDevice<Spi<SPI1>, PA4<Output>, NoDelay>>;
@@ -78,6 +79,7 @@ mod app {
         heard: Consumer<'static, u8>,
         data_ready_pin: PB0<Input>,
         timer: CounterHz<TIM2>,
+        exti: EXTI,
     }
 
     #[init(local = [bytes: Received = Received::new()])]
@@ -86,11 +88,13 @@ mod app {
         // Before anything that can hang: a crystal that does not start is one.
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.start(WATCHDOG_MS.millis());
-        let by_watchdog = device.RCC.csr().read().wdgrstf().bit_is_set();
-        device.RCC.csr().modify(|_, w| w.rmvf().set_bit());
+        let started = zerorate_firmware::kept().started(supply::reset(&device.RCC));
         let clocks =
             Config::hse(CRYSTAL_MHZ.MHz()).sysclk(CORE_MHZ.MHz()).pclk1(BUS_1_MHZ.MHz()).pclk2(BUS_2_MHZ.MHz());
         let mut rcc = device.RCC.freeze(clocks);
+        let mut exti = device.EXTI;
+        PWR::enable(&mut rcc);
+        supply::watch(&device.PWR, &exti);
         let (a, b) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc));
 
         // The chip selects are high before anything else moves, and from their first moment on.
@@ -106,14 +110,15 @@ mod app {
         let Ok(port) = ExclusiveDevice::new_no_delay(port_bus, port_select);
         let Ok(potentiometer) = ExclusiveDevice::new_no_delay(potentiometer_bus, potentiometer_select);
 
-        let Ok(store) = Store::new(ChipFlash(device.FLASH), RECORDS) else { panic!() };
+        supply::hold_in_reset_when_low(&device.FLASH, &device.PWR);
+        let Ok(store) = Store::new(ChipFlash(device.FLASH), flash::records()) else { panic!() };
         let Application { compensator, task } = Application::start(Parts {
             acquisition: Port::new(port),
             trim: Potentiometer::new(potentiometer, delay),
             store,
             watchdog: ChipWatchdog(watchdog),
             kept: zerorate_firmware::kept(),
-            by_watchdog,
+            started,
             unit: String::try_from(option_env!("ZERORATE_UNIT").unwrap_or_default()).unwrap_or_default(),
             timing: Timing::PAPER,
         });
@@ -125,7 +130,6 @@ mod app {
         let (received, heard) = cx.local.bytes.split();
 
         let mut system = device.SYSCFG.constrain(&mut rcc);
-        let mut exti = device.EXTI;
         let mut data_ready_pin = b.pb0.into_pull_down_input();
         data_ready_pin.make_interrupt_source(&mut system);
         data_ready_pin.trigger_on_edge(&mut exti, Edge::Rising);
@@ -134,7 +138,7 @@ mod app {
         let mut timer = device.TIM2.counter_hz(&mut rcc);
         let Ok(()) = timer.start(TICK_HZ.Hz()) else { panic!() };
         timer.listen(timer::Event::Update);
-        (Shared { compensator }, Local { task, sending, receiving, received, heard, data_ready_pin, timer })
+        (Shared { compensator }, Local { task, sending, receiving, received, heard, data_ready_pin, timer, exti })
     }
 
     /// Without this RTIC goes round in a circle.
@@ -161,6 +165,13 @@ mod app {
         rtic::pend(pac::Interrupt::EXTI1);
     }
 
+    /// A dip of the processor's supply.
+    #[task(binds = PVD, priority = 2, local = [exti])]
+    fn dip(cx: dip::Context) {
+        supply::clear(cx.local.exti);
+        zerorate_firmware::kept().dipped();
+    }
+
     /// The host's line.
     #[task(binds = USART2, priority = 2, local = [receiving, received])]
     fn host_line(cx: host_line::Context) {
@@ -185,7 +196,6 @@ const MODE_0: spi::Mode = spi::Mode { polarity: spi::Polarity::IdleLow, phase: s
 
 /// The wiper is left where it is, and the processor starts anew.
 #[panic_handler]
-fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-    cortex_m::interrupt::disable();
-    zerorate_firmware::restart()
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    zerorate_firmware::panicked(info)
 }
