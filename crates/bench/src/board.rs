@@ -2,6 +2,7 @@
 
 mod first_time;
 mod live;
+mod stopped;
 
 use std::path::Path;
 use std::time::Duration;
@@ -18,6 +19,7 @@ pub use zerorate_core::units::{Axis, Taps};
 
 pub use self::first_time::{FirstTime, MOST_STORES, Recalled};
 pub use self::live::{LiveAxis, LiveGroup};
+pub use self::stopped::Stopped;
 
 use crate::choice::DeviceChoice;
 use crate::client::{ClientError, DeviceClient, LineCounts, wording};
@@ -64,6 +66,8 @@ pub struct Info {
     pub modes: [&'static str; 2],
     /// Why the board started last.
     pub started: String,
+    /// Where its program stopped itself last since power came, if it did.
+    pub stopped: Option<Stopped>,
 }
 
 /// What a stored record says of itself.
@@ -102,6 +106,7 @@ impl Board {
     /// [`ClientError`].
     pub fn info(&mut self) -> Result<Info, ClientError> {
         let stored = self.device.read_calibration()?;
+        let stopped = self.device.stop()?.map(Stopped::from);
         let identity = self.device.identify()?;
         let [major, minor, patch] = identity.firmware;
         Ok(Info {
@@ -118,6 +123,7 @@ impl Board {
             taps: identity.taps.map(Taps::get),
             modes: identity.modes.map(Mode::name),
             started: wording::of_reset(identity.reset).into(),
+            stopped,
         })
     }
 

@@ -11,7 +11,9 @@ use std::time::{Duration, Instant};
 
 use zerorate_core::record::DeviceRecord;
 use zerorate_core::units::{Axis, GroupNumber, Taps};
-use zerorate_core::wire::{Answer, CHUNK, FaultCounts, GroupReport, Identity, Refusal, Request, Sample, WIRE_VERSION};
+use zerorate_core::wire::{
+    Answer, CHUNK, FaultCounts, GroupReport, Identity, Refusal, Request, Sample, Stop, WIRE_VERSION,
+};
 
 use self::conversation::Conversation;
 use crate::link::{Link, LinkError};
@@ -210,6 +212,17 @@ impl DeviceClient {
     pub fn faults(&mut self) -> Result<FaultCounts, ClientError> {
         match self.ask(Request::Faults)? {
             Answer::Faults(faults) => Ok(faults),
+            _ => Err(ClientError::Confused),
+        }
+    }
+
+    /// Where the device's program stopped itself last since power came.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn stop(&mut self) -> Result<Option<Stop>, ClientError> {
+        match self.ask(Request::Stop)? {
+            Answer::Stop(stop) => Ok(stop),
             _ => Err(ClientError::Confused),
         }
     }

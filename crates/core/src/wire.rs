@@ -11,6 +11,7 @@
 //! only asks is asked anew.
 
 pub mod frame;
+mod stop;
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -21,8 +22,10 @@ use crate::group::GroupSums;
 use crate::record::{RecordError, RecordRefused, UnitSerial};
 use crate::units::{Axis, GroupNumber, Taps};
 
+pub use self::stop::{FILE_BYTES, FaultRegisters, Stop};
+
 /// The version of this table. Host and device compare it in the answer to [`Request::Identity`].
-pub const WIRE_VERSION: u16 = 3;
+pub const WIRE_VERSION: u16 = 4;
 /// Bytes of a calibration in one message.
 pub const CHUNK: usize = 128;
 /// Samples in one message.
@@ -97,6 +100,8 @@ pub enum Request {
     /// Puts both axes off and both wipers where the potentiometer's non-volatile registers have them, and leaves them there
     /// until a mode is set or a wiper is written. Between groups.
     RecallPowerUpTap,
+    /// Asks where the program stopped itself last. Answered at once.
+    Stop,
 }
 
 /// Which of a group's samples are uploaded: the first so many and the last so many of each axis that is asked for.
@@ -184,6 +189,8 @@ pub enum Answer {
     Faults(FaultCounts),
     /// It was not done.
     Refused(Refusal),
+    /// Where the program stopped itself last since power came, if it did.
+    Stop(Option<Stop>),
 }
 
 /// Who the device is.
@@ -221,17 +228,23 @@ pub enum ResetCause {
     Power,
     /// Its watchdog was not fed: sets stopped coming, or its program hung.
     Watchdog,
-    /// Its program stopped itself at a fault of its own.
+    /// Its program stopped itself at a fault of its own: [`Stop::Panic`].
     Panic,
-    /// Something else: its reset pin, a debugger.
-    Other,
+    /// Its processor could not go on with the program: [`Stop::Fault`].
+    Fault,
+    /// Its processor's supply fell below the level at which it can work.
+    BrownOut,
+    /// A reset that was asked for, and not by the program: a debugger's.
+    Software,
+    /// Its reset pin.
+    Pin,
 }
 
 impl ResetCause {
     /// Whether the device restarted itself, and goes on compensating without being asked.
     #[must_use]
     pub const fn is_fault(self) -> bool {
-        matches!(self, Self::Watchdog | Self::Panic)
+        matches!(self, Self::Watchdog | Self::Panic | Self::Fault)
     }
 }
 
@@ -335,6 +348,8 @@ pub struct FaultCounts {
     pub temperature_saturated: u32,
     /// Restarts by the watchdog or after a fault of the program, since power came.
     pub restarts: u32,
+    /// Dips of the processor's supply that were too short or too shallow to reset it, since power came.
+    pub supply_dips: u32,
 }
 
 /// Whether a group's temperature is believed. What is not leaves tap and correction where the last believed one put them.

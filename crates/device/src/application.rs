@@ -17,7 +17,7 @@ use zerorate_core::record::UnitSerial;
 use crate::acquisition::{Acquisition, Timing};
 use crate::compensator::Compensator;
 use crate::console::{Console, Transmit};
-use crate::restart::{Keeping, Kept};
+use crate::restart::{Keeping, Kept, Started};
 use crate::store::RecordStore;
 use crate::trim_part::TrimPart;
 use crate::watchdog::{Supervisor, Watchdog};
@@ -37,8 +37,8 @@ pub struct Parts<A, P, S, W, K> {
     pub watchdog: W,
     /// What is kept through a restart.
     pub kept: K,
-    /// Whether the watchdog has started the program.
-    pub by_watchdog: bool,
+    /// What is known of this start.
+    pub started: Started,
     /// The unit's serial; empty on a board that has not been given one, which takes any record.
     pub unit: UnitSerial,
     /// How sets are taken.
@@ -90,8 +90,7 @@ where
     /// until the first group. A record with which the program has failed three times in a row is set aside.
     #[must_use]
     pub fn start(parts: Parts<A, P, S, W, K>) -> Self {
-        let Parts { acquisition, trim, store, watchdog, kept, by_watchdog, unit, timing } = parts;
-        let started = kept.started(by_watchdog);
+        let Parts { acquisition, trim, store, watchdog, kept, started, unit, timing } = parts;
         let goes_on = started.reset.is_fault();
         let trim = Keeping::new(trim, kept.clone());
         let mut compensator = if goes_on {
@@ -140,7 +139,8 @@ impl<S: RecordStore, W: Watchdog, K: Deref<Target = Kept>> Task<S, W, K> {
         for byte in bytes {
             self.taken = self.taken.wrapping_add(1);
             let Some(command) = self.console.hear(byte) else { continue };
-            let status = compensator.lock(|compensator| compensator.status());
+            let mut status = compensator.lock(|compensator| compensator.status());
+            status.faults.supply_dips = self.kept.dips();
             let order = self.console.obey(command, &status, line);
             self.install(compensator);
             if let Some(order) = order {

@@ -53,8 +53,8 @@ impl<S: RecordStore> Console<S> {
     pub fn new(unit: UnitSerial, timing: Timing, store: S, started: Started) -> Self {
         Self {
             timing,
-            started,
             calibration: Calibration::stored(store, unit, started.set_aside),
+            started,
             receiver: Receiver::new(),
             uploads: 0,
             with_groups: false,
@@ -143,6 +143,7 @@ impl<S: RecordStore> Console<S> {
                 Answer::Identity(self.identity(status))
             }
             Request::Faults => Answer::Faults(self.faults(status)),
+            Request::Stop => Answer::Stop(self.started.stop.clone()),
             Request::ReadCalibration { offset } => self.calibration.read(*offset),
             Request::WriteCalibration { offset, bytes } => answer_of(self.calibration.write(*offset, bytes)),
             _ => return None,

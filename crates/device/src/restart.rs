@@ -1,21 +1,41 @@
 //! What a board keeps through a restart of its processor, and what it learns from it when it starts.
 //!
 //! The potentiometer keeps its taps while the processor starts anew, and cannot be asked for them. So they are kept beside
-//! it as they are commanded, in memory that start-up does not clear, with how often the program has failed: no wiper moves
-//! because of a restart. All begins anew when power comes.
+//! it as they are commanded, in memory that start-up does not clear, with how often the program has failed and where it did
+//! last: no wiper moves because of a restart. All begins anew when power comes, also when it was gone for so short a time that
+//! the memory still holds what it held: the potentiometer may have lost its taps.
 
 use core::ops::Deref;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
+use heapless::String;
 use zerorate_core::units::{Axis, Taps};
-use zerorate_core::wire::ResetCause;
+use zerorate_core::wire::{FILE_BYTES, FaultRegisters, ResetCause, Stop};
 
 use crate::trim_part::TrimPart;
 
-/// What stands beside the facts when they are some: memory holds anything when power comes.
-const MARK: u32 = 0x5A52_5355;
+/// What stands beside the facts when they are some: memory holds anything when power comes. Another form of the facts has
+/// another mark.
+const MARK: u32 = 0x5A52_5356;
 /// Faults of the program in a row after which its record is set aside: what happens three times happens with every group.
 const SET_ASIDE: u32 = 3;
+
+/// What a board's own registers tell of its reset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reset {
+    /// Power came.
+    Power,
+    /// The supply fell below the level at which the processor is held in reset.
+    BrownOut,
+    /// The watchdog was not fed.
+    Watchdog,
+    /// The program asked for it, or a debugger.
+    Software,
+    /// The reset pin.
+    Pin,
+    /// The board has no such registers: facts in its memory tell that its power did not go.
+    Untold,
+}
 
 /// The facts, in words of which every bit pattern is one: so memory that nobody has written is one of these, too.
 #[derive(Debug, Default)]
@@ -23,15 +43,19 @@ pub struct Kept {
     mark: AtomicU32,
     restarts: AtomicU32,
     /// Whether the restart under way is the program's own.
-    panicked: AtomicU32,
+    stopped: AtomicU32,
     /// Faults of the program since it last was at work for a while.
     in_a_row: AtomicU32,
+    /// Dips of the supply.
+    dips: AtomicU32,
     /// The taps that were commanded last.
     taps: [AtomicU32; 2],
+    /// Where the program stopped itself last.
+    place: Place,
 }
 
 /// What is known of a start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Started {
     /// Why the program started.
     pub reset: ResetCause,
@@ -41,39 +65,68 @@ pub struct Started {
     pub set_aside: bool,
     /// The taps that were commanded last.
     pub taps: [Taps; 2],
+    /// Where the program stopped itself last since power came.
+    pub stop: Option<Stop>,
+}
+
+impl Started {
+    /// Power came: nothing is known.
+    pub const POWER: Self =
+        Self { reset: ResetCause::Power, restarts: 0, set_aside: false, taps: [Taps::MIDDLE; 2], stop: None };
 }
 
 impl Kept {
-    /// What is known of this start; to be asked once. The board can tell whether its watchdog has started it.
+    /// What is known of this start; to be asked once, before anything that can fail.
     #[must_use]
-    pub fn started(&self, by_watchdog: bool) -> Started {
-        self.check();
-        let panicked = self.panicked.swap(0, Relaxed) != 0;
-        let reset = match (by_watchdog, panicked) {
-            (true, _) => ResetCause::Watchdog,
-            (false, true) => ResetCause::Panic,
-            // Or a reset that only the board could tell from it.
-            (false, false) => ResetCause::Power,
+    pub fn started(&self, reset: Reset) -> Started {
+        let has_facts = self.has_facts();
+        if !has_facts || matches!(reset, Reset::Power | Reset::BrownOut) {
+            self.begin_anew();
+        }
+        let stop = self.place.stop();
+        let own = self.stopped.swap(0, Relaxed) != 0;
+        let reset = match (reset, &stop) {
+            (Reset::Power, _) => ResetCause::Power,
+            (Reset::BrownOut, _) => ResetCause::BrownOut,
+            (Reset::Watchdog, _) => ResetCause::Watchdog,
+            (Reset::Pin, _) => ResetCause::Pin,
+            (Reset::Software | Reset::Untold, Some(Stop::Panic { .. })) if own => ResetCause::Panic,
+            (Reset::Software | Reset::Untold, Some(Stop::Fault(_))) if own => ResetCause::Fault,
+            (Reset::Untold, _) if !has_facts => ResetCause::Power,
+            (Reset::Software | Reset::Untold, _) => ResetCause::Software,
         };
-        if by_watchdog {
+        if reset == ResetCause::Watchdog {
             self.count();
         }
         let tap = |kept: &AtomicU32| u16::try_from(kept.load(Relaxed)).ok().and_then(Taps::new).unwrap_or(Taps::MIDDLE);
         let set_aside = self.in_a_row.load(Relaxed) >= SET_ASIDE;
-        Started { reset, restarts: self.restarts.load(Relaxed), set_aside, taps: self.taps.each_ref().map(tap) }
+        Started { reset, restarts: self.restarts.load(Relaxed), set_aside, taps: self.taps.each_ref().map(tap), stop }
     }
 
-    /// Counts a fault of the program, after which the processor is to be restarted.
-    pub fn panicked(&self) {
-        self.check();
+    /// Keeps where the program has stopped itself, and counts it; the processor is to be restarted.
+    pub fn stopped(&self, stop: &Stop) {
+        if !self.has_facts() {
+            self.begin_anew();
+        }
         self.count();
         self.in_a_row.store(self.in_a_row.load(Relaxed).saturating_add(1), Relaxed);
-        self.panicked.store(1, Relaxed);
+        self.place.keep(stop);
+        self.stopped.store(1, Relaxed);
     }
 
     /// The program does its work with its record, or has been given another one: what failed before is another matter.
     pub fn works(&self) {
         self.in_a_row.store(0, Relaxed);
+    }
+
+    /// The processor's supply has dipped, and the program goes on.
+    pub fn dipped(&self) {
+        self.dips.store(self.dips().saturating_add(1), Relaxed);
+    }
+
+    /// Dips of the processor's supply since power came.
+    pub fn dips(&self) -> u32 {
+        self.dips.load(Relaxed)
     }
 
     fn keep(&self, axis: Axis, tap: Taps) {
@@ -84,14 +137,65 @@ impl Kept {
         self.restarts.store(self.restarts.load(Relaxed).saturating_add(1), Relaxed);
     }
 
-    /// Begins anew unless there are facts.
-    fn check(&self) {
-        if self.mark.load(Relaxed) != MARK {
-            self.restarts.store(0, Relaxed);
-            self.panicked.store(0, Relaxed);
-            self.in_a_row.store(0, Relaxed);
-            Axis::BOTH.into_iter().for_each(|axis| self.keep(axis, Taps::MIDDLE));
-            self.mark.store(MARK, Relaxed);
+    fn has_facts(&self) -> bool {
+        self.mark.load(Relaxed) == MARK
+    }
+
+    fn begin_anew(&self) {
+        for word in [&self.restarts, &self.stopped, &self.in_a_row, &self.dips, &self.place.kind] {
+            word.store(0, Relaxed);
+        }
+        Axis::BOTH.into_iter().for_each(|axis| self.keep(axis, Taps::MIDDLE));
+        self.mark.store(MARK, Relaxed);
+    }
+}
+
+/// Words of a place: the line and the file's name, or the registers.
+const WORDS: usize = 1 + FILE_BYTES / 4;
+const PANIC: u32 = 1;
+const FAULT: u32 = 2;
+
+/// Where the program stopped itself, in words.
+#[derive(Debug, Default)]
+struct Place {
+    /// [`PANIC`], [`FAULT`], or it has not.
+    kind: AtomicU32,
+    words: [AtomicU32; WORDS],
+}
+
+impl Place {
+    fn keep(&self, stop: &Stop) {
+        let mut words = [0; WORDS];
+        let kind = match stop {
+            Stop::Panic { file, line } => {
+                words[0] = *line;
+                for (word, bytes) in words[1..].iter_mut().zip(file.as_bytes().chunks(4)) {
+                    *word = bytes.iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte));
+                }
+                PANIC
+            }
+            Stop::Fault(FaultRegisters { pc, lr, cfsr, hfsr, mmfar, bfar }) => {
+                words[..6].copy_from_slice(&[*pc, *lr, *cfsr, *hfsr, *mmfar, *bfar]);
+                FAULT
+            }
+        };
+        self.words.iter().zip(words).for_each(|(kept, word)| kept.store(word, Relaxed));
+        self.kind.store(kind, Relaxed);
+    }
+
+    fn stop(&self) -> Option<Stop> {
+        let words = self.words.each_ref().map(|word| word.load(Relaxed));
+        match self.kind.load(Relaxed) {
+            PANIC => {
+                let bytes = words[1..].iter().flat_map(|word| word.to_le_bytes()).take_while(|&byte| byte != 0);
+                let file = String::from_utf8(bytes.collect()).unwrap_or_default();
+                Some(Stop::Panic { file, line: words[0] })
+            }
+            FAULT => {
+                let [pc, lr, cfsr, hfsr, mmfar, bfar, ..] = words;
+                Some(Stop::Fault(FaultRegisters { pc, lr, cfsr, hfsr, mmfar, bfar }))
+            }
+            _ => None,
         }
     }
 }
@@ -132,28 +236,61 @@ mod tests {
     use super::*;
     use crate::tests::Part;
 
+    const REGISTERS: FaultRegisters = FaultRegisters { pc: 1, lr: 2, cfsr: 3, hfsr: 4, mmfar: 5, bfar: u32::MAX };
+
     #[test]
-    fn power_finds_the_middle_taps_whatever_is_in_the_memory() {
-        for mark in [0, 1, u32::MAX] {
-            let (mark, restarts, taps) = (mark.into(), 77.into(), [9.into(), 8.into()]);
-            let kept = Kept { mark, restarts, panicked: 1.into(), in_a_row: 9.into(), taps };
-            let started = Started { reset: ResetCause::Power, restarts: 0, set_aside: false, taps: [Taps::MIDDLE; 2] };
-            assert_eq!(kept.started(false), started);
+    fn power_finds_the_middle_taps_and_no_fault_whatever_is_in_the_memory() {
+        for mark in [0, 1, MARK, u32::MAX] {
+            for reset in [Reset::Power, Reset::BrownOut] {
+                let (taps, place) = ([9.into(), 8.into()], Place { kind: FAULT.into(), words: Default::default() });
+                let facts = [77, 1, 9, 5].map(AtomicU32::new);
+                let [restarts, stopped, in_a_row, dips] = facts;
+                let kept = Kept { mark: mark.into(), restarts, stopped, in_a_row, dips, taps, place };
+                let started = kept.started(reset);
+                assert_eq!(Started { reset: ResetCause::Power, ..started.clone() }, Started::POWER);
+                assert_eq!((started.reset == ResetCause::BrownOut, kept.dips()), (reset == Reset::BrownOut, 0));
+            }
         }
     }
 
     #[test]
     fn a_restart_is_counted_told_apart_and_finds_the_taps_that_were_written() {
         let (kept, part) = (Kept::default(), Part::default());
-        let _ = kept.started(false);
+        let _ = kept.started(Reset::Power);
         let mut keeping = Keeping::new(part.clone(), &kept);
         keeping.write(Axis::Y, Taps::LAST).unwrap();
         part.unplugged.set(true);
         assert!(keeping.write(Axis::X, Taps::FIRST).is_err());
         let taps = [Taps::MIDDLE, Taps::LAST];
-        kept.panicked();
-        assert_eq!(kept.started(false), Started { reset: ResetCause::Panic, restarts: 1, set_aside: false, taps });
-        assert_eq!(kept.started(true), Started { reset: ResetCause::Watchdog, restarts: 2, set_aside: false, taps });
-        assert_eq!(kept.started(false).reset, ResetCause::Power, "a panic is told once");
+        let stop = Stop::panic_at("src/compensator.rs", 212);
+        kept.stopped(&stop);
+        let panicked =
+            Started { reset: ResetCause::Panic, restarts: 1, taps, stop: Some(stop.clone()), ..Started::POWER };
+        assert_eq!(kept.started(Reset::Software), panicked);
+        let bitten = Started { reset: ResetCause::Watchdog, restarts: 2, ..panicked };
+        assert_eq!(kept.started(Reset::Watchdog), bitten, "and the place of the panic is still known");
+        assert_eq!(kept.started(Reset::Pin), Started { reset: ResetCause::Pin, ..bitten.clone() });
+        assert_eq!(kept.started(Reset::Software).reset, ResetCause::Software, "a panic is told once");
+        kept.stopped(&Stop::Fault(REGISTERS));
+        let fault = Started { reset: ResetCause::Fault, restarts: 3, stop: Some(Stop::Fault(REGISTERS)), ..bitten };
+        assert_eq!(kept.started(Reset::Software), fault);
+    }
+
+    #[test]
+    fn a_board_that_cannot_tell_knows_by_its_memory_that_its_power_did_not_go() {
+        let kept = Kept::default();
+        assert_eq!(kept.started(Reset::Untold), Started::POWER);
+        assert_eq!(kept.started(Reset::Untold).reset, ResetCause::Software);
+        kept.stopped(&Stop::panic_at(&"x".repeat(60), 1));
+        let started = kept.started(Reset::Untold);
+        assert_eq!((started.reset, started.stop), (ResetCause::Panic, Some(Stop::panic_at(&"x".repeat(32), 1))));
+    }
+
+    #[test]
+    fn a_program_that_stops_before_it_has_asked_why_it_started_is_known_too() {
+        let kept = Kept { mark: 7.into(), restarts: 900.into(), ..Kept::default() };
+        kept.stopped(&Stop::Fault(REGISTERS));
+        let started = kept.started(Reset::Software);
+        assert_eq!((started.reset, started.restarts), (ResetCause::Fault, 1));
     }
 }

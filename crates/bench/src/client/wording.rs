@@ -53,7 +53,10 @@ pub(crate) const fn of_reset(cause: ResetCause) -> &'static str {
     match cause {
         ResetCause::Power => "power on",
         ResetCause::Watchdog => "restarted by the watchdog: sets stopped coming, or the program hung",
-        ResetCause::Panic => "restarted after a fault of the program",
-        ResetCause::Other => "reset pin or debugger",
+        ResetCause::Panic => "restarted after a panic of its program",
+        ResetCause::Fault => "restarted after a fault of its processor",
+        ResetCause::BrownOut => "its processor's supply had fallen too low: check the supply and its wiring",
+        ResetCause::Software => "restarted by a debugger",
+        ResetCause::Pin => "reset by its reset pin",
     }
 }

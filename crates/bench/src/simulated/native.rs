@@ -9,7 +9,7 @@ use zerorate_device::acquisition::{Acquisition, Timing};
 use zerorate_device::application::{Application, Parts};
 use zerorate_device::direct::DirectAcquisition;
 use zerorate_device::port::PortAcquisition;
-use zerorate_device::restart::Kept;
+use zerorate_device::restart::{Kept, Reset};
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::Watchdog;
@@ -111,7 +111,7 @@ impl BareBoard {
     }
 
     /// The application as it starts when power comes, or the watchdog has restarted it.
-    fn start<A: OnPlant>(&self, by_watchdog: bool) -> NativeApplication<A> {
+    fn start<A: OnPlant>(&self, reset: Reset) -> NativeApplication<A> {
         let Ok(store) = FlashStore::new(self.flash.clone(), 0..FLASH_BYTES) else {
             unreachable!("the pages are enough")
         };
@@ -122,7 +122,7 @@ impl BareBoard {
             store,
             watchdog: SimulatedWatchdog { plant: Rc::clone(&self.plant), fed_at: Rc::clone(&self.fed_at) },
             kept: Rc::clone(&self.kept),
-            by_watchdog,
+            started: self.kept.started(reset),
             unit: self.unit.clone(),
             timing: self.timing,
         })
@@ -153,7 +153,7 @@ impl<A: OnPlant> NativeDevice<A> {
             fed_at: Rc::default(),
             kept: Rc::default(),
         };
-        let application = board.start(false);
+        let application = board.start(Reset::Power);
         let tick = Tick::after(board.now(), setup.group_period());
         Self { board, application, tick, outgoing: Vec::new(), truths: Vec::new() }
     }
@@ -175,13 +175,12 @@ impl<A: OnPlant> NativeDevice<A> {
 
     pub(crate) fn power_cycle(&mut self) {
         self.plant().borrow_mut().power_cycle();
-        self.board.kept = Rc::default();
-        self.restart(false);
+        self.restart(Reset::Power);
     }
 
-    fn restart(&mut self, by_watchdog: bool) {
+    fn restart(&mut self, reset: Reset) {
         self.outgoing.clear();
-        self.application = self.board.start(by_watchdog);
+        self.application = self.board.start(reset);
     }
 
     /// The task goes round with what the host has sent. Before it does, the watchdog has restarted the processor, and nothing
@@ -189,7 +188,7 @@ impl<A: OnPlant> NativeDevice<A> {
     pub(crate) fn hear(&mut self, bytes: &[u8]) {
         let patience = WATCHDOG_S.max(3.0 * self.group_period().0);
         if self.board.now().0 - self.board.fed_at.get() > patience {
-            self.restart(true);
+            self.restart(Reset::Watchdog);
         }
         let Self { application, outgoing, .. } = self;
         application.run(bytes.iter().copied(), &mut |bytes: &[u8]| {
@@ -260,6 +259,6 @@ mod tests {
             NativeDevice::<PortAcquisition<PortSpi>>::of_plant(plant, &SetUp::paper(), &UnitSerial::default());
         device.stand(Seconds(60.0));
         device.hear(&[]);
-        assert_eq!(device.board.kept.started(false).restarts, 0);
+        assert_eq!(device.board.kept.started(Reset::Untold).restarts, 0);
     }
 }

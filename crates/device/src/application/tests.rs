@@ -5,9 +5,10 @@ use zerorate_core::compensate::Mode;
 use zerorate_core::record::MAX_RECORD_BYTES;
 use zerorate_core::units::{Axis, Taps};
 use zerorate_core::wire::frame::{self, Receiver};
-use zerorate_core::wire::{Answer, CalibrationState, Command, Message, Request, Upload};
+use zerorate_core::wire::{Answer, CalibrationState, Command, Identity, Message, Request, ResetCause, Stop, Upload};
 
 use super::*;
+use crate::restart::Reset;
 use crate::tests::{MemoryStore, Part, Sets, record};
 use crate::watchdog::NoWatchdog;
 
@@ -20,7 +21,7 @@ fn start(sets: &Sets, part: &Part, store: &MemoryStore, kept: &Rc<Kept>) -> Test
         store: store.clone(),
         watchdog: NoWatchdog,
         kept: Rc::clone(kept),
-        by_watchdog: false,
+        started: kept.started(Reset::Untold),
         unit: UnitSerial::default(),
         timing: Timing::PAPER,
     })
@@ -62,22 +63,31 @@ impl Rig {
 
     /// The program stops itself, and starts anew.
     fn panic(&mut self) {
-        self.kept.panicked();
+        self.kept.stopped(&Stop::panic_at("src/lib.rs", 1));
         self.sets.waiting.borrow_mut().clear();
         self.application = start(&self.sets, &self.part, &self.store, &self.kept);
     }
 
-    fn calibration(&mut self) -> CalibrationState {
+    fn ask(&mut self, request: Request) -> Answer {
         let mut said = Vec::new();
-        let command = Command { sequence: 1, at: None, request: Request::Identity };
+        let command = Command { sequence: 1, at: None, request };
         self.application.run(frame::encode(&command).unwrap(), &mut |bytes: &[u8]| {
             said.extend_from_slice(bytes);
             true
         });
         let mut receiver = Receiver::new();
         let upload: Upload = said.iter().find_map(|&byte| receiver.push(byte)).unwrap().unwrap();
-        let Message::Answer { answer: Answer::Identity(identity), .. } = upload.message else { panic!("an identity") };
-        identity.calibration
+        let Message::Answer { answer, .. } = upload.message else { panic!("an answer") };
+        answer
+    }
+
+    fn identity(&mut self) -> Identity {
+        let Answer::Identity(identity) = self.ask(Request::Identity) else { panic!("an identity") };
+        identity
+    }
+
+    fn calibration(&mut self) -> CalibrationState {
+        self.identity().calibration
     }
 
     /// Data ready, and nobody who speaks.
@@ -164,4 +174,17 @@ fn a_program_that_was_at_work_for_a_minute_between_its_faults_keeps_its_record()
         rig.panic();
     }
     assert_eq!(rig.calibration(), CalibrationState::InUse);
+}
+
+#[test]
+fn a_board_says_where_its_program_stopped_itself_and_how_often_its_supply_has_dipped() {
+    let mut rig = Rig::starting_in([Mode::Hybrid; 2]);
+    assert_eq!(rig.ask(Request::Stop), Answer::Stop(None));
+    rig.kept.dipped();
+    rig.panic();
+    rig.kept.dipped();
+    assert_eq!(rig.identity().reset, ResetCause::Panic);
+    assert_eq!(rig.ask(Request::Stop), Answer::Stop(Some(Stop::panic_at("src/lib.rs", 1))));
+    let Answer::Faults(faults) = rig.ask(Request::Faults) else { panic!("the faults") };
+    assert_eq!((faults.restarts, faults.supply_dips), (1, 2));
 }

@@ -45,6 +45,7 @@ impl Action {
             Request::SetStream { samples, .. } => Self::SetSamples(samples),
             Request::Identity
             | Request::Faults
+            | Request::Stop
             | Request::ReadCalibration { .. }
             | Request::WriteCalibration { .. }
             | Request::CommitCalibration { .. } => return None,

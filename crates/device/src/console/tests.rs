@@ -2,8 +2,8 @@ use std::vec::Vec;
 
 use zerorate_core::compensate::Mode;
 use zerorate_core::record::MAX_RECORD_BYTES;
-use zerorate_core::units::{Axis, Taps};
-use zerorate_core::wire::{CHUNK, CalibrationState, ResetCause, frame};
+use zerorate_core::units::Axis;
+use zerorate_core::wire::{CHUNK, CalibrationState, frame};
 
 use super::*;
 use crate::store::{StoreFailed, Stored};
@@ -31,8 +31,7 @@ fn console<S: RecordStore>(store: S) -> Console<S> {
 }
 
 fn console_of<S: RecordStore>(unit: &str, store: S) -> Console<S> {
-    let started = Started { reset: ResetCause::Power, restarts: 0, set_aside: false, taps: [Taps::MIDDLE; 2] };
-    Console::new(UnitSerial::try_from(unit).unwrap(), Timing::PAPER, store, started)
+    Console::new(UnitSerial::try_from(unit).unwrap(), Timing::PAPER, store, Started::POWER)
 }
 
 /// Sends one request, each with a number of its own, and returns the answer.

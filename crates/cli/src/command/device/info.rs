@@ -45,6 +45,7 @@ impl Info {
             ("compensation", of_each(info.modes.map(compensation))),
             ("wipers", of_each(info.taps.map(wiper))),
             ("started", info.started.clone()),
+            ("stopped", info.stopped.as_ref().map_or_else(|| "never since power on".into(), ToString::to_string)),
             ("calibration", info.calibration.clone()),
             ("stored", stored),
         ]);
