@@ -160,8 +160,18 @@ where
         Ok(true)
     }
 
-    /// The scans are read straight into the set's memory: a second buffer would be a sixth of a board's RAM.
     fn read_scans(&mut self, set: &mut Set) -> Result<(), Self::Error> {
+        let read = self.scans_of(set);
+        if read.is_err() {
+            set.scans.clear();
+        }
+        read
+    }
+}
+
+impl<SPI: SpiDevice> PortAcquisition<SPI> {
+    /// The scans are read straight into the set's memory: a second buffer would be a sixth of a board's RAM.
+    fn scans_of(&mut self, set: &mut Set) -> Result<(), PortError<SPI::Error>> {
         let (mut head, mut crc) = ([0; HEAD_BYTES], [0; CRC_BYTES]);
         // A port has no set beyond this memory: one that says so is refused by its length or its CRC.
         let _ = set.scans.resize_default(usize::from(self.set_length));
@@ -172,25 +182,23 @@ where
             Operation::Read(bytemuck::cast_slice_mut(samples)),
             Operation::Read(&mut crc),
         ];
-        let read = self.spi.transaction(&mut burst).map_err(PortError::Spi);
+        self.spi.transaction(&mut burst).map_err(PortError::Spi)?;
         let is_whole =
             checked(&head).is_some() && CRC.checksum(bytemuck::cast_slice(samples)) == u32::from_be_bytes(crc);
+        if !is_whole {
+            return Err(PortError::Damaged);
+        }
+        let [a, b, c, d, ..] = head;
+        let number = u32::from_be_bytes([a, b, c, d]);
+        if number != set.number {
+            return Err(PortError::AnotherSet { number });
+        }
         for sample in samples {
             *sample = u16::from_be(*sample);
         }
-        let read = read.and_then(|()| if is_whole { Ok(()) } else { Err(PortError::Damaged) });
-        let [a, b, c, d, ..] = head;
-        let number = u32::from_be_bytes([a, b, c, d]);
-        let read =
-            read.and_then(|()| if number == set.number { Ok(()) } else { Err(PortError::AnotherSet { number }) });
-        if read.is_err() {
-            set.scans.clear();
-        }
-        read
+        Ok(())
     }
-}
 
-impl<SPI: SpiDevice> PortAcquisition<SPI> {
     /// A set's number, the sets lost up to it, and its sums, from what its head says.
     fn numbers(&self, content: &[u8]) -> Result<(u32, u32, [GroupSums; 2]), PortError<SPI::Error>> {
         let (words, _) = content.as_chunks();
