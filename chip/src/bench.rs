@@ -1,10 +1,10 @@
 //! A chip on the simulated bench, and the host on its line: speaks the device's own protocol, in virtual time.
 
 use anyhow::{Context, Result, bail, ensure};
-use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES};
+use zerorate_core::record::DeviceRecord;
 use zerorate_core::wire::frame::{self, Receiver};
 use zerorate_core::wire::{
-    Answer, CHUNK, Command, FaultCounts, GroupReport, Identity, Message, Request, SampleWindow, Stop, Upload,
+    Answer, Command, FaultCounts, GroupReport, Identity, Message, Request, SampleWindow, Stop, Upload,
 };
 use zerorate_sim::{Plant, SharedPlant};
 
@@ -13,6 +13,7 @@ use crate::chip::flash::Flash;
 use crate::chip::memory::Image;
 use crate::chip::rcc::Reset;
 use crate::chip::time::{MILLISECOND, SECOND, Ticks};
+use crate::deployment::{deployment, encoded};
 use crate::machine::Machine;
 
 /// How long an answer may take: longer than a commit.
@@ -157,19 +158,16 @@ impl Bench {
     /// # Errors
     /// It was refused, or no answer came.
     pub fn deploy(&mut self, record: &DeviceRecord) -> Result<()> {
-        let length = self.write(record)?;
-        self.order(Request::CommitCalibration { length })
+        let commit = self.write(&encoded(record)?)?;
+        self.order(commit)
     }
 
-    /// Writes a record to the board's buffer; its length.
-    fn write(&mut self, record: &DeviceRecord) -> Result<u16> {
-        let mut buffer = [0; MAX_RECORD_BYTES];
-        let bytes = record.encode(&mut buffer).ok().context("a record that cannot be")?;
-        for (part, chunk) in bytes.chunks(CHUNK).enumerate() {
-            let offset = u16::try_from(part * CHUNK)?;
-            self.order(Request::WriteCalibration { offset, bytes: chunk.iter().copied().collect() })?;
-        }
-        Ok(u16::try_from(bytes.len())?)
+    /// Writes a record's bytes to the board's buffer; what commits them.
+    fn write(&mut self, bytes: &[u8]) -> Result<Request> {
+        let mut requests = deployment(bytes)?;
+        let commit = requests.pop().context("a record without a commit")?;
+        requests.into_iter().try_for_each(|write| self.order(write))?;
+        Ok(commit)
     }
 
     /// Has a record committed, up to where something holds of the flash.
@@ -177,9 +175,8 @@ impl Bench {
     /// # Errors
     /// It does not come to hold.
     pub fn deploy_until(&mut self, record: &DeviceRecord, holds: impl Fn(&Flash) -> bool) -> Result<()> {
-        let length = self.write(record)?;
+        let request = self.write(&encoded(record)?)?;
         self.sequence += 1;
-        let request = Request::CommitCalibration { length };
         let command = Command { sequence: self.sequence, at: None, request };
         self.send(&frame::encode(&command).ok().context("a frame that cannot be")?);
         let until = self.now() + PATIENCE;
@@ -192,14 +189,11 @@ impl Bench {
     /// # Errors
     /// No answer came.
     pub fn deploy_bent(&mut self, record: &DeviceRecord) -> Result<Answer> {
-        let mut buffer = [0; MAX_RECORD_BYTES];
-        let length = record.encode(&mut buffer).ok().context("a record that cannot be")?.len();
-        buffer[length / 2] ^= 1;
-        for (part, chunk) in buffer[..length].chunks(CHUNK).enumerate() {
-            let offset = u16::try_from(part * CHUNK)?;
-            self.order(Request::WriteCalibration { offset, bytes: chunk.iter().copied().collect() })?;
-        }
-        self.ask(Request::CommitCalibration { length: u16::try_from(length)? })
+        let mut bytes = encoded(record)?;
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        let commit = self.write(&bytes)?;
+        self.ask(commit)
     }
 
     /// Asks for groups.

@@ -3,6 +3,7 @@
 mod bench;
 mod cases;
 mod chip;
+mod deployment;
 mod lock_step;
 mod machine;
 mod native;

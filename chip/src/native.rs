@@ -3,9 +3,9 @@
 //! As on `zerorate-bench`'s native device, time passes only while nobody has anything to do, and buses take none.
 
 use anyhow::{Context, Result, ensure};
-use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, UnitSerial};
+use zerorate_core::record::{DeviceRecord, UnitSerial};
 use zerorate_core::wire::frame::{self, Receiver};
-use zerorate_core::wire::{CHUNK, Command, GroupReport, Message, Request, SampleWindow, Upload};
+use zerorate_core::wire::{Command, GroupReport, Message, Request, SampleWindow, Upload};
 use zerorate_device::acquisition::Timing;
 use zerorate_device::application::{Application, Parts};
 use zerorate_device::port::PortAcquisition;
@@ -15,6 +15,7 @@ use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::NoWatchdog;
 use zerorate_sim::{Flash, FlashPart, PlantDelay, PortSpi, PotentiometerSpi, SharedPlant};
 
+use crate::deployment::{deployment, encoded};
 use crate::lock_step::LockStep;
 
 type Part = FlashPart<4096, 4>;
@@ -41,62 +42,28 @@ fn start(plant: &SharedPlant, flash: &Part) -> Result<Native> {
     }))
 }
 
-/// Says requests; what the application sends.
-fn say(native: &mut Native, requests: &[Request]) -> Result<Vec<Upload>> {
-    let mut bytes = Vec::new();
-    for (sequence, request) in (1..).zip(requests) {
-        let command = Command { sequence, at: None, request: request.clone() };
-        bytes.extend(frame::encode(&command).ok().context("a frame that cannot be")?);
-    }
-    let mut receiver = Receiver::new();
-    let mut uploads = Vec::new();
-    native.run(bytes, &mut |sent: &[u8]| {
-        uploads.extend(sent.iter().filter_map(|&byte| receiver.push::<Upload>(byte)?.ok()));
-        true
-    });
-    Ok(uploads)
-}
-
-/// The requests that bring a record to a board.
-///
-/// # Errors
-/// There is no such record.
-pub fn deployment(record: &DeviceRecord) -> Result<Vec<Request>> {
-    let mut buffer = [0; MAX_RECORD_BYTES];
-    let bytes = record.encode(&mut buffer).ok().context("a record that cannot be")?;
-    let mut requests = Vec::new();
-    for (part, chunk) in bytes.chunks(CHUNK).enumerate() {
-        let offset = u16::try_from(part * CHUNK)?;
-        requests.push(Request::WriteCalibration { offset, bytes: chunk.iter().copied().collect() });
-    }
-    requests.push(Request::CommitCalibration { length: u16::try_from(bytes.len())? });
-    Ok(requests)
-}
-
 /// The first `n` groups of a board that holds a record and whose acquisition begins at the plant's present time.
 ///
 /// # Errors
 /// The record was not taken.
 pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, n: usize) -> Result<Vec<GroupReport>> {
     let flash = Part::new(Flash::erased(4));
-    let requests = deployment(record)?;
     // On a plant of its own: the wipers are written when a board starts.
     let elsewhere = zerorate_sim::Plant::new(zerorate_sim::PlantParameters::paper(), 0).share();
-    let mut writer = start(&elsewhere, &flash)?;
-    let answers = say(&mut writer, &requests)?;
-    ensure!(answers.len() == requests.len(), "the native board did not take the record");
+    let mut writer = NativeBoard::with(elsewhere, flash.clone())?;
+    let requests = deployment(&encoded(record)?)?;
+    writer.hear_all(&requests)?;
+    ensure!(writer.said().len() == requests.len(), "the native board did not take the record");
 
-    let mut native = start(plant, &flash)?;
-    say(&mut native, &[Request::SetStream { groups: true, samples: SampleWindow::NONE }])?;
+    let mut board = NativeBoard::with(SharedPlant::clone(plant), flash)?;
+    board.hear_all(&[Request::SetStream { groups: true, samples: SampleWindow::NONE }])?;
     let mut groups = Vec::new();
     while groups.len() < n {
-        plant.borrow_mut().run_set().context("the native board's acquisition stands still")?;
-        native.compensator.service();
-        for upload in say(&mut native, &[])? {
-            if let Message::Group(report) = upload.message {
-                groups.push(report);
-            }
-        }
+        board.set()?;
+        groups.extend(board.said().into_iter().filter_map(|upload| match upload.message {
+            Message::Group(report) => Some(report),
+            _ => None,
+        }));
     }
     Ok(groups)
 }
@@ -116,9 +83,22 @@ impl NativeBoard {
     /// # Errors
     /// There is none.
     pub fn new(plant: SharedPlant) -> Result<Self> {
-        let flash = Part::new(Flash::erased(4));
+        Self::with(plant, Part::new(Flash::erased(4)))
+    }
+
+    /// A board about a plant, with what its flash holds.
+    fn with(plant: SharedPlant, flash: Part) -> Result<Self> {
         let native = start(&plant, &flash)?;
         Ok(Self { plant, flash, native, receiver: Receiver::new(), said: Vec::new() })
+    }
+
+    /// Hears requests one after the other.
+    fn hear_all(&mut self, requests: &[Request]) -> Result<()> {
+        for (sequence, request) in (1..).zip(requests) {
+            let command = Command { sequence, at: None, request: request.clone() };
+            self.hear(&frame::encode(&command).ok().context("a frame that cannot be")?);
+        }
+        Ok(())
     }
 
     fn hear(&mut self, bytes: &[u8]) {

@@ -8,8 +8,9 @@ use zerorate_core::wire::frame;
 use zerorate_core::wire::{Command, Message, Request, SampleWindow, Upload};
 
 use super::{Given, paper};
+use crate::deployment::{deployment, encoded};
 use crate::lock_step::{ChipBoard, LockStep};
-use crate::native::{NativeBoard, deployment};
+use crate::native::NativeBoard;
 
 const SUPPLIES_V: [f64; 3] = [2.45, 2.5, 2.55];
 const TAPS: [u16; 4] = [511, 500, 522, 512];
@@ -95,7 +96,7 @@ fn run(board: &mut dyn LockStep, record: &[Request]) -> Result<Vec<Upload>> {
 
 /// All that both boards say in it.
 pub fn in_short(given: &Given) -> Result<String> {
-    let record = deployment(&given.record)?;
+    let record = deployment(&encoded(&given.record)?)?;
     let native = run(&mut NativeBoard::new(paper().share())?, &record)?;
     let mut chip = ChipBoard::new(&given.image, paper())?;
     let image = run(&mut chip, &record)?;
