@@ -147,7 +147,7 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
         notes.extend(renamed(&axis.name, own.name));
         let verified = axis::verify(own.name, &calibration.axes[own.name], axis, calibration.temperature_unit);
         let mut verified = verified.map_err(no_test)?;
-        verified.missed = options.limits.missed(&verified)?;
+        verified.missed = options.limits.missed(&verified, options.told_in)?;
         axes.push(verified);
     }
     notes.extend(unknown(&fit.axes, &places, &calibrated));

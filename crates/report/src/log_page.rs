@@ -223,7 +223,7 @@ fn definitions(fit: &LogFit) -> Markup {
                 code { "zerorate verify" } " measures the same of another run."
             },
         ),
-        ("In-sample", html! { "Measured on the data that the model was fitted to: always a little too good." }),
+        ("In-sample", html! { "Measured on the data that the model was fitted to: as a rule a little too good." }),
         (
             "Held out",
             html! {

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::VerifiedAxis;
-use zerorate_cal::units::{RateScale, RateUnit};
+use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
 
 /// A size with its unit, as it was written: `0.5 mrad/s`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -152,8 +152,8 @@ impl Limits {
         }
     }
 
-    /// The limits that an axis misses, a sentence each.
-    pub(super) fn missed(&self, axis: &VerifiedAxis) -> Result<Vec<String>, LimitError> {
+    /// The limits that an axis misses, a sentence each, which tells rates in the unit asked for.
+    pub(super) fn missed(&self, axis: &VerifiedAxis, told_in: Option<WrittenRate>) -> Result<Vec<String>, LimitError> {
         let own = self.axes.get(&axis.name);
         let bound = |of: fn(&Bounds) -> &Option<Limit>, all: &Option<Limit>| {
             own.and_then(|own| of(own).clone()).or_else(|| all.clone())
@@ -172,7 +172,7 @@ impl Limits {
                     let (name, times) = (&axis.name, found / most);
                     missed.push(format!(
                         "{name}: {what} {}, {times:.2} times the limit of {limit}",
-                        RateScale::of(axis.rate_unit, &[found], None).told(found)
+                        RateScale::of(axis.rate_unit, &[found], told_in).told(found)
                     ));
                 }
             }

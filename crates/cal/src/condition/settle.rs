@@ -16,6 +16,10 @@ const DECAY: f64 = 1.3;
 /// A group further than this many standard deviations from where the others lead settles.
 const SETTLING_SIGMA: f64 = 10.0;
 
+/// By so many standard deviations more than that factor, from the first group to the one that has settled: the curve itself bends
+/// away from a line, and with some noise the bend of one group comes closer fast enough.
+const SURE: f64 = 3.0;
+
 /// Marks the groups at the beginning of each log that settle, in one axis.
 pub(super) fn mark_settling(groups: &[Group], axis: usize, marks: &mut [Option<DropReason>]) {
     let mut start = 0;
@@ -50,7 +54,9 @@ fn mark_start(groups: &[Group], axis: usize, marks: &mut [Option<DropReason>]) {
     };
     let settling = (0..MOST).take_while(|place| off(*place).0 > off(*place).1).count();
     let fast = (0..settling).all(|place| off(place).0 > DECAY * off(place + 1).0);
-    if settling > 0 && fast {
+    let decay = (0..settling).fold(1.0, |decay, _| DECAY * decay);
+    let surely = off(0).0 - decay * off(settling).0 > SURE * sigma * decay.hypot(1.0);
+    if settling > 0 && fast && surely {
         marks[..settling].fill(Some(DropReason::StartUp));
     }
 }

@@ -69,7 +69,7 @@ pub(super) fn definitions(board: &Board) -> Markup {
             html! { "The highest less the lowest group mean of the ramp. One outlying group is enough to raise it." },
         ),
         ("rms", html! { "Root mean square. Of a fit: about the curve. Of a test: about the axis’s mean." }),
-        ("In-sample", html! { "Measured on the data that a fit was made from: always a little too good." }),
+        ("In-sample", html! { "Measured on the data that a fit was made from: as a rule a little too good." }),
         (
             "Held out",
             html! { "Measured on data that the fit has not seen: a contiguous fold predicted by the fit of the others, or another run." },
