@@ -157,6 +157,13 @@ impl Table {
         self.stream(columns, true)
     }
 
+    /// Whether a column's numbers rise, or stay, as far as its first batch goes; not where it holds none.
+    fn never_falls(&self, column: usize) -> Result<bool, TableError> {
+        let Some(first) = self.batches(&[column])?.next().transpose()? else { return Ok(false) };
+        let numbers: Vec<f64> = first.columns[0].iter().copied().filter(|number| number.is_finite()).collect();
+        Ok(numbers.len() > 1 && numbers.is_sorted())
+    }
+
     fn stream(&self, columns: &[usize], cells: bool) -> Result<Batches, TableError> {
         let source = self.source.clone();
         let faulty = |fault| self.source.faulty(fault);

@@ -7,7 +7,8 @@ use std::fmt::Display;
 use imu_logs::{Sensor, SensorKind};
 
 use super::words::{
-    Said, is_rate, is_temperature, is_time, names_axis, numbers, rate_unit, temperature_unit, time_unit, words,
+    Said, ends_in_time, is_rate, is_temperature, is_time, names_axis, numbers, rate_unit, temperature_unit, time_unit,
+    words,
 };
 use super::{Table, TableError, TableFault};
 use crate::quality::{Reason, ReasonKind};
@@ -112,7 +113,7 @@ impl<'a> Names<'a> {
         let table = self.table;
         let temperatures = match &asked.temperature {
             Some(name) => vec![table.column(name)?],
-            None => self.places(is_temperature),
+            None => self.guess_temperatures(),
         };
         if temperatures.is_empty() {
             return Err(self.unclear("temperature", &[]));
@@ -120,11 +121,7 @@ impl<'a> Names<'a> {
         let gyros = self.gyros(asked)?;
         let time = match &asked.time {
             Some(name) => Some(table.column(name)?),
-            // Of `timestamp` and `timestamp_sample` the one with fewer words; a log may also have none.
-            None => {
-                let named = self.places(is_time).into_iter().min_by_key(|&column| self.words[column].len());
-                named.or_else(|| (0..table.clocks.len()).find(|&column| table.clocks[column].is_some()))
-            }
+            None => self.guess_time(&temperatures, &gyros)?,
         };
         let clock = time.and_then(|time| table.clocks[time]);
         let of_column = |time: usize| match asked.time_unit.or(clock.map(|clock| clock.unit)) {
@@ -139,6 +136,11 @@ impl<'a> Names<'a> {
             notes: Vec::new(),
             guesses: Vec::new(),
         };
+        if let Some(time) = time.filter(|&time| asked.time.is_none() && clock.is_none() && !is_time(&self.words[time]))
+        {
+            let name = &table.names()[time];
+            resolved.notes.push(format!("'{name}' is taken for the time, by its unit (`time` says another column)"));
+        }
         for gyro in &gyros {
             let temperature = self.temperature_of(gyro, &temperatures)?;
             let sensor = self.sensor(gyro, temperature, asked, &mut resolved)?;
@@ -166,6 +168,40 @@ impl<'a> Names<'a> {
             return Err(self.table.source().faulty(TableFault::AskedTwice { column }));
         }
         Ok(gyros::split(&columns, &self.words).unwrap_or_else(|| vec![Gyro { instance: None, columns }]))
+    }
+
+    /// The time column: by its name; else by how its cells are written; else the first column, where its name ends in a unit
+    /// of times and it never falls.
+    fn guess_time(&self, temperatures: &[usize], gyros: &[Gyro]) -> Result<Option<usize>, TableError> {
+        let is_other =
+            |column: usize| temperatures.contains(&column) || gyros.iter().any(|gyro| gyro.columns.contains(&column));
+        // Of `timestamp` and `timestamp_sample` the one with fewer words; a log may also have none.
+        let named = self.places(is_time).into_iter().filter(|&column| !is_other(column));
+        let named = named.min_by_key(|&column| self.words[column].len());
+        let clock = || self.table.clocks.iter().position(Option::is_some);
+        if let Some(found) = named.or_else(clock) {
+            return Ok(Some(found));
+        }
+        let by_unit = self.with_units.first().is_some_and(|words| ends_in_time(words)) && !is_other(0);
+        Ok((by_unit && self.table.never_falls(0)?).then_some(0))
+    }
+
+    /// The temperature columns, by their names: where none says it, a capital T, or a small one beside another time.
+    fn guess_temperatures(&self) -> Vec<usize> {
+        let named = self.places(is_temperature);
+        if !named.is_empty() {
+            return named;
+        }
+        let times = self.places(is_time);
+        let of_letter = |letter: &str| -> Vec<usize> {
+            let is_bare = |column: &usize| self.with_units[*column] == ["t"] && self.table.names()[*column] == letter;
+            times.iter().copied().filter(is_bare).collect()
+        };
+        match of_letter("T") {
+            capital if !capital.is_empty() => capital,
+            _ if times.len() > 1 => of_letter("t"),
+            _ => Vec::new(),
+        }
     }
 
     /// The rate columns, by their names.
@@ -296,3 +332,6 @@ impl<'a> Names<'a> {
         self.table.source().faulty(TableFault::Unclear { what, found, columns })
     }
 }
+
+#[cfg(test)]
+mod tests;

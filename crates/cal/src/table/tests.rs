@@ -4,7 +4,6 @@ use ::parquet::arrow::ArrowWriter;
 use arrow_array::{ArrayRef, Float32Array, Float64Array, Int64Array, RecordBatch, StringArray};
 
 use super::*;
-use crate::quality::ReasonKind;
 use crate::units::{RateUnit, TimeUnit, WrittenRate, WrittenTemperature};
 
 fn table(content: &[u8]) -> Result<Table, TableError> {
@@ -20,10 +19,6 @@ fn read(content: &str) -> Result<(Vec<String>, Vec<Vec<f64>>), TableError> {
         columns.iter_mut().zip(&batch.columns).for_each(|(all, some)| all.extend(some));
     }
     Ok((table.names().to_vec(), columns))
-}
-
-fn resolve(header: &str, columns: &Columns) -> Result<Resolved, TableError> {
-    columns.resolve(&table(format!("{header}\n").as_bytes())?)
 }
 
 /// The places of the first sensor's rates.
@@ -120,145 +115,10 @@ fn parquet_gives_only_the_columns_asked_for_with_nulls_as_nan() {
 }
 
 #[test]
-fn columns_are_guessed_where_the_names_make_it_plain() {
-    for (header, time, temperature, rates) in [
-        ("t_s,temperature_c,x_rad_s,y_rad_s,z_rad_s", Some(0), 1, vec![2, 3, 4]),
-        ("timestamp,imu.gyro.x,imu.gyro.y,imu.gyro.z,imu.acc.x,imu.status,imu.temperature", Some(0), 6, vec![1, 2, 3]),
-        ("TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T", Some(0), usize::MAX, vec![]),
-        ("timestamp,timestamp_sample,device_id,x,y,z,temperature", Some(0), 6, vec![3, 4, 5]),
-        ("temp,rate_dps", None, 0, vec![1]),
-    ] {
-        match resolve(header, &Columns::default()) {
-            Ok(found) => {
-                assert_eq!((found.time, found.sensors[0].temperature, places(&found)), (time, temperature, rates))
-            }
-            Err(error) => {
-                assert_eq!(temperature, usize::MAX, "{error}");
-                assert!(error.to_string().contains("say which (`temperature`); the columns are TimeUS, I,"));
-            }
-        }
-    }
-}
-
-#[test]
-fn units_come_from_the_names() {
-    let named = resolve("TimeUS,temp_counts,GyrX_dps", &Columns::default()).unwrap();
-    assert_eq!(named.time_unit, Some(TimeUnit::Us));
-    assert_eq!(named.sensors[0].rate_unit, RateUnit::Dps);
-    assert_eq!(named.sensors[0].written_temperature, WrittenTemperature::Counts);
-    assert!(named.notes.is_empty() && named.guesses.is_empty());
-    let bare = resolve("timestamp,temperature,gyro.x", &Columns::default()).unwrap();
-    assert_eq!((bare.time_unit, bare.sensors[0].rate_unit), (None, RateUnit::RadPerS));
-    let kinds: Vec<ReasonKind> = bare.guesses.iter().map(|guess| guess.kind).collect();
-    assert_eq!(kinds, [ReasonKind::AssumedUnit, ReasonKind::GuessedUnit]);
-    assert!(bare.guesses[1].text.contains("'gyro.x' names no unit: taken as rad/s"));
-}
-
-#[test]
 fn a_time_without_a_unit_is_read_by_how_long_the_log_lasts() {
     assert_eq!(TimeUnit::by_duration(4.245e9), Some(TimeUnit::Us));
     assert_eq!(TimeUnit::by_duration(4245.0), Some(TimeUnit::S));
     assert_eq!(TimeUnit::by_duration(60.0), None);
-}
-
-#[test]
-fn a_column_asked_for_wins_and_a_wrong_one_lists_those_there_are() {
-    let asked = Columns { rates: vec!["b".into()], temperature: Some("a".into()), ..Columns::default() };
-    let found = resolve("a,b,gyro_x", &asked).unwrap();
-    assert_eq!((found.sensors[0].temperature, places(&found)), (0, vec![1]));
-    let wrong = Columns { temperature: Some("heat".into()), ..Columns::default() };
-    let error = resolve("a,b", &wrong).unwrap_err().to_string();
-    assert!(error.ends_with("there is no column 'heat'; the columns are a, b"), "{error}");
-    let two = resolve("temp_1,temp_2,gyro_x", &Columns::default()).unwrap_err().to_string();
-    assert!(two.contains("more than one column could be the temperature"), "{two}");
-}
-
-#[test]
-fn two_columns_of_one_name_are_no_two_axes() {
-    let head = "t_s,temp_c,x_rad_s,x_rad_s,z_rad_s";
-    let asked = Columns { rates: vec!["z_rad_s".into(), "x_rad_s".into()], ..Columns::default() };
-    for columns in [&Columns::default(), &asked] {
-        let refused = resolve(head, columns).unwrap_err().to_string();
-        assert!(refused.contains("columns 3 and 4 are both called 'x_rad_s'"), "{refused}");
-    }
-    let asked = Columns { rates: vec!["z_rad_s".into(), "z_rad_s".into()], ..Columns::default() };
-    let refused = resolve(head, &asked).unwrap_err().to_string();
-    assert!(refused.contains("column 'z_rad_s' was asked for twice (`rate`)"), "{refused}");
-    // Two that nobody asks for are in nobody's way.
-    assert_eq!(places(&resolve("t_s,temp_c,x_rad_s,note,note", &Columns::default()).unwrap()), [2]);
-}
-
-#[test]
-fn a_unit_that_a_name_says_is_read_or_refused_and_never_mistaken() {
-    use WrittenTemperature::{Celsius, Fahrenheit, Kelvin};
-    let guessed = Columns::default();
-    for (head, temperature, unit, factor) in [
-        ("time_s,temp_F,gyro_x_dps", Fahrenheit, RateUnit::Dps, 1.0),
-        ("time_s,Temp [°F],gyro_x_dps", Fahrenheit, RateUnit::Dps, 1.0),
-        ("time_s,temperature_k,gyro_x_mDPS", Kelvin, RateUnit::Dps, 1e-3),
-        ("time_s,temp [K],x [°/s]", Kelvin, RateUnit::Dps, 1.0),
-        ("time_s,Temperature [°C],x_deg_s", Celsius, RateUnit::Dps, 1.0),
-        ("time_s,temp_c,gyro_x_mdps", Celsius, RateUnit::Dps, 1e-3),
-        ("time_s,temp_c,x [m°/s]", Celsius, RateUnit::Dps, 1e-3),
-        ("time_s,temp_c,x_deg_h", Celsius, RateUnit::Dps, 1.0 / 3600.0),
-        ("time_s,temp_c,x [°/h]", Celsius, RateUnit::Dps, 1.0 / 3600.0),
-        ("time_s,temp_c,gyro_x_mrad_s", Celsius, RateUnit::RadPerS, 1e-3),
-        ("time_s,temp_c,gyro_x_rad/s", Celsius, RateUnit::RadPerS, 1.0),
-    ] {
-        let found = resolve(head, &guessed).unwrap();
-        let sensor = &found.sensors[0];
-        assert_eq!((sensor.written_temperature, sensor.rate_unit), (temperature, unit), "{head}");
-        assert!((sensor.rates[0].factor / factor - 1.0).abs() < 1e-12 && found.guesses.is_empty(), "{head}");
-    }
-    for (head, unit) in [("time_s,temp_c,x_deg_min", "deg/min"), ("time_s,temp_c,gyro_x_rpm", "turns a minute")] {
-        let refused = resolve(head, &guessed).unwrap_err().to_string();
-        assert!(refused.contains(unit) && refused.contains("unit is not read"), "{head}: {refused}");
-    }
-    let given = Columns { rate_unit: Some(WrittenRate::Dps), ..Columns::default() };
-    let found = resolve("time_s,temp_c,gyro_x_mdps", &given).unwrap();
-    assert!((found.sensors[0].rates[0].factor - 1.0).abs() < 1e-12);
-    assert_eq!(found.notes, ["'gyro_x_mdps' says mdps, and is taken as dps, as asked (`rate_unit`)"]);
-}
-
-#[test]
-fn columns_of_one_gyro_in_two_units_are_read_in_one() {
-    let found = resolve("t_s,temp_c,x_dps,y_rad_s,gyro_z", &Columns::default()).unwrap();
-    let factors: Vec<f64> = found.sensors[0].rates.iter().map(|rate| rate.factor).collect();
-    assert_eq!(found.sensors[0].rate_unit, RateUnit::Dps);
-    assert!((factors[0] - 1.0).abs() < 1e-12 && (factors[1] - 57.295_779_513).abs() < 1e-6);
-    assert!(found.guesses[0].text.contains("'gyro_z' names no unit: taken as dps, as the columns beside it"));
-    let mixed = resolve("t_s,temp_c,x_dps,gyro_y_counts", &Columns::default()).unwrap_err().to_string();
-    assert!(mixed.contains("'gyro_y_counts' is in counts"), "{mixed}");
-}
-
-#[test]
-fn several_gyros_are_told_apart_by_their_numbers() {
-    let gyro = |instance, temperature, rates: [usize; 3]| (Some(instance), temperature, rates.to_vec());
-    for (head, expected) in [
-        ("t_s,temp_c,gyro0_x,gyro0_y,gyro0_z,gyro1_x,gyro1_y,gyro1_z", [gyro(0, 1, [2, 3, 4]), gyro(1, 1, [5, 6, 7])]),
-        (
-            "t_s,gyro1_x,gyro1_y,gyro1_z,temp1,gyro2_x,gyro2_y,gyro2_z,temp2",
-            [gyro(1, 4, [1, 2, 3]), gyro(2, 8, [5, 6, 7])],
-        ),
-        (
-            "t_s,imu0.gyro.x,imu0.gyro.y,imu0.gyro.z,imu0.temperature,imu1.gyro.x,imu1.gyro.y,imu1.gyro.z,imu1.temperature",
-            [gyro(0, 4, [1, 2, 3]), gyro(1, 8, [5, 6, 7])],
-        ),
-    ] {
-        let found = resolve(head, &Columns::default()).unwrap();
-        let sensors: Vec<(Option<u8>, usize, Vec<usize>)> = found
-            .sensors
-            .iter()
-            .map(|own| {
-                let rates = own.rates.iter().map(|rate| rate.column).collect();
-                (own.sensor.map(|sensor| sensor.instance), own.temperature, rates)
-            })
-            .collect();
-        assert_eq!(sensors, expected, "{head}");
-    }
-    let filtered = "t_s,temp_c,gyro_x,gyro_y,gyro_z,gyro_filtered_x,gyro_filtered_y,gyro_filtered_z";
-    let unclear = resolve(filtered, &Columns::default()).unwrap_err().to_string();
-    assert!(unclear.contains("more than one column could be the rate: say which (`rate`)"), "{unclear}");
 }
 
 #[test]

@@ -45,8 +45,11 @@ pub(super) fn is_time(words: &[String]) -> bool {
         && !is_temperature(words)
 }
 
+/// By its word, or as a T of some degrees: `T_C`, `T [°C]`, `T_gyro [K]`.
 pub(super) fn is_temperature(words: &[String]) -> bool {
-    words.iter().any(|word| word.starts_with("temp")) || words == ["t", "c"]
+    let is_of_degrees = || temperature_unit(words).is_some_and(|unit| unit != WrittenTemperature::Counts);
+    words.iter().any(|word| word.starts_with("temp"))
+        || (words.first().is_some_and(|word| word == "t") && is_of_degrees() && time_unit(words).is_none())
 }
 
 /// Names a rate by the sensor's name or by its unit, and no other sensor.
@@ -150,6 +153,15 @@ pub(super) fn time_unit(words: &[String]) -> Option<TimeUnit> {
         "us" | "usec" | "µs" | "μs" => Some(TimeUnit::Us),
         "ns" | "nsec" => Some(TimeUnit::Ns),
         word => SECONDS.contains(&word).then_some(TimeUnit::S),
+    })
+}
+
+/// Whether a name ends in a unit of times, and is not of something for each of it: `Zeit_s`, `Elapsed (ms)`, but not `v_m_s`.
+pub(super) fn ends_in_time(words: &[String]) -> bool {
+    words.split_last().is_some_and(|(last, before)| {
+        time_unit(std::slice::from_ref(last)).is_some()
+            && !has(before, &["m", "mm", "km", "v", "per"])
+            && !is_rate(words)
     })
 }
 
