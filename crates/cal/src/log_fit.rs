@@ -11,6 +11,7 @@ mod json;
 mod noise_signs;
 mod one_way;
 mod overlap;
+mod part;
 mod plain;
 mod repeated;
 mod still;

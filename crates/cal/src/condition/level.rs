@@ -189,9 +189,13 @@ fn gap_limit(groups: &[Group]) -> f64 {
 
 fn excluded(groups: &[Group], marks: &[Option<DropReason>]) -> Vec<Excluded> {
     let mut found: Vec<Excluded> = Vec::new();
+    let mut log = None;
     for (group, mark) in groups.iter().zip(marks) {
         let Some(reason) = *mark else { continue };
-        match found.last_mut().filter(|interval| interval.rows.1 == group.first_row && interval.reason == reason) {
+        // No interval goes on in another log.
+        let same_log = log.replace(group.log) == Some(group.log);
+        let goes_on = |interval: &&mut Excluded| interval.rows.1 == group.first_row && interval.reason == reason;
+        match found.last_mut().filter(|interval| same_log && goes_on(interval)) {
             Some(interval) => {
                 interval.rows.1 = group.end_row;
                 interval.time_s.1 = group.times_s.1;

@@ -3,6 +3,7 @@
 use std::time::SystemTime;
 
 use super::overlap::{Fingerprint, LogRows};
+use super::part::LogPart;
 use super::repeated;
 use super::still::{Still, Stillness};
 use super::{FitOptions, LogFitError};
@@ -20,6 +21,8 @@ pub(super) struct Gathered {
     pub stream: Stream,
     pub groups: Vec<Group>,
     pub tallies: Vec<Tally>,
+    /// The logs that it was joined of, in order.
+    pub parts: Vec<LogPart>,
     /// All rows.
     pub rows: u64,
     /// The least change from one row's temperature to another.
@@ -90,7 +93,8 @@ impl Logs {
             }
         }
         self.reasons.extend(ending.reasons);
-        self.add(source, autopilot, seen, sensors)
+        let name = (sources.len() > 1).then(|| source.short_name().to_owned());
+        self.add(source, autopilot, seen, sensors, name)
     }
 
     /// Refuses a log that shares rows with one before it.
@@ -117,6 +121,7 @@ impl Logs {
         autopilot: Option<imu_logs::Format>,
         seen: Vec<Sensor>,
         mut sensors: Vec<Gathered>,
+        name: Option<String>,
     ) -> Result<(), LogFitError> {
         let first = self.sensors.is_empty() && self.logs == 0;
         for sensor in seen {
@@ -130,6 +135,9 @@ impl Logs {
             return Ok(());
         }
         let starts_s = self.end_s + if first { 0.0 } else { BETWEEN_LOGS_S };
+        for gathered in &mut sensors {
+            gathered.parts = vec![LogPart { name: name.clone(), first_row: 0, starts_s }];
+        }
         for group in sensors.iter_mut().flat_map(|gathered| &mut gathered.groups) {
             group.time_s += starts_s;
             group.times_s = (group.times_s.0 + starts_s, group.times_s.1 + starts_s);
@@ -198,12 +206,19 @@ fn describe(stream: &Stream) -> String {
 }
 
 impl Gathered {
+    /// The log that a row belongs to.
+    pub(super) fn part(&self, row: u64) -> LogPart {
+        self.parts.iter().rfind(|part| part.first_row <= row).cloned().unwrap_or_default()
+    }
+
     /// Appends another log, whose rows are counted and timed from its own start.
     fn append(&mut self, mut next: Self, starts_s: f64) {
         for group in &mut next.groups {
             group.first_row += self.rows;
             group.end_row += self.rows;
         }
+        next.parts.iter_mut().for_each(|part| part.first_row += self.rows);
+        self.parts.append(&mut next.parts);
         next.still.iter_mut().flatten().for_each(|still| still.come_after(self.rows, starts_s));
         self.groups.append(&mut next.groups);
         self.rows += next.rows;
@@ -303,7 +318,7 @@ impl Taken {
         let temperature_step = self.grouping.temperature_step();
         let (groups, tallies) = self.grouping.finish();
         let still = self.stillness.iter().map(Stillness::found).collect();
-        Gathered { stream: self.stream, groups, tallies, rows: self.rows, temperature_step, still }
+        Gathered { stream: self.stream, groups, tallies, parts: Vec::new(), rows: self.rows, temperature_step, still }
     }
 }
 

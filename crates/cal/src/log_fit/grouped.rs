@@ -136,7 +136,7 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
     let (stream, groups) = (&sensor.stream, &sensor.groups);
     let name = &stream.names[axis];
     if let Some(still) = &sensor.still[axis] {
-        judgement.add(words::of_still(still, name, stream));
+        judgement.add(words::of_still(still, name, sensor));
         return None;
     }
     let used = || (0_u64..).zip(groups).filter(|(_, group)| group.axes[axis].rows > 0 && group.temperature.is_finite());

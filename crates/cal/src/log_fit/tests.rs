@@ -1,3 +1,5 @@
+mod several;
+
 use std::fmt::Write;
 use zerorate_fit::model::Model;
 use zerorate_fit::residual::ResidualStatistics;
@@ -37,6 +39,29 @@ fn plain(model: Model) -> FitOptions {
 
 fn kinds(fit: &LogFit) -> Vec<ReasonKind> {
     fit.judgement.reasons.iter().map(|reason| reason.kind).collect()
+}
+
+/// Half an hour of a gyro with noise of its own, in the numbers that `write` makes of them.
+fn half_hour(name: &str, seed: u32, write: impl Fn(f64, f64) -> String) -> Source {
+    table(name, &lines(seed, write))
+}
+
+fn table(name: &str, lines: &[String]) -> Source {
+    Source::bytes(name, format!("time_s,temperature_c,gyro_x_rad_s\n{}", lines.concat()).into_bytes())
+}
+
+/// The lines of half an hour, two a second.
+fn lines(seed: u32, write: impl Fn(f64, f64) -> String) -> Vec<String> {
+    let mut state = seed;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24) - 0.5
+    };
+    let line = |row: i32| {
+        let t = 20.0 + 30.0 * (f64::from(row) / 573.0).sin();
+        format!("{},{}\n", 0.5 * f64::from(row), write(t, 0.1 + 1e-3 * t + 0.05 * noise()))
+    };
+    (0..3600).map(line).collect()
 }
 
 #[test]
@@ -181,87 +206,6 @@ fn the_json_is_the_documented_one() {
 }
 
 #[test]
-fn the_same_log_twice_is_refused_by_its_content() {
-    let rows: String =
-        (0..2000).map(|i| format!("{i},{},{}\n", 20.0 + 0.01 * f64::from(i), 1e-5 * f64::from(i))).collect();
-    let text = format!("time_s,temperature_c,gyro_x_rad_s\n{rows}");
-    let [first, copy] = ["first.csv", "copy.csv"].map(|name| Source::bytes(name, text.clone().into_bytes()));
-    let refused = fit_logs(&[first, copy], &FitOptions::default()).unwrap_err().to_string();
-    assert!(
-        refused.starts_with("copy.csv: the same log as first.csv") && refused.ends_with("give it once"),
-        "{refused}"
-    );
-}
-
-#[test]
-fn logs_that_overlap_are_refused_and_successive_ones_are_not() {
-    let noise = |row: i32| f64::from(row.wrapping_mul(1_103_515_245).wrapping_add(12_345) >> 16 & 255) * 1e-6;
-    let part = |name: &str, rows: std::ops::Range<i32>| {
-        let start = rows.start;
-        // Times from each file's own start.
-        let line = |i: i32| format!("{},{},{}\n", i - start, 20.0 + 0.01 * f64::from(i), noise(i));
-        let rows: String = rows.map(line).collect();
-        Source::bytes(name, format!("time_s,temperature_c,gyro_x_rad_s\n{rows}").into_bytes())
-    };
-    let [first, next, overlapping] =
-        [part("first.csv", 0..2000), part("next.csv", 2000..4000), part("overlapping.csv", 1500..3500)];
-    assert!(fit_logs(&[first.clone(), next], &FitOptions::default()).is_ok());
-    let refused = fit_logs(&[first, overlapping], &FitOptions::default()).unwrap_err().to_string();
-    assert!(
-        refused.starts_with("overlapping.csv: about 2") && refused.contains(" % of its rows are in first.csv"),
-        "{refused}"
-    );
-}
-
-/// Half an hour of a gyro with noise of its own, in the numbers that `write` makes of them.
-fn half_hour(name: &str, seed: u32, write: impl Fn(f64, f64) -> String) -> Source {
-    let mut state = seed;
-    let mut noise = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(state >> 8) / f64::from(1 << 24) - 0.5
-    };
-    let line = |row: i32| {
-        let t = 20.0 + 30.0 * (f64::from(row) / 573.0).sin();
-        format!("{},{}\n", 0.5 * f64::from(row), write(t, 0.1 + 1e-3 * t + 0.05 * noise()))
-    };
-    let rows: String = (0..3600).map(line).collect();
-    Source::bytes(name, format!("time_s,temperature_c,gyro_x_rad_s\n{rows}").into_bytes())
-}
-
-#[test]
-fn a_copy_in_other_numbers_is_refused_and_a_second_run_is_not() {
-    let exact = |t: f64, rate: f64| format!("{t},{rate}");
-    let first = half_hour("first.csv", 7, exact);
-    let copies = [
-        half_hour("copy.csv", 7, |t, rate| format!("{t:.2},{rate:.4}")),
-        half_hour("copy.csv", 7, |t, rate| format!("{t},{}", 57.29578 * rate)),
-    ];
-    for copy in copies {
-        let refused = fit_logs(&[first.clone(), copy], &FitOptions::default()).unwrap_err().to_string();
-        assert!(refused.starts_with("copy.csv: a copy of first.csv in other numbers"), "{refused}");
-    }
-    for seed in 8..20 {
-        assert!(fit_logs(&[first.clone(), half_hour("second.csv", seed, exact)], &FitOptions::default()).is_ok());
-    }
-}
-
-#[test]
-fn temperatures_between_two_logs_that_neither_has_are_told() {
-    let about = |name: &str, seed: u32, middle: f64| {
-        half_hour(name, seed, move |t, rate| format!("{},{rate}", middle + (t - 20.0) / 3.0))
-    };
-    let told = |logs: &[Source]| {
-        let fit = fit_logs(logs, &FitOptions::default()).unwrap();
-        let of_holes = fit.judgement.reasons.into_iter().filter(|reason| reason.kind == ReasonKind::Unmeasured);
-        of_holes.map(|reason| reason.text).collect::<Vec<_>>()
-    };
-    let (cold, hot) = (about("cold.csv", 1, 0.0), about("hot.csv", 2, 40.0));
-    let [hole] = &told(&[cold.clone(), hot.clone()])[..] else { panic!() };
-    assert!(hole.starts_with("no temperature between 10.0 and 30.0 C was measured"), "{hole}");
-    assert!(told(&[cold, hot, about("middle.csv", 3, 20.0)]).is_empty());
-}
-
-#[test]
 fn a_run_joined_to_itself_and_a_column_saved_as_two_are_told() {
     let lines = |log: &Source| String::from_utf8(log.start(u64::MAX).unwrap()).unwrap();
     let once = half_hour("once.csv", 7, |t, rate| format!("{t},{rate}"));
@@ -312,18 +256,6 @@ fn a_gyro_that_reads_one_number_is_rejected_and_the_others_are_fitted_as_if_alon
 }
 
 #[test]
-fn where_it_reads_one_number_in_a_second_log_is_told_from_the_first_logs_start() {
-    let logs = [
-        half_hour("first.csv", 7, |t, rate| format!("{t},{rate}")),
-        half_hour("second.csv", 7, |t, _| format!("{t},0.0125")),
-    ];
-    let told = fit_logs(&logs, &FitOptions::default()).unwrap();
-    // 60 s lie between two logs.
-    let text = told.reasons().find(|text| text.contains("nothing else")).unwrap();
-    assert!(text.contains("from 1860 s to 3659 s (rows 3601 to 7200"), "{text}");
-}
-
-#[test]
 fn a_fit_that_leaves_more_than_nothing_does_is_told() {
     // A rate that wanders in time and knows nothing of the temperature, which comes by twice: a random walk, seed 4.
     let mut state = 4_u64;
@@ -364,22 +296,6 @@ fn what_is_told_is_of_what_was_measured_and_how_far_it_is_believed_stands_beside
     assert_eq!(ValidRange::new(measured[0], measured[1]), Some(own.fit.measured));
     // The quadratic of the log, over what was measured and over more.
     assert!(own.measured_drift().peak_to_peak() < own.drift().peak_to_peak());
-}
-
-#[test]
-fn an_empty_log_among_others_is_named() {
-    let rows: String =
-        (0..2000).map(|i| format!("{i},{},{}\n", 20.0 + 0.01 * f64::from(i), 1e-5 * f64::from(i))).collect();
-    let head = "time_s,temperature_c,gyro_x_rad_s\n";
-    let good = Source::bytes("good.csv", format!("{head}{rows}").into_bytes());
-    let empty = Source::bytes("empty.csv", head.as_bytes().to_vec());
-    for logs in [[good.clone(), empty.clone()], [empty, good]] {
-        let said = match fit_logs(&logs, &FitOptions::default()) {
-            Err(error) => error.to_string(),
-            Ok(fit) => fit.notes.into_iter().chain(fit.judgement.reasons.into_iter().map(|r| r.text)).collect(),
-        };
-        assert!(said.contains("empty.csv"), "{said}");
-    }
 }
 
 #[test]

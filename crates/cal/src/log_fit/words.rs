@@ -6,7 +6,6 @@ use super::FitOptions;
 use super::gather::Gathered;
 use super::still::Still;
 use crate::condition::{DropReason, Excluded, Levels, Step};
-use crate::log::Stream;
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::units::RateScale;
 
@@ -31,8 +30,9 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
         judgement.add(Reason::new(ReasonKind::CoarseTemperature, text));
     }
     for interval in &levels.excluded {
-        if let Some(reason) = of_excluded(interval, unit) {
-            judgement.add(reason);
+        let part = sensor.part(interval.rows.0);
+        if let Some(reason) = of_excluded(&part.interval(interval), unit) {
+            judgement.add(part.reason(reason));
         }
     }
     let then = match options.keep_steps {
@@ -40,8 +40,9 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
         false => "the step was taken out, and the curve holds for the level before it",
     };
     for step in levels.steps.iter().filter(|step| step.axis == axis) {
-        let text =
-            format!("{}: {then}", of_step(step, name, RateScale::of(stream.unit, &[step.size], options.told_in), unit));
+        let part = sensor.part(step.row);
+        let scale = RateScale::of(stream.unit, &[step.size], options.told_in);
+        let text = format!("{}: {then}", of_step(&part.step(step), &part.axis(name), scale, unit));
         judgement.add(Reason::new(ReasonKind::Step, text));
     }
 }
@@ -76,8 +77,14 @@ fn of_excluded(interval: &Excluded, unit: &str) -> Option<Reason> {
         DropReason::FrozenTemperature => (ReasonKind::FrozenTemperature, "the temperature stood still, then jumped,"),
         DropReason::Gap => {
             let ((from, to), (least, most)) = (interval.time_s, interval.temperature);
+            // Between groups it has no rows; within one, those of the group.
+            let (before, after) = match interval.rows {
+                (row, next) if row == next => (row, next + 1),
+                (first, end) => (first + 1, end),
+            };
             let text = format!(
-                "nothing was logged for {}, from {from:.0} s to {to:.0} s, at {least:.1} to {most:.1} {unit}: what happened there is not known",
+                "nothing was logged for {}, from {from:.0} s to {to:.0} s, between rows {before} and {after}, at {least:.1} to \
+                 {most:.1} {unit}: what happened there is not known",
                 lasting(to - from)
             );
             return Some(Reason::new(ReasonKind::Gap, text));
@@ -100,7 +107,9 @@ fn place(time_s: (f64, f64), rows: (u64, u64), (least, most): (f64, f64), unit: 
 }
 
 /// An axis that is stuck.
-pub(super) fn of_still(still: &Still, name: &str, stream: &Stream) -> Reason {
+pub(super) fn of_still(still: &Still, name: &str, sensor: &Gathered) -> Reason {
+    let (part, stream) = (sensor.part(still.rows.0), &sensor.stream);
+    let (still, name) = (part.still(still), part.axis(name));
     let place = place(still.time_s, still.rows, still.temperature, stream.temperature_unit.name());
     let text = format!(
         "{name}: the rate is {} {} and nothing else {place}: the gyro is dead or stuck, or the wrong column was read",

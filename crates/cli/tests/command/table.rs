@@ -169,7 +169,10 @@ fn a_hole_in_time_is_named_with_its_place_and_how_long_it_is() {
     let json = fit(csv, &[]).json();
     assert_eq!((json["reasons"].as_array().unwrap().len(), &json["reasons"][0]["kind"]), (1, &"gap".into()), "{json}");
     let text = json["reasons"][0]["text"].as_str().unwrap();
-    assert!(text.starts_with("nothing was logged for 17 min, from 1201 s to 2222 s, at "), "{text}");
+    assert!(
+        text.starts_with("nothing was logged for 17 min, from 1201 s to 2222 s, between rows 2403 and 2404, at "),
+        "{text}"
+    );
 }
 
 #[test]
