@@ -143,6 +143,12 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
     let span = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), (_, group)| {
         (min.min(group.temperature), max.max(group.temperature))
     });
+    if used().next().is_none()
+        && let Some(reason) = words::of_nothing_kept(sensor, axis)
+    {
+        judgement.add(reason);
+        return None;
+    }
     let (_, valid) = admit(judgement, options, stream, axis, used().count() as u64, span)?;
     let whole_logs = groups.chunk_by(|a, b| a.log == b.log);
     let passed = |group: &Group| (group.temperature, group.axes[axis].rows > 0);

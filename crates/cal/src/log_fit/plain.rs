@@ -5,7 +5,7 @@ use zerorate_fit::choose::{Choice, FoldFits, FoldResiduals};
 use zerorate_fit::drift_fit::{DriftFit, ResidualOver};
 
 use super::gather::is_accelerometer;
-use super::{AxisFit, AxisVerdict, FitOptions, LogFit, LogFitError, admit, one_way};
+use super::{AxisFit, AxisVerdict, FitOptions, LogFit, LogFitError, admit, one_way, words};
 use crate::calibration::AxisCalibration;
 use crate::condition::{DropReason, Tally};
 use crate::log::{AxisSurvey, LogError, LogFile, Rows, Sink, Stream};
@@ -140,16 +140,16 @@ impl Axis {
 
     fn finish(&mut self, fitted: DriftFit, valid: ValidRange, trace: Trace) -> AxisFit {
         let AxisSurvey { missing_temperature, missing_rate, .. } = self.survey;
-        let what = "no number for temperature or rate";
         let name = self.name().to_owned();
-        let missing = missing_temperature + missing_rate;
-        self.judgement.dropped(ReasonKind::MissingValues, &name, what, missing, self.all_rows);
+        let missing = [(DropReason::MissingTemperature, missing_temperature), (DropReason::MissingRate, missing_rate)];
+        for (reason, count) in missing {
+            words::of_dropped(&mut self.judgement, &self.stream, self.place, reason, count, self.all_rows);
+        }
         let trace = trace.finish();
         let temperatures = vec![trace.iter().map(|point| (point.temperature, point.rate.is_finite())).collect()];
         one_way::reason(&temperatures).into_iter().for_each(|reason| self.judgement.add(reason));
         let mut tally = Tally::default();
-        tally.add(DropReason::MissingTemperature, missing_temperature);
-        tally.add(DropReason::MissingRate, missing_rate);
+        missing.into_iter().for_each(|(reason, count)| tally.add(reason, count));
         let mut calibration = AxisCalibration::of_fit(fitted, self.stream.unit);
         calibration.sensor = self.stream.sensor;
         calibration.reference_temperature =

@@ -98,7 +98,7 @@ fn plain_counts_every_numeric_row_of_each_axis_once() {
         ]
     );
     assert!(residuals(&fit.axes[0]).0.pp > 0.9, "the spike is fitted too");
-    assert_eq!(kinds(&fit), [ReasonKind::MissingValues; 2]);
+    assert_eq!(kinds(&fit), [ReasonKind::MissingValues], "of all axes, and told once");
     let [candidate] = &fit.axes[1].calibration.fit.statistics.candidates[..] else { panic!() };
     let (in_sample, held_out) = residuals(&fit.axes[1]);
     let ratio = candidate.held_out_rms.unwrap() / held_out.rms;
@@ -307,4 +307,41 @@ fn times_that_are_no_numbers_end_no_loop_and_lose_no_rows() {
     let fit = fit_logs(&[log], &FitOptions::default());
     let told = fit.map(|fit| fit.axes.first().map(|axis| axis.calibration.fit.statistics.samples_used));
     assert!(matches!(told, Ok(Some(2000)) | Err(_)), "{told:?}");
+}
+
+#[test]
+fn a_temperature_that_is_missing_is_told_once_and_a_rate_of_its_axis() {
+    let (mut temperatures, mut rates) = cycle();
+    (0..8400).step_by(10).for_each(|row| temperatures[row] = f64::NAN);
+    (1..8400).step_by(20).for_each(|row| rates[1][row] = f64::NAN);
+    for options in [FitOptions::default(), plain(Model::Poly(3))] {
+        let fit = fit(&temperatures, &rates, &options);
+        let missing: Vec<&str> = fit.reasons().filter(|text| text.contains("no number")).collect();
+        assert_eq!(
+            missing,
+            [
+                "every axis: 840 of 8400 rows were left out: no number for the temperature",
+                "y_rad_s: 420 of 8400 rows were left out: no number for the rate",
+            ]
+        );
+    }
+}
+
+#[test]
+fn rows_that_have_both_and_were_left_out_are_not_told_to_have_none() {
+    let (temperatures, rates) = cycle();
+    // Turned one way, then the other: no row is near what the gyro shows at rest.
+    let turned: Vec<f64> = (0..8400).map(|row| if row < 4200 { 1.0 } else { -1.0 }).collect();
+    let turned: Vec<f64> = turned.iter().zip(&rates[0]).map(|(turn, rate)| turn + rate).collect();
+    let all = fit(&temperatures, &[turned, rates[1].clone()], &FitOptions::default());
+    assert_eq!(all.judgement.verdict, Verdict::Rejected, "{:?}", all.judgement);
+    let told = "x_rad_s: all 8400 rows with a temperature and a rate were left out";
+    assert!(all.reasons().any(|text| text.starts_with(told)), "{:?}", all.judgement);
+    assert!(!all.reasons().any(|text| text.contains("no row has both")), "{:?}", all.judgement);
+    // And where none has.
+    let without = |first: bool| move |row: usize| if (row < 4200) == first { f64::NAN } else { 20.0 };
+    let temperatures: Vec<f64> = (0..8400).map(without(true)).collect();
+    let rates = [0, 1].map(|_| (0..8400).map(without(false)).collect()).to_vec();
+    let none = fit(&temperatures, &rates, &FitOptions::default());
+    assert!(none.reasons().any(|text| text == "x_rad_s: no row has both a temperature and a rate"));
 }

@@ -6,6 +6,7 @@ use super::FitOptions;
 use super::gather::Gathered;
 use super::still::Still;
 use crate::condition::{DropReason, Excluded, Levels, Step};
+use crate::log::Stream;
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::units::RateScale;
 
@@ -16,12 +17,10 @@ const COARSE: f64 = 0.02;
 pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, levels: &Levels, options: &FitOptions) {
     let (stream, tally) = (&sensor.stream, &sensor.tallies[axis]);
     let (name, unit) = (&stream.names[axis], stream.temperature_unit.name());
-    let missing = tally.count(DropReason::MissingTemperature) + tally.count(DropReason::MissingRate);
-    let what = "no number for temperature or rate";
-    judgement.dropped(ReasonKind::MissingValues, name, what, missing, sensor.rows);
-    let spikes = tally.count(DropReason::Spike) + tally.count(DropReason::TemperatureSpike);
-    let what = "far from their neighbours; look for a loose connection or a disturbed bench";
-    judgement.dropped(ReasonKind::Spikes, name, what, spikes, sensor.rows);
+    use DropReason::{MissingRate, MissingTemperature, Spike, TemperatureSpike};
+    for reason in [MissingTemperature, MissingRate, TemperatureSpike, Spike] {
+        of_dropped(judgement, stream, axis, reason, tally.count(reason), sensor.rows);
+    }
     if is_coarse(sensor) {
         let text = format!(
             "the temperature comes in steps of {:.2} {unit}: it was interpolated, and its resolution is reduced",
@@ -45,6 +44,44 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
         let text = format!("{}: {then}", of_step(&part.step(step), &part.axis(name), scale, unit));
         judgement.add(Reason::new(ReasonKind::Step, text));
     }
+}
+
+/// Rows that were dropped. What is wrong with a temperature is wrong with all axes of its sensor, and told once.
+pub(super) fn of_dropped(
+    judgement: &mut Judgement,
+    stream: &Stream,
+    axis: usize,
+    reason: DropReason,
+    dropped: u64,
+    of: u64,
+) {
+    let is_of_all = matches!(reason, DropReason::MissingTemperature | DropReason::TemperatureSpike);
+    let who = match stream.sensor {
+        Some(sensor) if is_of_all => sensor.to_string(),
+        None if is_of_all && stream.names.len() > 1 => "every axis".to_owned(),
+        _ => stream.names[axis].clone(),
+    };
+    let (kind, advice) = match reason {
+        DropReason::Spike | DropReason::TemperatureSpike => {
+            (ReasonKind::Spikes, "; look for a loose connection or a disturbed bench")
+        }
+        _ => (ReasonKind::MissingValues, ""),
+    };
+    judgement.dropped(kind, &who, &format!("{}{advice}", reason.words()), dropped, of);
+}
+
+/// An axis whose rows have numbers, of which conditioning kept none.
+pub(super) fn of_nothing_kept(sensor: &Gathered, axis: usize) -> Option<Reason> {
+    let tally = &sensor.tallies[axis];
+    let missing = tally.count(DropReason::MissingTemperature) + tally.count(DropReason::MissingRate);
+    let whole = sensor.rows.saturating_sub(missing);
+    let text = || {
+        format!(
+            "{}: all {whole} rows with a temperature and a rate were left out: nothing that could be fitted is left",
+            sensor.stream.names[axis]
+        )
+    };
+    (whole > 0).then(|| Reason::new(ReasonKind::TooFewGroups, text()))
 }
 
 /// The widest hole among the temperatures that were measured, where a curve is drawn over more of it than it is believed

@@ -78,7 +78,7 @@ fn where_it_reads_one_number_in_a_second_log_is_told_by_that_logs_own_rows() {
     ];
     let told = fit_logs(&logs, &FitOptions::default()).unwrap();
     let text = told.reasons().find(|text| text.contains("nothing else")).unwrap();
-    assert!(text.starts_with("x_rad_s: second.csv: the rate is 0.0125"), "{text}");
+    assert!(text.starts_with("gyro_x_rad_s: second.csv: the rate is 0.0125"), "{text}");
     assert!(text.contains("from 0 s to 1800 s (rows 1 to 3600"), "{text}");
 }
 
