@@ -107,7 +107,7 @@ pub enum ReasonKind {
     OutsideRange,
     /// Rejected: no sensor of the log is one of those wanted.
     NoSensor,
-    /// Warning: nothing says the unit of the rates, and one was guessed.
+    /// Warning: nothing says the unit of the rates, or of temperatures hotter than most gyros bear, and one was guessed.
     GuessedUnit,
     /// Nothing says a unit, and the one that logs have was assumed: it is told, and speaks against nothing.
     AssumedUnit,

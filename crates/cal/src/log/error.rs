@@ -44,8 +44,8 @@ pub enum LogFault {
     },
     /// Temperatures that no gyro sees, in the unit that they are taken for.
     #[error(
-        "column '{column}' goes from {min:.0} to {max:.0}, which no gyro sees in {written}: say its unit (`temperature_unit` {}), or name the column that has the gyro's own temperature (`temperature`)",
-        .rather.option()
+        "column '{column}' goes from {min:.0} to {max:.0}, which no gyro sees in {written}: {}, or name the column that has the gyro's own temperature (`temperature`)",
+        advice(*.rather)
     )]
     NotCelsius {
         /// The temperature column's name.
@@ -56,8 +56,8 @@ pub enum LogFault {
         max: f64,
         /// The unit it is taken for.
         written: WrittenTemperature,
-        /// The unit it may be in.
-        rather: WrittenTemperature,
+        /// The unit it may be in, if it is in one.
+        rather: Option<WrittenTemperature>,
     },
     /// Rates whose unit was guessed, and that speak against the guess.
     #[error(
@@ -69,6 +69,19 @@ pub enum LogFault {
         /// The guess.
         guessed: RateUnit,
     },
+}
+
+/// What to do with a column of temperatures that are in another unit. `temperature_unit` is of all logs of a fit.
+fn advice(rather: Option<WrittenTemperature>) -> String {
+    rather.map_or_else(
+        || "it seems to be in two units: convert it to degrees C".to_owned(),
+        |unit| {
+            format!(
+                "say its unit (`temperature_unit` {}), or convert it where another log is in another",
+                unit.option()
+            )
+        },
+    )
 }
 
 impl LogFault {

@@ -98,6 +98,7 @@ impl Survey {
             if let Some(fault) = plausible.fault(sensor, table) {
                 return Err(table.source().faulty(fault));
             }
+            survey.reasons.extend(plausible.doubt(sensor, table));
         }
         survey.settle_unit(table, columns);
         Ok(survey)

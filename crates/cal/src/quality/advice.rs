@@ -60,7 +60,7 @@ impl ReasonKind {
                 "Switch on the logging of the raw gyro and accelerometer with their temperatures, and log again."
             }
             Self::GuessedUnit => {
-                "Say the unit of the rates with `rate_unit`, or in the columns’ names: gyro_x_dps, gyro_x_rad_s."
+                "Say the unit with `rate_unit` or `temperature_unit`, or in the columns’ names: gyro_x_dps, gyro_x_rad_s, temp_c."
             }
             Self::AssumedUnit => {
                 "Say the units that the columns do not name with `temperature_unit` and `time_unit`, if they are others."

@@ -60,12 +60,14 @@ pub struct ResolvedSensor {
     pub temperature: usize,
     /// The unit in which that is written.
     pub written_temperature: WrittenTemperature,
+    /// Whether nothing says that unit.
+    pub is_temperature_guessed: bool,
     /// The rate columns, at least one.
     pub rates: Vec<ResolvedRate>,
     /// The unit of all rates once they are read.
     pub rate_unit: RateUnit,
     /// Whether nothing says that unit: then the numbers may speak against it.
-    pub is_guessed: bool,
+    pub is_rate_guessed: bool,
 }
 
 /// A rate column.
@@ -243,24 +245,23 @@ impl<'a> Names<'a> {
             Some(given) => Some(given),
             None => self.said(temperature, "temperature_unit", temperature_unit)?,
         };
-        let written_temperature = said.unwrap_or_else(|| {
-            let text = format!(
-                "'{}' names no unit: taken as degrees C (`temperature_unit` says otherwise)",
-                self.table.names()[temperature]
-            );
+        let is_temperature_guessed = said.is_none();
+        if is_temperature_guessed {
+            let name = &self.table.names()[temperature];
+            let text = format!("'{name}' names no unit: taken as degrees C (`temperature_unit` says otherwise)");
             resolved.guesses.push(Reason::new(ReasonKind::AssumedUnit, text));
-            WrittenTemperature::Celsius
-        });
+        }
+        let written_temperature = said.unwrap_or(WrittenTemperature::Celsius);
         let written: Vec<Option<WrittenRate>> =
             gyro.columns.iter().map(|&column| self.written(column, asked, resolved)).collect::<Result<_, _>>()?;
         let by_name = written.iter().flatten().next().copied();
         let of_rest = by_name.or(asked.else_rate_unit).unwrap_or(WrittenRate::RadPerS);
-        let is_guessed = by_name.is_none() && asked.else_rate_unit.is_none();
+        let is_rate_guessed = by_name.is_none() && asked.else_rate_unit.is_none();
         if let Some(place) = written.iter().position(Option::is_none)
-            && (is_guessed || by_name.is_some())
+            && (is_rate_guessed || by_name.is_some())
         {
             let name = &self.table.names()[gyro.columns[place]];
-            let why = if is_guessed { "" } else { ", as the columns beside it" };
+            let why = if is_rate_guessed { "" } else { ", as the columns beside it" };
             let text = format!("'{name}' names no unit: taken as {of_rest}{why} (`rate_unit` says otherwise)");
             resolved.guesses.push(Reason::new(ReasonKind::GuessedUnit, text));
         }
@@ -275,7 +276,15 @@ impl<'a> Names<'a> {
         };
         let rates = gyro.columns.iter().zip(written).map(rate).collect::<Result<_, _>>()?;
         let sensor = gyro.instance.map(|instance| Sensor { kind: SensorKind::Gyro, instance, device_id: None });
-        Ok(ResolvedSensor { sensor, temperature, written_temperature, rates, rate_unit, is_guessed })
+        Ok(ResolvedSensor {
+            sensor,
+            temperature,
+            written_temperature,
+            is_temperature_guessed,
+            rates,
+            rate_unit,
+            is_rate_guessed,
+        })
     }
 
     /// The unit in which a rate column is written: one that was given is believed against its name.

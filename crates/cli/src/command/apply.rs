@@ -287,7 +287,9 @@ impl Apply {
         }
         models.sort_by_key(|(place, _)| *place);
         let doubts = doubts(&table, &found)?;
-        let guessed = doubts.into_iter().filter(|reason| reason.kind == ReasonKind::AssumedUnit);
+        let guessed = doubts
+            .into_iter()
+            .filter(|reason| matches!(reason.kind, ReasonKind::AssumedUnit | ReasonKind::GuessedUnit));
         Ok(Found {
             notes: guessed.map(|reason| reason.text).collect(),
             time: found.time.map(|place| table.names()[place].clone()),

@@ -64,6 +64,42 @@ fn temperatures_that_can_be_no_celsius_ask_for_their_unit() {
     is_of_the_log(&fit(&kelvin, &["--temperature-unit", "K"]), 1.0);
     // And one that is said, and cannot be true.
     fit(&kelvin, &["--temperature-unit", "C"]).is_error(&["which no gyro sees in degrees C"]);
+    // An option is of all logs: what is said of one of them may be wrong of another.
+    let celsius = csv("t_s,temperature,x_rad_s,y_rad_s", |c| c, 1.0);
+    let folder = folder_with("kelvin.csv", &kelvin);
+    fs::write(folder.path().join("celsius.csv"), celsius).unwrap();
+    let both = ["fit", "kelvin.csv", "celsius.csv"];
+    zerorate(folder.path(), &both).is_error(&["kelvin.csv", "--temperature-unit kelvin", "convert it"]);
+    zerorate(folder.path(), &[&both[..], &["--temperature-unit", "kelvin"]].concat()).is_error(&[
+        "celsius.csv",
+        "from -17 to 73, which no gyro sees in kelvin",
+        "--temperature-unit celsius",
+        "convert it where another log is in another",
+    ]);
+}
+
+#[test]
+fn a_column_in_two_units_of_temperature_is_told_to_be() {
+    let mixed = csv("t_s,temperature,x_rad_s,y_rad_s", |c| if c > 30.0 { c + 273.15 } else { c }, 1.0);
+    let ran = fit(&mixed, &[]);
+    ran.is_error(&["goes from -17 to 346", "it seems to be in two units: convert it to degrees C"]);
+    assert!(!ran.err.contains("fahrenheit"), "{}", ran.err);
+}
+
+#[test]
+fn temperatures_that_may_be_fahrenheits_are_a_warning_and_those_of_a_chamber_a_note() {
+    // 23 to 131 degrees Fahrenheit, -5 to 55 C.
+    let fahrenheit = |c: f64| 23.0 + (c + 17.0) * 108.0 / 90.0;
+    let ran = fit(csv("t_s,temp,x_rad_s,y_rad_s", fahrenheit, 1.0), &[]);
+    let json = ran.json();
+    assert_eq!((ran.code, &json["verdict"]), (0, &"warning".into()), "{}", ran.err);
+    let reasons = json["reasons"].as_array().unwrap();
+    let doubt = reasons.iter().find(|reason| reason["kind"] == "guessed-unit").expect("a doubt");
+    assert!(doubt["text"].as_str().unwrap().starts_with("'temp' goes up to 131, and few gyros are rated"), "{doubt}");
+    let told = fit(csv("t_s,temp,x_rad_s,y_rad_s", fahrenheit, 1.0), &["--temperature-unit", "celsius"]).json();
+    assert_eq!(told["verdict"], "good", "who says it is believed: {told}");
+    let chamber = fit(csv("t_s,temp,x_rad_s,y_rad_s", |c| c + 12.0, 1.0), &[]).json();
+    assert_eq!((&chamber["verdict"], chamber["reasons"].as_array().unwrap().len()), (&"good".into(), 1), "{chamber}");
 }
 
 #[test]
