@@ -4,6 +4,7 @@
 //! moved, or the temperature stood still, are left out, and steps of the rate are found and taken out, on the groups
 //! ([`level()`]). Everything found is counted and can be shown. What is kept in memory is groups.
 
+mod gap;
 mod group;
 mod level;
 mod line;
@@ -111,7 +112,7 @@ pub struct Excluded {
     pub rows: (u64, u64),
     /// The time of its first and last row, seconds from the log's first row; NaN without a time column.
     pub time_s: (f64, f64),
-    /// The least and greatest group temperature, in the column's unit.
+    /// The least and greatest temperature of its rows, in the column's unit; of a gap, of the groups beside it.
     pub temperature: (f64, f64),
 }
 
@@ -122,10 +123,12 @@ pub struct Step {
     pub axis: usize,
     /// The first row of the first group after it.
     pub row: u64,
-    /// Its time, seconds from the log's first row; NaN without a time column.
-    pub time_s: f64,
-    /// The temperature there, in the column's unit.
-    pub temperature: f64,
+    /// Where it lies: the first row and the row after the last of those between the averages that show it.
+    pub rows: (u64, u64),
+    /// The times of those, seconds from the log's first row; NaN without a time column.
+    pub time_s: (f64, f64),
+    /// The temperatures of those, in the column's unit.
+    pub temperature: (f64, f64),
     /// After less before, rate units.
     pub size: f64,
 }

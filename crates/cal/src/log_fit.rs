@@ -164,10 +164,10 @@ impl AxisVerdict {
 pub struct FoundStep {
     /// The axis's name.
     pub axis: String,
-    /// Its time, seconds from the log's first row; NaN without a time column.
-    pub time_s: f64,
-    /// The temperature there, in the column's unit.
-    pub temperature: f64,
+    /// The times between which it lies, seconds from the first log's first row; NaN without a time column.
+    pub time_s: (f64, f64),
+    /// The temperatures between which it lies, in the column's unit.
+    pub temperature: (f64, f64),
     /// After less before, rate units.
     pub size: f64,
 }

@@ -73,8 +73,8 @@ pub struct Group {
     pub times_s: (f64, f64),
     /// Mean temperature of the rows kept, in the column's unit; NaN without any.
     pub temperature: f64,
-    /// The greatest less the least temperature of the rows kept; NaN without any.
-    pub temperature_range: f64,
+    /// The least and greatest temperature of the rows kept; NaN without any.
+    pub temperatures: (f64, f64),
     /// One part a rate column.
     pub axes: Vec<AxisGroup>,
 }
@@ -269,7 +269,6 @@ impl Grouping {
             axes.push(average(kept.map(|(rate, _)| *rate)));
         }
         let kept = || self.temperatures.iter().zip(&usable).filter(|(_, usable)| **usable).map(|(t, _)| *t);
-        let (least, most) = kept().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
         let group = Group {
             log: self.log + self.part,
             first_row: self.first_row,
@@ -277,7 +276,7 @@ impl Grouping {
             time_s: mean(self.times.iter().copied().filter(|time| time.is_finite())),
             times_s: (self.times[0], self.times[rows - 1]),
             temperature: mean(kept()),
-            temperature_range: if least <= most { most - least } else { f64::NAN },
+            temperatures: kept().fold((f64::NAN, f64::NAN), |(a, b), t| (a.min(t), b.max(t))),
             axes,
         };
         let gap_s = self.length.gap_s();
@@ -331,9 +330,8 @@ impl Group {
         };
         self.time_s = between(self.time_s, next.time_s, share);
         self.times_s.1 = next.times_s.1;
-        let apart = (self.temperature - next.temperature).abs();
         self.temperature = between(self.temperature, next.temperature, share);
-        self.temperature_range = self.temperature_range.max(next.temperature_range).max(apart);
+        self.temperatures = all_of(self.temperatures, next.temperatures);
         self.end_row = next.end_row;
         for (own, other) in self.axes.iter_mut().zip(&next.axes) {
             let share = f64::from(other.rows) / f64::from((own.rows + other.rows).max(1));
@@ -364,6 +362,11 @@ fn outliers(values: &[f64], margin: f64) -> Vec<bool> {
         outliers.fill(false);
     }
     outliers
+}
+
+/// The least and greatest of two ranges; one that is NaN is none.
+pub(super) fn all_of(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
+    (one.0.min(other.0), one.1.max(other.1))
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {

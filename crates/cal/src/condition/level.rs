@@ -1,5 +1,7 @@
 //! What can be seen on groups: intervals that are no drift, and steps of the rate.
 
+use super::gap::{gaps, mark_gaps_within};
+use super::group::all_of;
 use super::motion::mark_moved;
 use super::settle::mark_settling;
 use super::step::take_out_steps;
@@ -12,12 +14,6 @@ const TEMPERATURE_JUMP: f64 = 0.05;
 
 /// Two steps in opposite directions whose sizes agree to this share are one interval of another rate.
 const AGREEMENT: f64 = 0.1;
-
-/// A time without rows is told if it is longer than this, and than [`GAP_GROUPS`].
-const GAP_S: f64 = 30.0;
-
-/// In typical groups.
-const GAP_GROUPS: f64 = 3.0;
 
 /// What was found.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -153,40 +149,6 @@ fn take_back_jumps(groups: &mut [Group], rows: &[Vec<u32>], steps: &[Step], mark
     }
 }
 
-/// Groups of rows between which nothing was logged for long: their means are of two times.
-fn mark_gaps_within(groups: &[Group], marks: &mut [Option<DropReason>]) {
-    let limit = gap_limit(groups);
-    for (group, mark) in groups.iter().zip(marks) {
-        // That its rows scatter as if it were moved comes of it.
-        if group.times_s.1 - group.times_s.0 > limit {
-            *mark = Some(DropReason::Gap);
-        }
-    }
-}
-
-/// Times without rows between groups.
-fn gaps(groups: &[Group]) -> Vec<Excluded> {
-    let limit = gap_limit(groups);
-    groups
-        .windows(2)
-        .filter(|pair| pair[0].log == pair[1].log && pair[1].times_s.0 - pair[0].times_s.1 > limit)
-        .map(|pair| Excluded {
-            reason: DropReason::Gap,
-            rows: (pair[0].end_row, pair[1].first_row),
-            time_s: (pair[0].times_s.1, pair[1].times_s.0),
-            temperature: (pair[0].temperature.min(pair[1].temperature), pair[0].temperature.max(pair[1].temperature)),
-        })
-        .collect()
-}
-
-/// A time longer than this is a gap, seconds.
-fn gap_limit(groups: &[Group]) -> f64 {
-    // From start to start, for a group of one row has no length.
-    let mut lengths: Vec<f64> = groups.windows(2).map(|pair| pair[1].times_s.0 - pair[0].times_s.0).collect();
-    let typical = zerorate_fit::robust::median(&mut lengths);
-    if typical.is_finite() { (GAP_GROUPS * typical).max(GAP_S) } else { f64::INFINITY }
-}
-
 fn excluded(groups: &[Group], marks: &[Option<DropReason>]) -> Vec<Excluded> {
     let mut found: Vec<Excluded> = Vec::new();
     let mut log = None;
@@ -199,14 +161,13 @@ fn excluded(groups: &[Group], marks: &[Option<DropReason>]) -> Vec<Excluded> {
             Some(interval) => {
                 interval.rows.1 = group.end_row;
                 interval.time_s.1 = group.times_s.1;
-                interval.temperature.0 = interval.temperature.0.min(group.temperature);
-                interval.temperature.1 = interval.temperature.1.max(group.temperature);
+                interval.temperature = all_of(interval.temperature, group.temperatures);
             }
             None => found.push(Excluded {
                 reason,
                 rows: (group.first_row, group.end_row),
                 time_s: group.times_s,
-                temperature: (group.temperature, group.temperature),
+                temperature: group.temperatures,
             }),
         }
     }

@@ -1,5 +1,6 @@
 //! Groups in which the unit was moved.
 
+use super::gap::goes_on;
 use super::group::typical_scatter;
 use super::{DropReason, Group};
 use zerorate_fit::robust::{centre_and_sigma, median, noise};
@@ -29,18 +30,19 @@ pub(super) fn mark_moved(groups: &[Group], axis: usize, rotation_threshold: f64,
     let used: Vec<usize> = (0..groups.len()).filter(|&group| groups[group].axes[axis].rows > 0).collect();
     let rate = |group: &usize| groups[*group].axes[axis].rate;
     let middle = median(&mut used.iter().map(rate).collect::<Vec<_>>());
-    // Two logs do not go on where one another ended.
-    let logs: Vec<Vec<Place>> = used
-        .chunk_by(|a, b| groups[*a].log == groups[*b].log)
-        .map(|log| places(log, &log.iter().map(rate).collect::<Vec<_>>()))
+    // A rate need not go on after a gap as it was before, nor another log where one ended.
+    let goes_on = goes_on(groups);
+    let runs: Vec<Vec<Place>> = used
+        .chunk_by(|a, b| goes_on(*a, *b))
+        .map(|run| places(run, &run.iter().map(rate).collect::<Vec<_>>()))
         .collect();
-    let deviations: Vec<f64> = logs.iter().flatten().map(|place| place.deviation).collect();
+    let deviations: Vec<f64> = runs.iter().flatten().map(|place| place.deviation).collect();
     if deviations.is_empty() {
         return;
     }
     let (_, sigma) = centre_and_sigma(&deviations);
     let sigma = sigma.max(noise(&used.iter().map(rate).collect::<Vec<_>>()));
-    for place in logs.iter().flatten() {
+    for place in runs.iter().flatten() {
         let turned = (rate(&place.group) - middle).abs() > rotation_threshold;
         let limit = (MOVED_SIGMA * sigma).max(CORNER * place.slope);
         let scatter = groups[place.group].axes[axis].scatter;
@@ -70,7 +72,7 @@ fn places(groups: &[usize], rates: &[f64]) -> Vec<Place> {
         .iter()
         .enumerate()
         .map(|(place, &group)| {
-            // Symmetric, so that a drift at the ends of the log is no deviation.
+            // Symmetric, so that a drift at the ends is no deviation.
             let reach = NEIGHBOURS.min(place).min(rates.len() - 1 - place);
             let deviation = rates[place] - median(&mut rates[place - reach..=place + reach].to_vec());
             let around = place.saturating_sub(NEIGHBOURS)..(place + NEIGHBOURS).min(changes.len());

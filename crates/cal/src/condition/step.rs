@@ -4,6 +4,7 @@ use zerorate_core::drift::{Scale, Shape};
 use zerorate_fit::least_squares::{Basis, Fit};
 use zerorate_fit::robust::{centre_and_sigma, noise};
 
+use super::group::all_of;
 use super::line::line_at;
 use super::{Group, Step};
 
@@ -72,9 +73,7 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
         let Some(jump) = largest else {
             break;
         };
-        let first = &groups[jump.group];
-        let step =
-            Step { axis, row: first.first_row, time_s: first.time_s, temperature: first.temperature, size: jump.size };
+        let step = step(groups, axis, jump);
         for group in &mut groups[jump.group..] {
             group.axes[axis].rate -= step.size;
         }
@@ -82,6 +81,22 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
     }
     steps.sort_by_key(|step| step.row);
     steps
+}
+
+/// The step that a jump is. Where groups were left out between those that show it, it lies in them; else the two beside it
+/// may hold some of it, and it lies between their middles.
+fn step(groups: &[Group], axis: usize, jump: &Jump) -> Step {
+    let (before, after) = (&groups[jump.before], &groups[jump.group]);
+    let middle = |group: &Group| u64::midpoint(group.first_row, group.end_row);
+    let between = &groups[jump.before + 1..jump.group];
+    let (rows, time_s, temperature) = if between.is_empty() {
+        let temperature = (before.temperature.min(after.temperature), before.temperature.max(after.temperature));
+        ((middle(before), middle(after)), (before.time_s, after.time_s), temperature)
+    } else {
+        let temperature = between.iter().map(|group| group.temperatures).fold((f64::NAN, f64::NAN), all_of);
+        ((before.end_row, after.first_row), (before.times_s.1, after.times_s.0), temperature)
+    };
+    Step { axis, row: after.first_row, rows, time_s, temperature, size: jump.size }
 }
 
 /// Whether a curve over temperature leaves less of what is around if it may step there, by about as much as the lines say:

@@ -12,7 +12,7 @@ const FROZEN_JUMP: f64 = 5.0;
 
 /// Marks intervals in which the temperature stood still although it moves elsewhere, and then jumped to where it was.
 pub(super) fn mark_frozen(groups: &[Group], marks: &mut [Option<DropReason>]) {
-    let flat = |group: &Group| group.temperature_range <= 0.0;
+    let flat = |group: &Group| group.temperatures.0 >= group.temperatures.1;
     let still = groups.iter().filter(|group| flat(group)).count();
     if still == 0 || 2 * still > groups.len() {
         return;

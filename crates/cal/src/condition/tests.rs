@@ -117,7 +117,9 @@ fn a_rotation_is_left_out_of_every_axis_with_its_range() {
     let [interval] = &levels.excluded[..] else { panic!("{levels:?}") };
     assert!(interval.rows.0 <= 5000 && interval.rows.1 >= 5060 && interval.rows.1 - interval.rows.0 <= 84);
     assert!((2490.0..2510.0).contains(&interval.time_s.0));
-    assert!(interval.temperature.0 <= interval.temperature.1);
+    let rows = interval.rows.0 as usize..interval.rows.1 as usize;
+    let (least, most) = temperatures[rows].iter().fold((99.0, -99.0), |(a, b), t| (t.min(a), t.max(b)));
+    assert_eq!(interval.temperature, (least, most), "of its rows, not of their averages");
     assert!(tallies[1].count(DropReason::Rotation) >= 60);
     assert!(levels.steps.is_empty());
     assert!(groups.iter().all(|group| group.axes[0].rows == 0 || group.axes[0].rate < 0.1));
@@ -132,6 +134,11 @@ fn a_step_is_found_sized_and_taken_out() {
     let [step] = &levels.steps[..] else { panic!("{levels:?}") };
     assert_eq!(step.axis, 0);
     assert!((3979..=4021).contains(&step.row), "{step:?}");
+    // It is where it was made, and that is told to within three averages.
+    assert!(step.rows.0 <= 4000 && 4000 <= step.rows.1 && step.rows.1 - step.rows.0 <= 63, "{step:?}");
+    assert!(step.time_s.0 <= 2000.0 && 2000.0 <= step.time_s.1, "{step:?}");
+    let (least, most) = step.temperature;
+    assert!(least <= temperatures[4000] && temperatures[4000] <= most && most - least < 1.0, "{step:?}");
     assert!((step.size - 0.02).abs() < 5e-4, "{step:?}");
     let (clean, _, _) = condition(&temperatures, &clean);
     for (group, clean) in groups.iter().zip(&clean).filter(|(group, _)| group.axes[0].rows > 0) {
@@ -200,6 +207,34 @@ fn a_time_without_rows_is_told() {
         let [gap] = &levels.excluded[..] else { panic!("{levels:?}") };
         assert_eq!((gap.reason, gap.rows, gap.time_s), (DropReason::Gap, (2000, 2000), (999.5, 1300.0)));
         assert!(tallies.iter().all(|tally| tally.rejected().is_empty()), "{tallies:?}");
+    }
+}
+
+#[test]
+fn a_ramp_that_turned_while_nothing_was_read_was_not_moved() {
+    let time_s: Vec<f64> = (0..ROWS).map(|row| row as f64 * 0.5).collect();
+    // Up and straight down, and a rate that follows.
+    let temperatures: Vec<f64> = (0..ROWS).map(|row| 60.0 - 0.02 * (row as f64 - 4200.0).abs()).collect();
+    let (_, noise) = cycle();
+    let curve = |t: f64| 0.01 + 3e-4 * t - 2e-6 * t * t;
+    let (calm, _) = cycle();
+    let rate = |row: usize| noise[0][row] - curve(calm[row]) + curve(temperatures[row]);
+    let whole: Vec<f64> = (0..ROWS).map(rate).collect();
+    for lost in [3800..4300, 3900..4400, 4100..4900] {
+        let mut rates = whole.clone();
+        rates[lost.clone()].fill(f64::NAN);
+        let (groups, tallies, levels) = condition(&temperatures, &[rates]);
+        assert!(levels.excluded.is_empty() && levels.steps.is_empty(), "{lost:?}: {levels:?}");
+        assert_eq!(tallies[0].count(DropReason::Rotation), 0, "{lost:?}");
+        // And as rows that are not there.
+        let kept: Vec<usize> = (0..ROWS).filter(|row| !lost.contains(row)).collect();
+        let of = |values: &[f64]| kept.iter().map(|row| values[*row]).collect::<Vec<f64>>();
+        let mut grouping = Grouping::new(1, Length::of_extent(ROWS as u64, 0.5, None), TemperatureUnit::C, 0);
+        grouping.push_rows(&rows(&of(&time_s), &of(&temperatures), &[of(&whole)]));
+        let (mut groups_of_kept, mut tallies) = grouping.finish();
+        assert!(groups_of_kept.len() < groups.len());
+        let levels = level(&mut groups_of_kept, &mut tallies, TemperatureUnit::C, f64::INFINITY);
+        assert!(levels.excluded.iter().all(|interval| interval.reason == DropReason::Gap), "{lost:?}: {levels:?}");
     }
 }
 

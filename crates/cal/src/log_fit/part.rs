@@ -36,7 +36,8 @@ impl LogPart {
 
     /// A step by its own rows and times.
     pub(super) fn step(&self, joined: &Step) -> Step {
-        Step { row: joined.row - self.first_row, time_s: joined.time_s - self.starts_s, ..joined.clone() }
+        let row = joined.row - self.first_row;
+        Step { row, rows: self.rows(joined.rows), time_s: self.times_s(joined.time_s), ..joined.clone() }
     }
 
     /// Rows in which an axis was stuck, by its own rows and times.

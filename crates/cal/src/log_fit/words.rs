@@ -165,13 +165,10 @@ fn lasting(seconds: f64) -> String {
 }
 
 fn of_step(step: &Step, name: &str, scale: RateScale, unit: &str) -> String {
-    let row = step.row + 1;
-    let place =
-        if step.time_s.is_finite() { format!("{:.0} s (row {row}, ", step.time_s) } else { format!("row {row} (") };
     format!(
-        "{name}: the rate steps by {} at about {place}{:.1} {unit}) and stays, with no temperature change to match",
+        "{name}: the rate steps by {} somewhere {} and stays, with no temperature change to match",
         scale.told(step.size),
-        step.temperature
+        place(step.time_s, step.rows, step.temperature, unit)
     )
 }
 
