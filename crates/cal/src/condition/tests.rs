@@ -117,8 +117,8 @@ fn a_rotation_is_left_out_of_every_axis_with_its_range() {
     let [interval] = &levels.excluded[..] else { panic!("{levels:?}") };
     assert!(interval.rows.0 <= 5000 && interval.rows.1 >= 5060 && interval.rows.1 - interval.rows.0 <= 84);
     assert!((2490.0..2510.0).contains(&interval.time_s.0));
-    let rows = interval.rows.0 as usize..interval.rows.1 as usize;
-    let (least, most) = temperatures[rows].iter().fold((99.0, -99.0), |(a, b), t| (t.min(a), t.max(b)));
+    let of_rows = (0_u64..).zip(&temperatures).filter(|(row, _)| (interval.rows.0..interval.rows.1).contains(row));
+    let (least, most) = of_rows.fold((f64::NAN, f64::NAN), |(a, b), (_, t)| (t.min(a), t.max(b)));
     assert_eq!(interval.temperature, (least, most), "of its rows, not of their averages");
     assert!(tallies[1].count(DropReason::Rotation) >= 60);
     assert!(levels.steps.is_empty());
