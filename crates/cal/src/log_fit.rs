@@ -8,7 +8,6 @@ mod averages;
 mod gather;
 mod grouped;
 mod json;
-mod noise_signs;
 mod one_way;
 mod overlap;
 mod part;

@@ -12,6 +12,7 @@ pub mod least_squares;
 pub mod model;
 mod model_fit;
 pub mod nearest;
+pub mod noise_signs;
 pub mod predict;
 pub mod ramp;
 pub mod residual;

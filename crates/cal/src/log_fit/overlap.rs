@@ -6,7 +6,8 @@
 
 use std::collections::BTreeMap;
 
-use super::noise_signs::NoiseSigns;
+use zerorate_fit::noise_signs::NoiseSigns;
+
 use crate::log::Rows;
 
 /// Rows in a run: more than noise repeats, in the coarsest of sensors.
@@ -104,7 +105,7 @@ impl Default for Fingerprint {
 impl Fingerprint {
     /// Takes in successive rows.
     pub(super) fn push_rows(&mut self, rows: &Rows<'_>) {
-        self.noise.push_rows(rows);
+        self.noise.push_rows(rows.values);
         for (row, temperature) in rows.temperature.iter().enumerate() {
             let values = rows.values.iter().map(|axis| axis[row]);
             self.push(std::iter::once(*temperature).chain(values).fold(0, |hash, value| mixed(hash ^ value.to_bits())));

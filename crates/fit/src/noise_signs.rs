@@ -5,8 +5,6 @@
 //! parabola at most. Four rows of each 32 are looked at, so that the signs are as many throws of a coin, and not of one
 //! moment; two runs agree in half of them, a copy in nearly all.
 
-use crate::log::Rows;
-
 /// Rows of which a sign is made.
 const OF: usize = 4;
 
@@ -25,7 +23,7 @@ const ALIKE: f64 = 0.95;
 
 /// The signs of one sensor's noise from the log's beginning: `+`, `-`, and `0` where there is none.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct NoiseSigns {
+pub struct NoiseSigns {
     signs: String,
     rows: u64,
     /// The rows of the four that are being taken in, one after the other.
@@ -33,16 +31,16 @@ pub(super) struct NoiseSigns {
 }
 
 impl NoiseSigns {
-    /// Takes in successive rows.
-    pub(super) fn push_rows(&mut self, rows: &Rows<'_>) {
-        let axes = rows.values.len();
-        for row in 0..rows.temperature.len() {
+    /// Takes in successive rows: a column of values an axis, all as long.
+    pub fn push_rows<A: AsRef<[f64]>>(&mut self, values: &[A]) {
+        let axes = values.len();
+        for row in 0..values.first().map_or(0, |axis| axis.as_ref().len()) {
             let place = self.rows % EVERY;
             self.rows += 1;
             if place >= OF as u64 || self.signs.len() >= MOST {
                 continue;
             }
-            self.four.extend(rows.values.iter().map(|axis| axis[row]));
+            self.four.extend(values.iter().map(|axis| axis.as_ref()[row]));
             if self.four.len() == OF * axes {
                 let four = std::mem::take(&mut self.four);
                 self.signs.extend((0..axes).map(|axis| sign([0, 1, 2, 3].map(|row| four[row * axes + axis]))));
@@ -51,12 +49,14 @@ impl NoiseSigns {
     }
 
     /// As a calibration keeps them; `None` where there are too few to tell anything.
-    pub(super) fn written(&self) -> Option<String> {
+    #[must_use]
+    pub fn written(&self) -> Option<String> {
         (self.signs.len() >= LEAST).then(|| self.signs.clone())
     }
 
     /// Whether this is the noise of a log whose signs were written. An axis that is silent in one of the two is another's.
-    pub(super) fn is_of(&self, other: &str) -> bool {
+    #[must_use]
+    pub fn is_of(&self, other: &str) -> bool {
         let both = self.signs.bytes().zip(other.bytes()).filter(|(own, other)| *own != b'0' || *other != b'0');
         let count = |(signs, alike), (own, other)| (signs + 1, alike + usize::from(own == other));
         let (signs, alike) = both.fold((0, 0), count);
@@ -64,7 +64,8 @@ impl NoiseSigns {
     }
 
     /// Whether two logs have one noise.
-    pub(super) fn are_of(&self, other: &Self) -> bool {
+    #[must_use]
+    pub fn are_of(&self, other: &Self) -> bool {
         self.is_of(&other.signs)
     }
 }
