@@ -1,5 +1,7 @@
 //! Groups in which the unit was moved.
 
+use std::ops::Range;
+
 use super::gap::goes_on;
 use super::group::typical_scatter;
 use super::{DropReason, Group};
@@ -30,11 +32,10 @@ pub(super) fn mark_moved(groups: &[Group], axis: usize, rotation_threshold: f64,
     let used: Vec<usize> = (0..groups.len()).filter(|&group| groups[group].axes[axis].rows > 0).collect();
     let rate = |group: &usize| groups[*group].axes[axis].rate;
     let middle = median(&mut used.iter().map(rate).collect::<Vec<_>>());
-    // A rate need not go on after a gap as it was before, nor another log where one ended.
-    let goes_on = goes_on(groups);
+    // A rate need not go on in another log as it was where one ended.
     let runs: Vec<Vec<Place>> = used
-        .chunk_by(|a, b| goes_on(*a, *b))
-        .map(|run| places(run, &run.iter().map(rate).collect::<Vec<_>>()))
+        .chunk_by(|a, b| groups[*a].log == groups[*b].log)
+        .map(|run| places(groups, run, &run.iter().map(rate).collect::<Vec<_>>()))
         .collect();
     let deviations: Vec<f64> = runs.iter().flatten().map(|place| place.deviation).collect();
     if deviations.is_empty() {
@@ -66,19 +67,32 @@ struct Place {
     jump: f64,
 }
 
-fn places(groups: &[usize], rates: &[f64]) -> Vec<Place> {
+fn places(groups: &[Group], run: &[usize], rates: &[f64]) -> Vec<Place> {
+    let goes_on = goes_on(groups);
     let changes: Vec<f64> = rates.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    groups
-        .iter()
-        .enumerate()
-        .map(|(place, &group)| {
+    run.chunk_by(|a, b| goes_on(*a, *b))
+        .scan(0, |end, stretch| {
+            let start = std::mem::replace(end, *end + stretch.len());
+            Some(start..*end)
+        })
+        .flat_map(|stretch| stretch.clone().map(move |place| (place, stretch.clone())))
+        .map(|(place, stretch)| {
             // Symmetric, so that a drift at the ends is no deviation.
             let reach = NEIGHBOURS.min(place).min(rates.len() - 1 - place);
-            let deviation = rates[place] - median(&mut rates[place - reach..=place + reach].to_vec());
+            let from_median = |around: Range<usize>| rates[place] - median(&mut rates[around].to_vec());
+            let around = place - reach..place + reach + 1;
+            let own_side = around.start.max(stretch.start)..around.end.min(stretch.end);
+            let mut deviation = from_median(around);
+            // A rate need not go on after a gap as it was before: it is to deviate from those of its own side too. A
+            // straight drift does, by less than a corner.
+            if own_side.len() > NEIGHBOURS / 2 {
+                let from_own_side = from_median(own_side);
+                deviation = if from_own_side.abs() < deviation.abs() { from_own_side } else { deviation };
+            }
             let around = place.saturating_sub(NEIGHBOURS)..(place + NEIGHBOURS).min(changes.len());
             let slope = if around.is_empty() { 0.0 } else { median(&mut changes[around].to_vec()) };
-            let (before, after) = (place.saturating_sub(1), (place + 1).min(rates.len() - 1));
-            Place { group, deviation, slope, jump: (rates[after] - rates[before]).abs() }
+            let (before, after) = (place.saturating_sub(1).max(stretch.start), (place + 1).min(stretch.end - 1));
+            Place { group: run[place], deviation, slope, jump: (rates[after] - rates[before]).abs() }
         })
         .collect()
 }

@@ -239,6 +239,24 @@ fn a_ramp_that_turned_while_nothing_was_read_was_not_moved() {
 }
 
 #[test]
+fn a_unit_that_was_moved_beside_a_gap_was_moved() {
+    let (temperatures, [calm, _]) = cycle();
+    for (moved, lost) in [(3725..3775, 3775..4475), (4475..4525, 3775..4475)] {
+        let mut rates = calm.clone();
+        rates[moved.clone()].iter_mut().for_each(|rate| *rate += 0.035);
+        rates[lost].fill(f64::NAN);
+        let (_, tallies, levels) = condition(&temperatures, &[rates]);
+        let is_left_out = |row: &u64| {
+            levels.excluded.iter().any(|interval| {
+                interval.reason == DropReason::Rotation && (interval.rows.0..interval.rows.1).contains(row)
+            })
+        };
+        assert!((moved.start as u64..moved.end as u64).all(|row| is_left_out(&row)), "{moved:?}: {levels:?}");
+        assert!(levels.steps.is_empty() && tallies[0].count(DropReason::Rotation) <= 150, "{levels:?}, {tallies:?}");
+    }
+}
+
+#[test]
 fn rows_a_minute_apart_have_no_gaps_between_them() {
     let time_s: Vec<f64> = (0..100).map(|row| 60.0 * f64::from(row)).collect();
     let temperatures: Vec<f64> = (0..100).map(|row| 0.5 * f64::from(row)).collect();
