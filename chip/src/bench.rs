@@ -4,7 +4,7 @@ use anyhow::{Context, Result, bail, ensure};
 use zerorate_core::record::DeviceRecord;
 use zerorate_core::wire::frame::{self, Receiver};
 use zerorate_core::wire::{
-    Answer, Command, FaultCounts, GroupReport, Identity, Message, Request, SampleWindow, Stop, Upload,
+    Answer, Command, FaultCounts, GroupReport, Identity, Message, Request, SampleWindow, ScanReport, Stop, Upload,
 };
 use zerorate_sim::{Plant, SharedPlant};
 
@@ -27,6 +27,7 @@ pub struct Bench {
     pub machine: Machine,
     pub plant: SharedPlant,
     receiver: Receiver,
+    scans: Receiver,
     sequence: u16,
     /// The groups that have come and nobody has taken.
     groups: Vec<GroupReport>,
@@ -53,6 +54,7 @@ impl Bench {
             machine,
             plant,
             receiver: Receiver::new(),
+            scans: Receiver::new(),
             sequence: 0,
             groups: Vec::new(),
             damaged: 0,
@@ -66,7 +68,7 @@ impl Bench {
     /// What Unicorn says.
     pub fn power_cycle(&mut self) -> Result<()> {
         self.plant.borrow_mut().power_cycle();
-        self.receiver = Receiver::new();
+        (self.receiver, self.scans) = (Receiver::new(), Receiver::new());
         self.machine.power_on()
     }
 
@@ -223,6 +225,25 @@ impl Bench {
     /// One did not come within four seconds.
     pub fn groups(&mut self, n: usize) -> Result<Vec<GroupReport>> {
         (0..n).map(|_| self.group_within(4 * SECOND)).collect()
+    }
+
+    /// The next frame on the second line, waited for up to an instant, and when its last byte came.
+    ///
+    /// # Errors
+    /// One came that cannot be read.
+    pub fn scan(&mut self, until: Ticks) -> Result<Option<(ScanReport, Ticks)>> {
+        while self.machine.run(until, |machine| !machine.chip().scan_line.heard.is_empty())? {
+            let line = &mut self.machine.chip().scan_line;
+            let (bytes, at) = (std::mem::take(&mut line.heard), line.heard_at);
+            for byte in bytes {
+                match self.scans.push::<ScanReport>(byte) {
+                    Some(Ok(report)) => return Ok(Some((report, at))),
+                    Some(Err(error)) => bail!("a scan's frame: {error:?}"),
+                    None => {}
+                }
+            }
+        }
+        Ok(None)
     }
 
     /// Forgets the groups that have come.

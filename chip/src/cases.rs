@@ -4,6 +4,7 @@ mod acquisition;
 mod calibration;
 mod faults;
 mod power;
+mod real_time;
 mod restarts;
 mod same_bits;
 mod select;
@@ -24,11 +25,15 @@ use crate::paper_record;
 pub type Case = fn(&Given) -> Result<String>;
 
 /// Every case, in the order in which they are run.
-pub const ALL: [(&str, Case); 27] = [
+pub const ALL: [(&str, Case); 31] = [
     ("power comes, no record", power::without_a_record),
     ("a record committed over the line", power::commit),
     ("power comes, a record and no host", power::alone),
     ("from the last scan to the wipers", power::latency),
+    ("the second line, power comes", real_time::power_up),
+    ("the second line, every scan", real_time::every_scan),
+    ("the second line beside the groups", real_time::beside_the_groups),
+    ("the second line, chip select cut", real_time::cut),
     ("the longest erasure, the fastest watchdog", power::longest_commit),
     ("native board and image, 1000 groups", same_bits::groups),
     ("native board and image, a calibration in short", calibration::in_short),

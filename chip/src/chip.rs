@@ -33,6 +33,11 @@ use self::watchdog::IndependentWatchdog;
 /// The pins of the two chip selects (firmware/README.md).
 const PORT_SELECT: u32 = 4;
 const POTENTIOMETER_SELECT: u32 = 12;
+/// Pins of port B: data ready, scan ready, and the second line with its alternate function (data sheet, table 9).
+const DATA_READY: u32 = 0;
+const SCAN_READY: u32 = 1;
+const SCAN_LINE: u32 = 6;
+const OF_USART1: u32 = 7;
 
 /// Everything about the core.
 pub struct Chip {
@@ -49,7 +54,10 @@ pub struct Chip {
     exti: Exti,
     spi: [Spi; 2],
     selected: [bool; 2],
+    /// The host's line.
     pub usart: Usart,
+    /// The second line.
+    pub scan_line: Usart,
     timer: Timer,
     pub flash: Flash,
     pub watchdog: IndependentWatchdog,
@@ -73,7 +81,8 @@ impl Chip {
             exti: Exti::default(),
             spi: Default::default(),
             selected: [false; 2],
-            usart: Usart::default(),
+            usart: Usart::at(usart::HOST_BAUD),
+            scan_line: Usart::at(usart::SCAN_BAUD),
             timer: Timer::new(),
             flash: Flash::new(),
             watchdog: IndependentWatchdog::new(),
@@ -94,6 +103,7 @@ impl Chip {
         self.exti.reset();
         self.spi.iter_mut().for_each(Spi::reset);
         self.usart.reset();
+        self.scan_line.reset();
         self.timer.reset();
         self.flash.reset();
         self.watchdog.reset();
@@ -107,6 +117,7 @@ impl Chip {
         self.shift(0);
         self.shift(1);
         self.usart.advance(self.clock);
+        self.scan_line.advance(self.clock);
         self.timer.advance(self.clock);
         self.pass(self.clock);
         let asks = [
@@ -114,6 +125,7 @@ impl Chip {
             (nvic::EXTI0, self.exti.asks(0)),
             (nvic::EXTI1, self.exti.asks(1)),
             (nvic::TIM2, self.timer.asks()),
+            (nvic::USART1, self.scan_line.asks()),
             (nvic::USART2, self.usart.asks()),
         ];
         asks.into_iter().filter(|&(_, asks)| asks).for_each(|(interrupt, _)| self.nvic.asked(interrupt));
@@ -134,13 +146,20 @@ impl Chip {
 
     /// When something happens by itself next.
     pub fn due(&self) -> Ticks {
-        [self.usart.due(), self.timer.due(), self.board.due(), self.watchdog.due()].into_iter().min().unwrap_or(NEVER)
+        let lines = self.usart.due().min(self.scan_line.due());
+        [lines, self.timer.due(), self.board.due(), self.watchdog.due()].into_iter().min().unwrap_or(NEVER)
     }
 
     fn pass(&mut self, to: Ticks) {
-        if let Some(rises) = self.board.pass(to) {
-            self.gpio_b.driven = self.gpio_b.driven & !1 | u32::from(rises);
-            self.exti.edge_of_pb0(rises);
+        let data_ready = self.board.pass(to);
+        if self.board.scan_came() {
+            // It fell as the scan began.
+            self.gpio_b.driven |= 1 << SCAN_READY;
+            [false, true].into_iter().for_each(|rises| self.exti.edge_of_port_b(SCAN_READY, rises));
+        }
+        if let Some(rises) = data_ready {
+            self.gpio_b.driven = self.gpio_b.driven & !(1 << DATA_READY) | u32::from(rises) << DATA_READY;
+            self.exti.edge_of_port_b(DATA_READY, rises);
         }
     }
 
@@ -198,6 +217,10 @@ impl Chip {
                 self.usart.advance(now);
                 self.usart.read(offset)
             }
+            0x4001_1000 => {
+                self.scan_line.advance(now);
+                self.scan_line.read(offset)
+            }
             0x4001_3000 => {
                 self.shift(0);
                 self.spi[0].read(offset)
@@ -244,6 +267,13 @@ impl Chip {
             0x4000_4400 => {
                 self.usart.advance(now);
                 self.usart.write(offset, word, now, self.rcc.bus_1_ticks())
+            }
+            0x4001_1000 => {
+                self.scan_line.advance(now);
+                if self.scan_line.sends(offset) && !self.gpio_b.is_of(SCAN_LINE, OF_USART1) {
+                    self.wrong.push("a byte for the second line, whose pin is not USART1's".into());
+                }
+                self.scan_line.write(offset, word, now, self.rcc.bus_2_ticks())
             }
             0x4001_3000 => {
                 self.shift(0);

@@ -5,7 +5,7 @@
 use anyhow::{Context, Result, ensure};
 use zerorate_core::record::{DeviceRecord, UnitSerial};
 use zerorate_core::wire::frame::{self, Receiver};
-use zerorate_core::wire::{Command, GroupReport, Message, Request, SampleWindow, Upload};
+use zerorate_core::wire::{Command, GroupReport, Message, Request, SampleWindow, ScanReport, Upload};
 use zerorate_device::acquisition::Timing;
 use zerorate_device::application::{Application, Parts};
 use zerorate_device::port::PortAcquisition;
@@ -13,7 +13,7 @@ use zerorate_device::restart::{Kept, Started};
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::NoWatchdog;
-use zerorate_sim::{Flash, FlashPart, PlantDelay, PortSpi, PotentiometerSpi, SharedPlant};
+use zerorate_sim::{Flash, FlashPart, PlantDelay, PortSpi, PotentiometerSpi, Scanned, SharedPlant};
 
 use crate::deployment::{deployment, encoded};
 use crate::lock_step::LockStep;
@@ -42,11 +42,11 @@ fn start(plant: &SharedPlant, flash: &Part) -> Result<Native> {
     }))
 }
 
-/// The first `n` groups of a board that holds a record and whose acquisition begins at the plant's present time.
+/// A board that holds a record and whose acquisition begins at the plant's present time.
 ///
 /// # Errors
 /// The record was not taken.
-pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, n: usize) -> Result<Vec<GroupReport>> {
+pub fn at_work(plant: &SharedPlant, record: &DeviceRecord) -> Result<NativeBoard> {
     let flash = Part::new(Flash::erased(4));
     // On a plant of its own: the wipers are written when a board starts.
     let elsewhere = zerorate_sim::Plant::new(zerorate_sim::PlantParameters::paper(), 0).share();
@@ -54,8 +54,15 @@ pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, n: usize) -> Res
     let requests = deployment(&encoded(record)?)?;
     writer.hear_all(&requests)?;
     ensure!(writer.said().len() == requests.len(), "the native board did not take the record");
+    NativeBoard::with(SharedPlant::clone(plant), flash)
+}
 
-    let mut board = NativeBoard::with(SharedPlant::clone(plant), flash)?;
+/// The first `n` groups of such a board.
+///
+/// # Errors
+/// The record was not taken.
+pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, n: usize) -> Result<Vec<GroupReport>> {
+    let mut board = at_work(plant, record)?;
     board.hear_all(&[Request::SetStream { groups: true, samples: SampleWindow::NONE }])?;
     let mut groups = Vec::new();
     while groups.len() < n {
@@ -90,6 +97,20 @@ impl NativeBoard {
     fn with(plant: SharedPlant, flash: Part) -> Result<Self> {
         let native = start(&plant, &flash)?;
         Ok(Self { plant, flash, native, receiver: Receiver::new(), said: Vec::new() })
+    }
+
+    /// The next scan, corrected; the group that it closes is closed.
+    ///
+    /// # Errors
+    /// None comes.
+    pub fn scan(&mut self) -> Result<ScanReport> {
+        let scanned = self.plant.borrow_mut().run_scan();
+        let report = self.native.compensator.scan();
+        if matches!(scanned, Scanned::Set(_)) {
+            self.native.compensator.service();
+            self.hear(&[]);
+        }
+        report.context("the native board has no scan")
     }
 
     /// Hears requests one after the other.

@@ -17,7 +17,7 @@ const LATENCY_US: u32 = 2900;
 const SCAN_NS: u64 = 3_000_000;
 
 /// A plant on its way to -40 C, its wipers in the middle when its power comes.
-fn plant() -> Result<Plant> {
+pub fn plant() -> Result<Plant> {
     let mut plant = Plant::new(
         PlantParameters {
             wiper_latency_us: LATENCY_US,
@@ -30,14 +30,19 @@ fn plant() -> Result<Plant> {
     Ok(plant)
 }
 
-/// The first groups after power, alone on a ramp.
-pub fn groups(given: &Given) -> Result<String> {
-    let mut bench = Bench::new(&given.image, plant()?, Some(&given.records))?;
-    // When the port starts is the image's; the native board starts then.
+/// When the port starts, which is the image's to say: the native board starts then.
+pub fn start_of_port(bench: &mut Bench) -> Result<u64> {
     let starts = |plant: &SharedPlant| plant.borrow().next_scan_ns();
     bench.machine.run(SECOND, |machine| starts(&machine.chip().board.plant).is_some())?;
     let started_ns = starts(&bench.plant).map_or(0, |ns| ns - SCAN_NS);
     ensure!(started_ns > 0, "the port does not start");
+    Ok(started_ns)
+}
+
+/// The first groups after power, alone on a ramp.
+pub fn groups(given: &Given) -> Result<String> {
+    let mut bench = Bench::new(&given.image, plant()?, Some(&given.records))?;
+    let started_ns = start_of_port(&mut bench)?;
     bench.pass(20 * MILLISECOND)?;
     bench.stream()?;
     let image = bench.groups(GROUPS)?;

@@ -7,16 +7,19 @@ use zerorate_sim::{PortSpi, SharedPlant};
 
 use super::Given;
 use crate::bench::Bench;
-use crate::chip::board::{Cut, SetSums};
+use crate::chip::board::Cut;
 use crate::chip::time::{MILLISECOND, SECOND, Ticks, milliseconds};
 
 const CUTS: u32 = 1000;
+/// Scans a set.
+const SET: usize = 500;
 /// The clocks of a register read and of one written.
 const READ: u32 = 8 * 6;
 const WRITE: u32 = 8 * 10;
 /// What a group's reading clocks: STATUS, then the burst's header.
 const READING: u32 = READ + 8 * 66;
-/// What setting up clocks: identity and version, stop, period and length and start, each read back.
+/// What setting up clocks: identity and version, stop, period and length and start, each read back. (After power the length
+/// of all sets but the first comes after it.)
 const SETTING_UP: u32 = 2 * READ + WRITE + 3 * (WRITE + READ);
 /// Two groups, and what the tick and the line take.
 const TWO_GROUPS: Ticks = 3 * SECOND + 30 * MILLISECOND;
@@ -41,7 +44,7 @@ impl Chance {
 }
 
 /// The port's registers that can be written, read past the chip.
-fn registers(plant: &SharedPlant) -> Result<[u32; 3]> {
+pub fn registers(plant: &SharedPlant) -> Result<[u32; 3]> {
     let mut registers = [0; 3];
     for (address, register) in (2..).zip(&mut registers) {
         let mut bytes = [address, 0, 0, 0, 0, 0];
@@ -51,12 +54,12 @@ fn registers(plant: &SharedPlant) -> Result<[u32; 3]> {
     Ok(registers)
 }
 
-/// A group's sums as the A/D gave them, or an error: a torn set, or one that was never taken.
-fn untorn(group: &GroupReport, seen: &[SetSums], from: &mut usize) -> Result<()> {
+/// A group's sums as the A/D gave its scans, or an error: a torn set, or one that was never taken.
+fn untorn(group: &GroupReport, bench: &mut Bench, from: &mut usize) -> Result<()> {
     let [x, y] = [&group.axes[0].sums, &group.axes[1].sums];
     let sums = [x.temperature, x.zro, y.temperature, y.zro];
-    let found = seen[*from..].iter().position(|set| *set == sums);
-    *from += 1 + found.with_context(|| format!("group {} is no set that the A/D gave", group.group.0))?;
+    let end = bench.machine.chip().board.end_of(usize::try_from(x.n)?, sums, *from);
+    *from = end.with_context(|| format!("group {} is no set that the A/D gave", group.group.0))?;
     Ok(())
 }
 
@@ -75,7 +78,7 @@ pub fn cut_reading(given: &Given) -> Result<String> {
         let group = bench.group_within(10 * SECOND)?;
         (longest, heard) = (longest.max(bench.now() - heard), bench.now());
         groups += 1;
-        untorn(&group, &bench.machine.chip().board.seen, &mut from)?;
+        untorn(&group, &mut bench, &mut from)?;
         let found = registers(&bench.plant)?;
         ensure!(found == expected, "registers {found:?} after cut {}", bench.machine.chip().board.cuts);
     }
@@ -110,10 +113,9 @@ pub fn cut_setting_up(given: &Given) -> Result<String> {
         let found = registers(&bench.plant)?;
         ensure!(found == [1, 3000, 500], "registers {found:?} after cut {n}");
         bench.forget_groups();
-        let sets = bench.machine.chip().board.seen.len();
-        let mut from = sets.saturating_sub(2);
+        let mut from = bench.machine.chip().board.scans().saturating_sub(3 * SET);
         let group = bench.group_within(4 * SECOND).with_context(|| format!("after cut {n}"))?;
-        untorn(&group, &bench.machine.chip().board.seen, &mut from)?;
+        untorn(&group, &mut bench, &mut from)?;
     }
     bench.nothing_wrong()?;
     Ok(format!(

@@ -22,11 +22,9 @@ pub struct Cut {
     pub lasts: Option<u32>,
 }
 
-/// A set as the A/D gave it: the sums of its four channels, in the order of the burst.
-pub type SetSums = [u64; 4];
+/// Sums of scans as the A/D gave them, of the four channels in the order of the burst.
+pub type Sums = [u64; 4];
 
-/// Scans a set.
-const SET: usize = 500;
 /// Nanoseconds from scan to scan.
 const SCAN_NS: u64 = 3_000_000;
 
@@ -43,9 +41,14 @@ pub struct Board {
     pub ready_at: Ticks,
     /// How often it has risen.
     pub sets: u32,
-    /// The sets that were full since power came to the bench, summed scan by scan without the port.
-    pub seen: Vec<SetSums>,
-    filling: (usize, SetSums),
+    /// The sums of the scans since the port's start up to each of them, without the port; zeros first.
+    sums: Vec<Sums>,
+    /// The line scan ready is connected. It costs the emulator more than all else, and most cases do not look at it.
+    pub scan_ready_connected: bool,
+    /// Where it is: the scans since the port's start, and when each was there.
+    pub scanned: Vec<(Ticks, [u16; 4])>,
+    /// Scans whose edges the chip has not seen.
+    edges: u32,
     /// Scans that came at another time than a period after the one before, and a start's first.
     pub odd_scans: u32,
     expected_ns: Option<u64>,
@@ -71,8 +74,10 @@ impl Board {
             data_ready: false,
             ready_at: 0,
             sets: 0,
-            seen: Vec::new(),
-            filling: (0, [0; 4]),
+            sums: vec![[0; 4]],
+            scan_ready_connected: false,
+            scanned: Vec::new(),
+            edges: 0,
             odd_scans: 0,
             expected_ns: None,
             cut: None,
@@ -106,26 +111,47 @@ impl Board {
             let next_ns = plant.next_scan_ns();
             if next_ns != self.expected_ns {
                 // The port was started or stopped: it begins a new set.
-                (self.filling, self.expected_ns) = ((0, [0; 4]), next_ns);
+                self.sums.truncate(1);
+                self.scanned.clear();
+                self.expected_ns = next_ns;
                 self.odd_scans += 1;
             }
             let Some(scan_ns) = next_ns.filter(|&ns| ns <= until_ns) else { break };
             plant.pass_until_ns(scan_ns);
-            self.scanned(plant.held());
+            self.scanned(plant.held(), ticks_of_ns(scan_ns));
             self.expected_ns = Some(scan_ns + SCAN_NS);
         }
         plant.pass_until_ns(until_ns);
     }
 
     /// A scan was taken.
-    fn scanned(&mut self, held: [u16; 4]) {
-        let (scans, sums) = &mut self.filling;
+    fn scanned(&mut self, held: [u16; 4], at: Ticks) {
+        let mut sums = self.sums.last().copied().unwrap_or_default();
         sums.iter_mut().zip(held).for_each(|(sum, sample)| *sum += u64::from(sample));
-        *scans += 1;
-        if *scans == SET {
-            self.seen.push(*sums);
-            self.filling = (0, [0; 4]);
+        self.sums.push(sums);
+        if self.scan_ready_connected {
+            self.scanned.push((at, held));
+            self.edges += 1;
         }
+    }
+
+    /// Whether the line scan ready has fallen and risen since this was last asked.
+    pub const fn scan_came(&mut self) -> bool {
+        std::mem::replace(&mut self.edges, 0) > 0
+    }
+
+    /// Scans since the port's start.
+    pub const fn scans(&self) -> usize {
+        self.sums.len() - 1
+    }
+
+    /// The scan after the last of `n` that follow one another, begin at `from` or later, and have these sums; none where the
+    /// A/D gave no such scans.
+    pub fn end_of(&self, n: usize, sums: Sums, from: usize) -> Option<usize> {
+        (from + n..self.sums.len()).find(|&end| {
+            let (before, after) = (self.sums[end - n], self.sums[end]);
+            (0..4).all(|channel| after[channel] - before[channel] == sums[channel])
+        })
     }
 
     /// When the plant next does something by itself.

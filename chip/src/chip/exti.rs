@@ -49,12 +49,12 @@ impl Exti {
         }
     }
 
-    /// The pin 0 of port B has changed its level.
-    pub fn edge_of_pb0(&mut self, rises: bool) {
-        let chosen = self.syscfg[EXTICR1 as usize / 4] & 0xF == PORT_B;
+    /// A pin of port B, one of the first four, has changed its level.
+    pub fn edge_of_port_b(&mut self, pin: u32, rises: bool) {
+        let chosen = self.syscfg[EXTICR1 as usize / 4] >> (4 * pin) & 0xF == PORT_B;
         let register = if rises { RTSR } else { FTSR };
-        if chosen && self.read(register) & 1 != 0 {
-            self.words[PR as usize / 4] |= 1;
+        if chosen {
+            self.words[PR as usize / 4] |= self.read(register) & 1 << pin;
         }
     }
 

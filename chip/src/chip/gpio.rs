@@ -4,6 +4,7 @@ const MODER: u32 = 0x00;
 const IDR: u32 = 0x10;
 const ODR: u32 = 0x14;
 const BSRR: u32 = 0x18;
+const AFRL: u32 = 0x20;
 
 /// A port's registers, and the levels that others drive.
 #[derive(Default)]
@@ -44,6 +45,11 @@ impl Gpio {
     /// A pin's mode: 0 input, 1 output, 2 alternate function, 3 analogue.
     pub fn mode(&self, pin: u32) -> u32 {
         self.words[MODER as usize / 4] >> (2 * pin) & 3
+    }
+
+    /// Whether a pin, one of the first eight, is a peripheral's: by its alternate function.
+    pub fn is_of(&self, pin: u32, function: u32) -> bool {
+        self.mode(pin) == 2 && self.words[AFRL as usize / 4] >> (4 * pin) & 0xF == function
     }
 
     /// Whether a pin that others pull up is low.

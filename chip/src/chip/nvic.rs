@@ -5,6 +5,7 @@ pub const PVD: usize = 1;
 pub const EXTI0: usize = 6;
 pub const EXTI1: usize = 7;
 pub const TIM2: usize = 28;
+pub const USART1: usize = 37;
 pub const USART2: usize = 38;
 
 /// The exception of a hard fault, and that of interrupt 0.

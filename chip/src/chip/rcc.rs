@@ -173,6 +173,7 @@ impl Rcc {
             0x4000_3800 => (APB1ENR, 14),
             0x4000_4400 => (APB1ENR, 17),
             0x4000_7000 => (APB1ENR, 28),
+            0x4001_1000 => (APB2ENR, 4),
             0x4001_3000 => (APB2ENR, 12),
             0x4001_3800 => (APB2ENR, 14),
             _ => return true,

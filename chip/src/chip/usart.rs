@@ -1,4 +1,4 @@
-//! The serial line to the host (RM0090 rev 19, chapter 30): a byte in the shift register, one before it, one received.
+//! A serial line (RM0090 rev 19, chapter 30): a byte in the shift register, one before it, one received.
 
 use std::collections::VecDeque;
 
@@ -17,16 +17,19 @@ const TXE: u32 = 1 << 7;
 const RE: u32 = 1 << 2;
 const TE: u32 = 1 << 3;
 const RXNEIE: u32 = 1 << 5;
+const TXEIE: u32 = 1 << 7;
 const UE: u32 = 1 << 13;
 
-/// A byte of the host's: a start bit, eight bits, a stop bit at 115 200 baud.
-const HOST_BYTE: Ticks = 10 * SECOND / 115_200;
-/// The host's receiver takes bits that are wrong by up to 2 % in length.
-const TOLERANCE: Ticks = HOST_BYTE / 50;
+/// The host's rate, and that of the second line.
+pub const HOST_BAUD: u64 = 115_200;
+pub const SCAN_BAUD: u64 = 460_800;
+/// Whoever is at the other end takes bits that are wrong by up to 2 % in length.
+const TOLERANCE: Ticks = 50;
 
-#[derive(Default)]
 pub struct Usart {
     words: [u32; 7],
+    /// A byte at the other end's rate: a start bit, eight bits, a stop bit.
+    byte: Ticks,
     shifting: Option<(Ticks, u8)>,
     next: Option<u8>,
     received: Option<u8>,
@@ -34,24 +37,44 @@ pub struct Usart {
     asked: bool,
     /// The host's bytes on their way, and when each has come.
     coming: VecDeque<(Ticks, u8)>,
-    /// The bytes that the host has received.
+    /// The bytes that the other end has received.
     pub heard: Vec<u8>,
+    /// When the last of them came.
+    pub heard_at: Ticks,
     /// The host's bytes that the chip has lost since power came to the bench.
     pub lost: u32,
 }
 
 impl Usart {
+    /// A line whose other end has a rate.
+    pub const fn at(baud: u64) -> Self {
+        Self {
+            words: [0; 7],
+            byte: 10 * SECOND / baud,
+            shifting: None,
+            next: None,
+            received: None,
+            overrun: false,
+            asked: false,
+            coming: VecDeque::new(),
+            heard: Vec::new(),
+            heard_at: 0,
+            lost: 0,
+        }
+    }
+
     /// What is on the line's wires goes on; the chip's registers begin anew.
     pub fn reset(&mut self) {
-        let (coming, heard, lost) = (std::mem::take(&mut self.coming), std::mem::take(&mut self.heard), self.lost);
-        *self = Self { coming, heard, lost, ..Self::default() };
+        let (coming, heard) = (std::mem::take(&mut self.coming), std::mem::take(&mut self.heard));
+        let Self { byte, heard_at, lost, .. } = *self;
+        *self = Self { byte, coming, heard, heard_at, lost, ..Self::at(HOST_BAUD) };
     }
 
     /// The host sends bytes, one after the other.
     pub fn send(&mut self, bytes: &[u8], now: Ticks) {
         let mut at = self.coming.back().map_or(now, |&(at, _)| at.max(now));
         for &byte in bytes {
-            at += HOST_BYTE;
+            at += self.byte;
             self.coming.push_back((at, byte));
         }
     }
@@ -60,6 +83,7 @@ impl Usart {
     pub fn advance(&mut self, now: Ticks) {
         while let Some((at, byte)) = self.shifting.filter(|&(at, _)| at <= now) {
             self.heard.push(byte);
+            self.heard_at = at;
             self.shifting = self.next.take().map(|byte| (at + self.byte_ticks(), byte));
         }
         while self.coming.front().is_some_and(|&(at, _)| at <= now) {
@@ -117,8 +141,8 @@ impl Usart {
         if self.words[CR1 as usize / 4] & (UE | TE) != UE | TE {
             return Err("a byte for a USART that does not send");
         }
-        if self.byte_ticks().abs_diff(HOST_BYTE) > TOLERANCE {
-            return Err("a byte at another rate than the host's 115 200 baud");
+        if self.byte_ticks().abs_diff(self.byte) * TOLERANCE > self.byte {
+            return Err("a byte at another rate than the other end's");
         }
         self.asked = false;
         let byte = (word & 0xFF) as u8;
@@ -128,6 +152,11 @@ impl Usart {
             return Err("a byte for a USART whose last one had not gone");
         }
         Ok(())
+    }
+
+    /// Whether what is written to a register goes out.
+    pub const fn sends(&self, offset: u32) -> bool {
+        offset == DR
     }
 
     /// When the next byte has come, at either end.
@@ -143,6 +172,7 @@ impl Usart {
 
     /// Whether it asks for its interrupt.
     pub fn asks(&self) -> bool {
-        self.words[CR1 as usize / 4] & RXNEIE != 0 && (self.received.is_some() || self.overrun)
+        let cr1 = self.words[CR1 as usize / 4];
+        cr1 & RXNEIE != 0 && (self.received.is_some() || self.overrun) || cr1 & TXEIE != 0 && self.next.is_none()
     }
 }

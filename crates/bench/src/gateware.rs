@@ -11,10 +11,10 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use zerorate_device::acquisition::{Acquisition, Set, Timing};
+use zerorate_device::acquisition::{Acquisition, NumberedScan, Set, Timing};
 use zerorate_device::port::{PortAcquisition, PortError};
 use zerorate_gateware::{Bench, Port, Scale, SharedPort, Timing as Clocking};
-use zerorate_sim::{SharedPlant, Truth};
+use zerorate_sim::{Scanned, SharedPlant, Truth};
 
 use crate::simulated::OnPlant;
 
@@ -42,8 +42,8 @@ pub struct GatewareAcquisition {
 impl Acquisition for GatewareAcquisition {
     type Error = PortError<core::convert::Infallible>;
 
-    fn start(&mut self, timing: Timing) -> Result<(), Self::Error> {
-        self.port.start(Timing { scan_period_us: scan_period_us(timing.set_length), ..timing })?;
+    fn start(&mut self, timing: Timing, first: u16) -> Result<(), Self::Error> {
+        self.port.start(Timing { scan_period_us: scan_period_us(timing.set_length), ..timing }, first)?;
         self.running = Some(timing.set_length);
         self.sets = 0;
         Ok(())
@@ -61,6 +61,10 @@ impl Acquisition for GatewareAcquisition {
     fn read_scans(&mut self, set: &mut Set) -> Result<(), Self::Error> {
         self.port.read_scans(set)
     }
+
+    fn latest_scan(&mut self) -> Result<Option<NumberedScan>, Self::Error> {
+        self.port.latest_scan()
+    }
 }
 
 impl OnPlant for GatewareAcquisition {
@@ -73,7 +77,14 @@ impl OnPlant for GatewareAcquisition {
         Self { port: PortAcquisition::new(board.clone()), board, running: None, sets: 0 }
     }
 
-    fn run_set(&mut self, plant: &SharedPlant) -> Option<Truth> {
+    /// A whole set: within one the block's clock goes on by itself.
+    fn run_scan(&mut self, plant: &SharedPlant) -> Scanned {
+        self.wait_for_set(plant).map_or(Scanned::None, Scanned::Set)
+    }
+}
+
+impl GatewareAcquisition {
+    fn wait_for_set(&mut self, plant: &SharedPlant) -> Option<Truth> {
         // The set, and the period before its first scan.
         let set_length = self.running?;
         let at_most_us = (u64::from(set_length) + 2) * u64::from(scan_period_us(set_length));

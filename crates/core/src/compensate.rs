@@ -27,6 +27,7 @@ mod mode;
 mod numbers;
 mod q16;
 mod refused;
+mod sample;
 mod settling;
 
 pub use axis::{AxisCompensation, GroupOutcome};
@@ -42,6 +43,7 @@ pub use numbers::{
 };
 pub use q16::Q16;
 pub use refused::{EdgeError, LawRefused, Part, Unrepresentable};
+pub use sample::SampleCorrection;
 
 #[cfg(test)]
 mod tests;

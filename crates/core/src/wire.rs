@@ -1,6 +1,6 @@
 //! Every message between device and host, in one table, and the frames that carry them.
 //!
-//! Host to device: [`Command`]. Device to host: [`Upload`]. Each travels as postcard, a CRC-32, COBS and a zero byte
+//! Host to device: [`Command`]. Device to host: [`Upload`]; on a line of its own, scan by scan, [`ScanReport`]. Each travels as postcard, a CRC-32, COBS and a zero byte
 //! ([`frame`]).
 //!
 //! A command says at which group it takes effect and is answered with the group at which it did. What changes how
@@ -11,6 +11,7 @@
 //! only asks is asked anew.
 
 pub mod frame;
+mod scan;
 mod stop;
 
 use heapless::Vec;
@@ -22,6 +23,7 @@ use crate::group::GroupSums;
 use crate::record::{RecordError, RecordRefused, UnitSerial};
 use crate::units::{Axis, GroupNumber, Taps};
 
+pub use self::scan::{AxisScan, SCAN_FRAME_BYTES, ScanFlags, ScanReport};
 pub use self::stop::{FILE_BYTES, FaultRegisters, Stop};
 
 /// The version of this table. Host and device compare it in the answer to [`Request::Identity`].

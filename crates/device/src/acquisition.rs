@@ -52,16 +52,25 @@ pub struct Set {
     pub scans: Vec<Scan, MAX_SET_LENGTH>,
 }
 
+/// A scan as it was read alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NumberedScan {
+    /// Its number since the acquisition started: every scan counts.
+    pub number: u32,
+    /// Its samples.
+    pub scan: Scan,
+}
+
 /// What the processor asks of an acquisition, whoever drives the A/D.
 pub trait Acquisition {
     /// What can go wrong.
     type Error: core::fmt::Debug;
 
-    /// Starts anew at set 0.
+    /// Starts anew at set 0, which has `first` scans; every further one has as many as `timing` says.
     ///
     /// # Errors
     /// When the acquisition cannot be reached.
-    fn start(&mut self, timing: Timing) -> Result<(), Self::Error>;
+    fn start(&mut self, timing: Timing, first: u16) -> Result<(), Self::Error>;
 
     /// Stops; the set that is being filled is dropped.
     ///
@@ -81,4 +90,10 @@ pub trait Acquisition {
     /// # Errors
     /// When the acquisition cannot be reached, what came is not whole, or another set has come meanwhile.
     fn read_scans(&mut self, set: &mut Set) -> Result<(), Self::Error>;
+
+    /// Reads the scan that was taken last; `None` before the first, and where this acquisition gives whole sets alone.
+    ///
+    /// # Errors
+    /// When the acquisition cannot be reached, or what came is not whole.
+    fn latest_scan(&mut self) -> Result<Option<NumberedScan>, Self::Error>;
 }

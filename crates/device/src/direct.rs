@@ -3,7 +3,7 @@
 use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;
 
-use crate::acquisition::{Acquisition, Set, Timing, axis_samples};
+use crate::acquisition::{Acquisition, NumberedScan, Set, Timing, axis_samples};
 use crate::ad7949::Ad7949;
 use zerorate_core::units::Axis;
 
@@ -13,10 +13,14 @@ use zerorate_core::units::Axis;
 /// compensator is called. A set that has not been read when the next is full is lost, and counted.
 pub struct DirectAcquisition<SPI, DELAY> {
     converter: Ad7949<SPI, DELAY>,
+    /// Scans of the set that is being filled, and of those after it.
+    filling_length: usize,
     set_length: usize,
     running: bool,
     next_number: u32,
     lost: u32,
+    scans: u32,
+    latest: Option<NumberedScan>,
     filling: Set,
     waiting: Option<Set>,
 }
@@ -28,7 +32,18 @@ impl<SPI: SpiDevice, DELAY: DelayNs> DirectAcquisition<SPI, DELAY> {
         let converter = Ad7949::new(spi, delay);
         let set_length = usize::from(Timing::PAPER.set_length);
         let filling = Set::default();
-        Self { converter, set_length, running: false, next_number: 0, lost: 0, filling, waiting: None }
+        Self {
+            converter,
+            filling_length: set_length,
+            set_length,
+            running: false,
+            next_number: 0,
+            lost: 0,
+            scans: 0,
+            latest: None,
+            filling,
+            waiting: None,
+        }
     }
 
     /// Whether scans are being taken.
@@ -46,15 +61,18 @@ impl<SPI: SpiDevice, DELAY: DelayNs> DirectAcquisition<SPI, DELAY> {
             return Ok(false);
         }
         let scan = self.converter.scan()?;
+        self.latest = Some(NumberedScan { number: self.scans, scan });
+        self.scans = self.scans.wrapping_add(1);
         for axis in Axis::BOTH {
             let (temperature, zro) = axis_samples(&scan, axis);
             self.filling.sums[axis.index()].push(temperature, zro);
         }
         // A set is handed over before it could outgrow its memory.
         let _ = self.filling.scans.push(scan);
-        if self.filling.scans.len() < self.set_length {
+        if self.filling.scans.len() < self.filling_length {
             return Ok(false);
         }
+        self.filling_length = self.set_length;
         let mut full = core::mem::take(&mut self.filling);
         full.number = self.next_number;
         self.next_number += 1;
@@ -77,10 +95,13 @@ where
 {
     type Error = SPI::Error;
 
-    fn start(&mut self, timing: Timing) -> Result<(), Self::Error> {
-        self.set_length = usize::from(timing.set_length).clamp(1, crate::acquisition::MAX_SET_LENGTH);
+    fn start(&mut self, timing: Timing, first: u16) -> Result<(), Self::Error> {
+        let possible = |length| usize::from(length).clamp(1, crate::acquisition::MAX_SET_LENGTH);
+        (self.filling_length, self.set_length) = (possible(first), possible(timing.set_length));
         self.next_number = 0;
         self.lost = 0;
+        self.scans = 0;
+        self.latest = None;
         self.filling = Set::default();
         self.waiting = None;
         self.running = true;
@@ -107,5 +128,9 @@ where
     /// They came with the set: what was sampled here need not be fetched.
     fn read_scans(&mut self, _: &mut Set) -> Result<(), Self::Error> {
         Ok(())
+    }
+
+    fn latest_scan(&mut self) -> Result<Option<NumberedScan>, Self::Error> {
+        Ok(self.latest)
     }
 }

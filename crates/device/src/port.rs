@@ -1,11 +1,11 @@
-//! The acquisition port's master: reads whole sets (docs/acquisition-port.md, version 2.0). Of one whose scans are wanted it
+//! The acquisition port's master: reads whole sets (docs/acquisition-port.md, version 2.1). Of one whose scans are wanted it
 //! reads the sums first, and the scans when the wipers are written: they take 6 ms on the bus, two sample periods.
 
 use crc::{CRC_32_MPEG_2, Crc, NoTable};
 use embedded_hal::spi::{Operation, SpiDevice};
 use zerorate_core::group::GroupSums;
 
-use crate::acquisition::{Acquisition, Set, Timing};
+use crate::acquisition::{Acquisition, NumberedScan, Set, Timing};
 
 /// A bit at a time: a set takes 6 ms on the bus with its scans, its CRC a seventh of that; a table would be 1 KiB of flash.
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_MPEG_2);
@@ -20,11 +20,14 @@ const SCAN_PERIOD: u8 = 0x03;
 const SET_LENGTH: u8 = 0x04;
 const STATUS: u8 = 0x05;
 const SET: u8 = 0x10;
+const SCAN: u8 = 0x20;
 
 /// "ZRAQ".
 const EXPECTED_IDENTITY: u32 = 0x5A52_4151;
 /// The major version this master speaks; minor ones add registers.
 const EXPECTED_MAJOR: u32 = 2;
+/// The minor version since which a port has the latest scan.
+const MINOR_WITH_SCAN: u32 = 1;
 
 const CONTROL_RUN: u32 = 1;
 const CONTROL_RESTART: u32 = 2;
@@ -37,6 +40,8 @@ const CRC_BYTES: usize = 4;
 /// time in 16 million.
 const KEEPING_BYTES: usize = HEAD_BYTES - 1;
 const SET_HEADER: [u8; 2] = [READ | SET, 0];
+/// The latest scan: its number, its samples, CRC.
+const SCAN_BYTES: usize = 16;
 
 /// What can go wrong at the port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,7 +65,7 @@ pub enum PortError<E> {
         /// What it holds.
         found: u32,
     },
-    /// A set came whose CRC does not match.
+    /// A set or a scan came whose CRC does not match.
     Damaged,
     /// The set whose scans are wanted is not there any more.
     AnotherSet {
@@ -77,14 +82,19 @@ pub enum PortError<E> {
 /// An acquisition behind the port: an FPGA on the board, or the simulated bench.
 pub struct PortAcquisition<SPI> {
     spi: SPI,
+    /// Scans of the first set since the start, and of every further one.
+    first_length: u16,
     set_length: u16,
+    /// The port has the latest scan.
+    gives_scans: bool,
 }
 
 impl<SPI: SpiDevice> PortAcquisition<SPI> {
     /// A master on an SPI device in mode 0, up to 10 MHz.
     #[must_use]
     pub const fn new(spi: SPI) -> Self {
-        Self { spi, set_length: Timing::PAPER.set_length }
+        let set_length = Timing::PAPER.set_length;
+        Self { spi, first_length: set_length, set_length, gives_scans: false }
     }
 
     fn read_word(&mut self, address: u8) -> Result<u32, PortError<SPI::Error>> {
@@ -120,7 +130,11 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
             return Err(PortError::NotAPort { identity });
         }
         let version = self.read_word(VERSION)?;
-        if version >> 16 == EXPECTED_MAJOR { Ok(()) } else { Err(PortError::UnknownVersion { version }) }
+        if version >> 16 != EXPECTED_MAJOR {
+            return Err(PortError::UnknownVersion { version });
+        }
+        self.gives_scans = version & 0xFFFF >= MINOR_WITH_SCAN;
+        Ok(())
     }
 }
 
@@ -130,15 +144,20 @@ where
 {
     type Error = PortError<SPI::Error>;
 
-    fn start(&mut self, timing: Timing) -> Result<(), Self::Error> {
+    fn start(&mut self, timing: Timing, first: u16) -> Result<(), Self::Error> {
         self.check_identity()?;
-        self.set_length = timing.set_length;
+        (self.first_length, self.set_length) = (first, timing.set_length);
         self.write_word(CONTROL, 0)?;
         self.set(SCAN_PERIOD, timing.scan_period_us)?;
-        self.set(SET_LENGTH, u32::from(timing.set_length))?;
+        self.set(SET_LENGTH, u32::from(first))?;
         self.write_word(CONTROL, CONTROL_RESTART | CONTROL_RUN)?;
         // A start that was lost would show by silence alone, and be tried again after two groups; RESTART reads back 0.
-        self.expect(CONTROL, CONTROL_RUN)
+        self.expect(CONTROL, CONTROL_RUN)?;
+        if first != timing.set_length {
+            // Taken up where the next set starts.
+            self.set(SET_LENGTH, u32::from(timing.set_length))?;
+        }
+        Ok(())
     }
 
     fn stop(&mut self) -> Result<(), Self::Error> {
@@ -167,6 +186,24 @@ where
         }
         read
     }
+
+    fn latest_scan(&mut self) -> Result<Option<NumberedScan>, Self::Error> {
+        if !self.gives_scans {
+            return Ok(None);
+        }
+        let mut bytes = [0; SCAN_BYTES];
+        self.spi
+            .transaction(&mut [Operation::Write(&[READ | SCAN, 0]), Operation::Read(&mut bytes)])
+            .map_err(PortError::Spi)?;
+        if bytes == [0; SCAN_BYTES] {
+            return Ok(None);
+        }
+        let content = before_crc(&bytes, SCAN_BYTES - CRC_BYTES).ok_or(PortError::Damaged)?;
+        let (words, _) = content.as_chunks();
+        let (pairs, _) = content.as_chunks();
+        let sample = |index: usize| u16::from_be_bytes(pairs[2 + index]);
+        Ok(Some(NumberedScan { number: u32::from_be_bytes(words[0]), scan: [0, 1, 2, 3].map(sample) }))
+    }
 }
 
 impl<SPI: SpiDevice> PortAcquisition<SPI> {
@@ -174,7 +211,7 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
     fn scans_of(&mut self, set: &mut Set) -> Result<(), PortError<SPI::Error>> {
         let (mut head, mut crc) = ([0; HEAD_BYTES], [0; CRC_BYTES]);
         // A port has no set beyond this memory: one that says so is refused by its length or its CRC.
-        let _ = set.scans.resize_default(usize::from(self.set_length));
+        let _ = set.scans.resize_default(usize::from(self.length_of(set.number)));
         let samples = set.scans.as_flattened_mut();
         let mut burst = [
             Operation::Write(&SET_HEADER),
@@ -199,6 +236,11 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
         Ok(())
     }
 
+    /// Scans of a set by its number.
+    const fn length_of(&self, number: u32) -> u16 {
+        if number == 0 { self.first_length } else { self.set_length }
+    }
+
     /// A set's number, the sets lost up to it, and its sums, from what its head says.
     fn numbers(&self, content: &[u8]) -> Result<(u32, u32, [GroupSums; 2]), PortError<SPI::Error>> {
         let (words, _) = content.as_chunks();
@@ -206,7 +248,7 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
         let wide = |index: usize| u64::from(word(index)) << 32 | u64::from(word(index + 1));
         let [high, low, ..] = word(1).to_be_bytes();
         let length = u16::from_be_bytes([high, low]);
-        if length != self.set_length {
+        if length != self.length_of(word(0)) {
             return Err(PortError::Length { found: length });
         }
         // Four sums from word 3 on, four sums of squares from word 7 on.
@@ -226,7 +268,12 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
 
 /// The content of a head, of whose CRC all bytes or the first ones were read; `None` when they do not match.
 fn checked(head: &[u8]) -> Option<&[u8]> {
-    let (content, crc) = head.split_at_checked(HEAD_BYTES - CRC_BYTES)?;
+    before_crc(head, HEAD_BYTES - CRC_BYTES)
+}
+
+/// So many bytes, if the CRC after them matches as far as it was read.
+fn before_crc(bytes: &[u8], length: usize) -> Option<&[u8]> {
+    let (content, crc) = bytes.split_at_checked(length)?;
     CRC.checksum(content).to_be_bytes().starts_with(crc).then_some(content)
 }
 

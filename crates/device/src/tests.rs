@@ -13,7 +13,7 @@ use zerorate_core::trim::{Trim, TrimLine};
 use zerorate_core::units::{Axis, Counts, GroupNumber, Taps, TemperatureScale};
 use zerorate_core::wire::FaultCounts;
 
-use crate::acquisition::{Acquisition, Set, Timing};
+use crate::acquisition::{Acquisition, NumberedScan, Set, Timing};
 use crate::compensator::Status;
 use crate::store::{RecordStore, StoreFailed, Stored};
 use crate::trim_part::TrimPart;
@@ -25,6 +25,10 @@ pub struct Sets {
     pub missing: Rc<Cell<bool>>,
     /// Sums come, and scans do not.
     pub scans_missing: Rc<Cell<bool>>,
+    /// The scan that was taken last.
+    pub latest: Rc<Cell<Option<NumberedScan>>>,
+    /// Scans of the first set, as the last start had it.
+    pub first: Rc<Cell<u16>>,
 }
 
 impl Sets {
@@ -40,7 +44,9 @@ impl Sets {
 impl Acquisition for Sets {
     type Error = ();
 
-    fn start(&mut self, _: Timing) -> Result<(), ()> {
+    fn start(&mut self, _: Timing, first: u16) -> Result<(), ()> {
+        self.first.set(first);
+        self.latest.set(None);
         if self.missing.get() { Err(()) } else { Ok(()) }
     }
 
@@ -64,6 +70,10 @@ impl Acquisition for Sets {
         }
         set.scans = self.waiting.borrow_mut().pop_front().ok_or(())?.scans;
         Ok(())
+    }
+
+    fn latest_scan(&mut self) -> Result<Option<NumberedScan>, ()> {
+        if self.missing.get() { Err(()) } else { Ok(self.latest.get()) }
     }
 }
 
@@ -139,13 +149,18 @@ pub fn idle() -> Status {
 
 /// Eq. (1), X, on both axes.
 pub fn record(unit: &str) -> DeviceRecord {
+    record_with(unit, LowPass::NONE)
+}
+
+/// The same behind a low-pass.
+pub fn record_with(unit: &str, low_pass: LowPass) -> DeviceRecord {
     let scale = Scale::spanning(8500.0, 11_900.0).unwrap();
     let curve = Polynomial::from_raw_coefficients(scale, &[13_435.7, -0.894_782, 0.375_298e-4]).unwrap();
     let mut axis = AxisModel {
         drift: Drift { shape: Shape::Polynomial(curve), valid: ValidRange::new(8500.0, 11_900.0).unwrap() },
         trim: Trim { line: TrimLine::new(-0.032, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap(), measured: None },
         dead_band: 0.05,
-        low_pass: LowPass::NONE,
+        low_pass,
         start_up_mode: Mode::Hybrid,
         edges: None,
         history: None,

@@ -32,7 +32,7 @@ pub use fault::Fault;
 pub use flash::{Flash, FlashFault, FlashPart, HalfErased};
 pub use gyro::GyroParameters;
 pub use parameters::PlantParameters;
-pub use plant::{Plant, SharedPlant};
+pub use plant::{Plant, Scanned, SharedPlant};
 pub use potentiometer::{Potentiometer, PotentiometerParameters};
 pub use sensor::SensorParameters;
 pub use spi::{BusFault, ConverterSpi, Pins, PlantDelay, PortSpi, PotentiometerSpi};

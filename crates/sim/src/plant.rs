@@ -24,6 +24,17 @@ use crate::supply::Supply;
 use crate::thermal::Lag;
 use crate::truth::{Sums, Truth};
 
+/// What the acquisition port's next scan came to.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Scanned {
+    /// The port does not run.
+    None,
+    /// A scan was taken.
+    Scan,
+    /// The same, and a set was full with it.
+    Set(Truth),
+}
+
 /// A plant that SPI handles, a delay and a bench share.
 pub type SharedPlant = Rc<RefCell<Plant>>;
 
@@ -157,13 +168,24 @@ impl Plant {
 
     /// Lets the acquisition port scan until a set is full, and tells that set's truth; `None` if the port does not run.
     pub fn run_set(&mut self) -> Option<Truth> {
-        while self.port_scans() {
-            let truth = self.port_scan();
-            if truth.is_some() && !self.faults.lets_a_set_go_by() {
-                return truth;
+        loop {
+            match self.run_scan() {
+                Scanned::Set(truth) => return Some(truth),
+                Scanned::Scan => {}
+                Scanned::None => return None,
             }
         }
-        None
+    }
+
+    /// Lets the acquisition port take its next scan: its line scan ready rises, and data ready where a set is full.
+    pub fn run_scan(&mut self) -> Scanned {
+        if !self.port_scans() {
+            return Scanned::None;
+        }
+        match self.port_scan() {
+            Some(truth) if !self.faults.lets_a_set_go_by() => Scanned::Set(truth),
+            _ => Scanned::Scan,
+        }
     }
 
     /// Goes to the next scan when the processor drives the A/D: its four inputs are held for [`crate::ConverterSpi`] until
@@ -281,6 +303,16 @@ impl Plant {
         }
         self.faults.clear();
         self.potentiometer.wear(false);
+    }
+
+    /// What the last scan's zero-rate readings would have been without noise, flicker, random walk and the converter's steps, X
+    /// and Y: drift, wiper and turning behind the low-pass. In counts.
+    #[must_use]
+    pub fn noise_free_counts(&self) -> [f64; 2] {
+        self.channels.each_ref().map(|channel| {
+            let [.., turning] = channel.filtered_v();
+            self.converter.stepless(turning)
+        })
     }
 
     /// By how much a tap moves the settled, noise-free reading against N0, at the present temperature and input. In

@@ -1,16 +1,19 @@
-//! The acquisition port: the SPI slave of `docs/acquisition-port.md`, version 2.0, with its two banks.
+//! The acquisition port: the SPI slave of `docs/acquisition-port.md`, version 2.1, with its two banks.
 
 use crate::crc32::Crc32;
 
 /// "ZRAQ".
 const IDENTITY: u32 = 0x5A52_4151;
-const VERSION: u32 = 0x0002_0000;
+const VERSION: u32 = 0x0002_0001;
 const RUN: u32 = 1 << 0;
 const RESTART: u32 = 1 << 1;
 const READY: u32 = 1 << 0;
 const OVERRUN: u32 = 1 << 1;
 /// The burst's address.
 const SET: u8 = 0x10;
+/// The latest scan's address, and its words.
+const SCAN: u8 = 0x20;
+const SCAN_WORDS: usize = 4;
 /// Words of the burst before the samples, their CRC included.
 const HEADER_WORDS: usize = 16;
 /// Bit 7 of the first byte.
@@ -51,6 +54,8 @@ struct Transfer {
     /// Words 0 to 15 of the burst, as they were when it began; `None` when no set waited.
     header: Option<[u32; HEADER_WORDS]>,
     samples_crc: Crc32,
+    /// The latest scan as it was when its reading began.
+    scan: [u32; SCAN_WORDS],
 }
 
 /// The port.
@@ -65,6 +70,9 @@ pub(crate) struct Port {
     lost: u32,
     lost_since_release: bool,
     last_was_lost: bool,
+    /// Scans since RESTART, and the last of them.
+    scans: u32,
+    latest: Option<[u16; 4]>,
     transfer: Option<Transfer>,
     changed: bool,
 }
@@ -82,6 +90,8 @@ impl Port {
             lost: 0,
             lost_since_release: false,
             last_was_lost: false,
+            scans: 0,
+            latest: None,
             transfer: None,
             changed: false,
         }
@@ -108,6 +118,8 @@ impl Port {
 
     /// Takes a scan; the set's number if this fills it, lost or not.
     pub(crate) fn push(&mut self, scan: [u16; 4]) -> Option<u32> {
+        self.latest = Some(scan);
+        self.scans = self.scans.wrapping_add(1);
         self.filling.extend_from_slice(&scan);
         if self.filling.len() < self.active.set_length as usize * 4 {
             return None;
@@ -141,8 +153,15 @@ impl Port {
 
     /// Chip select falls.
     pub(crate) fn select(&mut self) {
-        self.transfer =
-            Some(Transfer { bits: 0, received: 0, sending: 0, head: 0, header: None, samples_crc: Crc32::new() });
+        self.transfer = Some(Transfer {
+            bits: 0,
+            received: 0,
+            sending: 0,
+            head: 0,
+            header: None,
+            samples_crc: Crc32::new(),
+            scan: [0; SCAN_WORDS],
+        });
     }
 
     /// A clock: a bit in and a bit out.
@@ -154,8 +173,10 @@ impl Port {
         transfer.bits += 1;
         if transfer.bits == ADDRESS_BITS {
             [.., transfer.head] = transfer.received.to_be_bytes();
-            if transfer.head == SET {
-                transfer.header = self.waiting.as_ref().map(|bank| header(bank, self.lost));
+            match transfer.head {
+                SET => transfer.header = self.waiting.as_ref().map(|bank| header(bank, self.lost)),
+                SCAN => transfer.scan = latest(self.scans, self.latest),
+                _ => {}
             }
         }
         if transfer.bits >= HEAD_BITS && (transfer.bits - HEAD_BITS).is_multiple_of(WORD_BITS) {
@@ -182,6 +203,7 @@ impl Port {
         let index = (transfer.bits - HEAD_BITS) / WORD_BITS;
         transfer.sending = match transfer.head {
             SET => self.burst_word(&mut transfer, index),
+            SCAN => transfer.scan.get(index).copied().unwrap_or(0),
             head if head & WRITE != 0 => 0,
             first => self.read(address_of(first, index)),
         };
@@ -220,6 +242,8 @@ impl Port {
             self.lost = 0;
             self.lost_since_release = false;
             self.last_was_lost = false;
+            self.scans = 0;
+            self.latest = None;
         }
         let run = word & RUN != 0;
         if run != self.running || word & RESTART != 0 {
@@ -283,6 +307,16 @@ fn header(bank: &Bank, lost: u32) -> [u32; HEADER_WORDS] {
     let mut crc = Crc32::new();
     words[..15].iter().for_each(|word| crc.push(&word.to_be_bytes()));
     words[15] = crc.value();
+    words
+}
+
+/// The words of the latest scan, the last of so many since RESTART; zeros before the first.
+fn latest(scans: u32, samples: Option<[u16; 4]>) -> [u32; SCAN_WORDS] {
+    let Some([a, b, c, d]) = samples.map(|samples| samples.map(u32::from)) else { return [0; SCAN_WORDS] };
+    let mut words = [scans.wrapping_sub(1), a << 16 | b, c << 16 | d, 0];
+    let mut crc = Crc32::new();
+    words[..3].iter().for_each(|word| crc.push(&word.to_be_bytes()));
+    words[3] = crc.value();
     words
 }
 

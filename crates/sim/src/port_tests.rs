@@ -63,7 +63,7 @@ fn status(port: &mut Port) -> u32 {
 
 #[test]
 fn the_registers_read_as_at_reset() {
-    assert_eq!(read(&mut Port::new(), 0, 8), [0x5A52_4151, 0x0002_0000, 0, 3000, 500, 0, 0, 0]);
+    assert_eq!(read(&mut Port::new(), 0, 8), [0x5A52_4151, 0x0002_0001, 0, 3000, 500, 0, 0, 0]);
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn settings_out_of_range_and_reserved_addresses_ignore_writes() {
     {
         write(&mut port, address, word);
     }
-    assert_eq!(read(&mut port, 0, 8), [0x5A52_4151, 0x0002_0000, 0, 3000, 500, 0, 0, 0]);
+    assert_eq!(read(&mut port, 0, 8), [0x5A52_4151, 0x0002_0001, 0, 3000, 500, 0, 0, 0]);
     write(&mut port, 0x03, 100);
     write(&mut port, 0x04, 512);
     assert_eq!(read(&mut port, 3, 2), [100, 512]);
@@ -236,6 +236,44 @@ fn with_no_set_waiting_all_words_read_0_which_is_not_their_crc() {
     assert_ne!(burst[15], crc_of_words(&burst[..15]));
     assert_eq!(scan(&mut port, 1..2), [0], "the read released nothing");
     assert!(port.data_ready());
+}
+
+#[test]
+fn the_latest_scan_is_read_again_and_again_and_neither_torn_nor_a_read_of_the_set() {
+    let mut port = running(2);
+    assert_eq!(read(&mut port, SCAN, 5), [0; 5]);
+    assert_ne!(crc_of_words(&[0; 3]), 0, "no scan cannot pass for one");
+    scan(&mut port, 0..3);
+    let third = [2, 20 << 16 | 21, 22 << 16 | 16_381];
+    for _ in 0..2 {
+        assert_eq!(read(&mut port, SCAN, 5), [&third[..], &[crc_of_words(&third), 0]].concat());
+    }
+    assert!(port.data_ready(), "the set waits on");
+    // A scan and a set become full while it is read: the one that is being read stays, and neither set is lost.
+    read(&mut port, SET, 16);
+    port.select();
+    (0..5).for_each(|_| _ = exchange(&mut port, SCAN));
+    scan(&mut port, 3..6);
+    let rest: Vec<u8> = (0..13).map(|_| exchange(&mut port, 0)).collect();
+    port.deselect();
+    let whole = [&third[..], &[crc_of_words(&third)]].concat();
+    assert_eq!(rest, whole.iter().flat_map(|word| word.to_be_bytes()).collect::<Vec<u8>>()[3..]);
+    assert_eq!(read(&mut port, SCAN, 1), [5]);
+    assert_eq!(read(&mut port, 0x1F, 3), [0; 3], "a read that runs into its address does not start it");
+}
+
+#[test]
+fn scans_are_counted_from_restart_on_whatever_becomes_of_their_sets() {
+    let mut port = running(2);
+    scan(&mut port, 0..7);
+    write(&mut port, 0x02, 0);
+    write(&mut port, 0x02, RUN);
+    scan(&mut port, 7..8);
+    assert_eq!(read(&mut port, SCAN, 1), [7], "a stop drops a set and no number");
+    write(&mut port, 0x02, RUN | RESTART);
+    assert_eq!(read(&mut port, SCAN, 4), [0; 4]);
+    scan(&mut port, 8..9);
+    assert_eq!(read(&mut port, SCAN, 2), [0, 80 << 16 | 81]);
 }
 
 #[test]

@@ -8,6 +8,7 @@ module icebreaker (
     input  logic spi_mosi,
     output logic spi_miso,
     output logic data_ready,
+    output logic scan_ready,
     output logic led_green_n,
 
     output logic adc_cnv,
@@ -66,7 +67,7 @@ module icebreaker (
 
     acquisition block (
         .clk, .rst_n,
-        .spi_sck(sck), .spi_csn, .spi_mosi, .spi_miso(miso), .data_ready,
+        .spi_sck(sck), .spi_csn, .spi_mosi, .spi_miso(miso), .data_ready, .scan_ready,
         .adc_cnv, .adc_sck, .adc_din, .adc_sdo
     );
 

@@ -1,5 +1,5 @@
 // The acquisition block: scans an AD7949, keeps whole sets in two banks of block RAM, and hands them to the processor
-// through the port of docs/acquisition-port.md, version 2.0.
+// through the port of docs/acquisition-port.md, version 2.1.
 module acquisition #(
     parameter int CLOCKS_PER_US = 24,
     parameter int ADC_HALF_CLOCKS = 2,
@@ -14,6 +14,7 @@ module acquisition #(
     input  logic spi_mosi,
     output logic spi_miso,
     output logic data_ready,
+    output logic scan_ready,
 
     output logic adc_cnv,
     output logic adc_sck,
@@ -122,10 +123,18 @@ module acquisition #(
         .read_address({!filling, sample_address}), .read_data(sample_read)
     );
 
+    // No register shares a transfer with it: its word is 0 where that is theirs.
+    logic [31:0] scan_word;
+
+    latest_scan scans(
+        .clk, .rst_n, .restart, .scan_due, .sample_in, .channel, .sample,
+        .scan_taken(scan_done && taking && !abandon), .head, .head_in, .fetch, .word(scan_word), .scan_ready
+    );
+
     logic settled;
 
     reader words(
-        .clk, .rst_n, .head_in, .fetch, .is_burst, .register_word, .transmit, .settled,
+        .clk, .rst_n, .head_in, .fetch, .is_burst, .register_word(register_word | scan_word), .transmit, .settled,
         .reading, .number, .length(waiting_length), .lost_before, .lost_at_read,
         .sum_address(sum_read_address), .sum_half(sum_read), .sample_address, .sample(sample_read)
     );

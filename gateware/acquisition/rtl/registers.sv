@@ -1,4 +1,4 @@
-// The registers of docs/acquisition-port.md but the set's burst.
+// The registers of docs/acquisition-port.md but the set's burst and the latest scan.
 module registers (
     input  logic        clk,
     input  logic        rst_n,
@@ -29,7 +29,7 @@ module registers (
     localparam logic [3:0] STATUS = 4'h5;
 
     localparam logic [31:0] ZRAQ = 32'h5A52_4151;
-    localparam logic [31:0] VERSION_2_0 = 32'h0002_0000;
+    localparam logic [31:0] VERSION_2_1 = 32'h0002_0001;
 
     logic writes_control;
     assign writes_control = write && !beyond && address == CONTROL;
@@ -58,7 +58,7 @@ module registers (
         if (!beyond) begin
             case (address)
                 IDENTITY: read = ZRAQ;
-                VERSION: read = VERSION_2_0;
+                VERSION: read = VERSION_2_1;
                 CONTROL: read = {31'd0, run};
                 SCAN_PERIOD: read = {12'd0, scan_period_us};
                 SET_LENGTH: read = {22'd0, set_length};

@@ -13,7 +13,9 @@ use zerorate_device::restart::{Kept, Reset};
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::Watchdog;
-use zerorate_sim::{ConverterSpi, Flash, FlashPart, Plant, PlantDelay, PortSpi, PotentiometerSpi, SharedPlant, Truth};
+use zerorate_sim::{
+    ConverterSpi, Flash, FlashPart, Plant, PlantDelay, PortSpi, PotentiometerSpi, Scanned, SharedPlant, Truth,
+};
 
 use crate::link::LinkError;
 use crate::setup::SetUp;
@@ -24,8 +26,19 @@ pub trait OnPlant: Acquisition + Sized {
     /// The acquisition on the plant's bus.
     fn connect(plant: &SharedPlant) -> Self;
 
+    /// Lets the plant run to the next scan that the acquisition has; one that has whole sets alone, to the next set.
+    fn run_scan(&mut self, plant: &SharedPlant) -> Scanned;
+
     /// Lets the plant run until a set is full; `None` if the acquisition stands still.
-    fn run_set(&mut self, plant: &SharedPlant) -> Option<Truth>;
+    fn run_set(&mut self, plant: &SharedPlant) -> Option<Truth> {
+        loop {
+            match self.run_scan(plant) {
+                Scanned::Set(truth) => return Some(truth),
+                Scanned::Scan => {}
+                Scanned::None => return None,
+            }
+        }
+    }
 
     /// Whether its data ready line is high. It interrupts as it rises, and where a set still waits it does not rise.
     fn data_ready(_: &SharedPlant) -> bool {
@@ -38,8 +51,8 @@ impl OnPlant for PortAcquisition<PortSpi> {
         Self::new(PortSpi::new(plant))
     }
 
-    fn run_set(&mut self, plant: &SharedPlant) -> Option<Truth> {
-        plant.borrow_mut().run_set()
+    fn run_scan(&mut self, plant: &SharedPlant) -> Scanned {
+        plant.borrow_mut().run_scan()
     }
 
     fn data_ready(plant: &SharedPlant) -> bool {
@@ -52,16 +65,17 @@ impl OnPlant for DirectAcquisition<ConverterSpi, PlantDelay> {
         Self::new(ConverterSpi::new(plant), PlantDelay::new(plant))
     }
 
-    fn run_set(&mut self, plant: &SharedPlant) -> Option<Truth> {
-        while self.is_running() {
-            plant.borrow_mut().next_scan();
-            if self.tick() == Ok(true) {
-                // The plant counts on over a start, the acquisition begins again.
-                let truth = plant.borrow_mut().take_truth()?;
-                return Some(Truth { set: self.waiting_number()?, ..truth });
-            }
+    fn run_scan(&mut self, plant: &SharedPlant) -> Scanned {
+        if !self.is_running() {
+            return Scanned::None;
         }
-        None
+        plant.borrow_mut().next_scan();
+        if self.tick() != Ok(true) {
+            return Scanned::Scan;
+        }
+        // The plant counts on over a start, the acquisition begins again.
+        let truth = plant.borrow_mut().take_truth().zip(self.waiting_number());
+        truth.map_or(Scanned::None, |(truth, set)| Scanned::Set(Truth { set, ..truth }))
     }
 }
 
@@ -136,6 +150,8 @@ pub(crate) struct NativeDevice<A> {
     tick: Tick,
     pub(super) outgoing: Vec<u8>,
     pub(super) truths: Vec<Truth>,
+    /// The frames on the second line; none where nobody listens, for a scan read alone costs more than all else in it.
+    scan_line: Option<Vec<u8>>,
 }
 
 impl<A: OnPlant> NativeDevice<A> {
@@ -155,7 +171,7 @@ impl<A: OnPlant> NativeDevice<A> {
         };
         let application = board.start(Reset::Power);
         let tick = Tick::after(board.now(), setup.group_period());
-        Self { board, application, tick, outgoing: Vec::new(), truths: Vec::new() }
+        Self { board, application, tick, outgoing: Vec::new(), truths: Vec::new(), scan_line: None }
     }
 
     pub(crate) const fn plant(&self) -> &SharedPlant {
@@ -166,6 +182,13 @@ impl<A: OnPlant> NativeDevice<A> {
     pub(crate) fn said(&mut self) -> Vec<u8> {
         self.truths.clear();
         core::mem::take(&mut self.outgoing)
+    }
+
+    /// What has gone out on the second line since the last call, scan by scan, if there is a listener.
+    pub(crate) fn scans_said(&mut self, listens: bool) -> Vec<u8> {
+        let said = self.scan_line.take().unwrap_or_default();
+        self.scan_line = listens.then(Vec::new);
+        said
     }
 
     pub(crate) fn group_period(&self) -> Seconds {
@@ -201,9 +224,8 @@ impl<A: OnPlant> NativeDevice<A> {
     pub(crate) fn run_set(&mut self) -> Result<(), LinkError> {
         self.tick();
         let was_ready = A::data_ready(&self.board.plant);
-        let compensator = &mut self.application.compensator;
-        let Some(truth) = compensator.acquisition().run_set(&self.board.plant) else {
-            if compensator.status().running {
+        let Some(truth) = self.until_set_is_full() else {
+            if self.application.compensator.status().running {
                 // Sets should come and do not: time passes all the same.
                 self.plant().borrow_mut().wait(self.group_period());
                 self.tick();
@@ -212,10 +234,28 @@ impl<A: OnPlant> NativeDevice<A> {
         };
         self.truths.push(truth);
         if !was_ready {
-            compensator.service();
+            self.application.compensator.service();
             self.hear(&[]);
         }
         Ok(())
+    }
+
+    fn until_set_is_full(&mut self) -> Option<Truth> {
+        let compensator = &mut self.application.compensator;
+        let Some(line) = &mut self.scan_line else {
+            return compensator.acquisition().run_set(&self.board.plant);
+        };
+        loop {
+            let scanned = compensator.acquisition().run_scan(&self.board.plant);
+            if let Some(frame) = compensator.scan().and_then(|report| report.frame().ok()) {
+                line.extend(frame);
+            }
+            match scanned {
+                Scanned::Set(truth) => return Some(truth),
+                Scanned::Scan => {}
+                Scanned::None => return None,
+            }
+        }
     }
 
     /// Lets time pass with the acquisition standing still and nobody speaking: the board has its tick alone.

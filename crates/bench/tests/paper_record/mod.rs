@@ -18,7 +18,7 @@ pub fn model(valid: [f64; 2], measured: Option<TapEffects>, dead_band: f64) -> A
         drift: Drift { shape: Shape::Polynomial(curve), valid: ValidRange::new(valid[0], valid[1]).unwrap() },
         trim: Trim { line: TrimLine::new(-0.032, 0.0, Counts(8200.0), Taps::MIDDLE).unwrap(), measured },
         dead_band,
-        low_pass: LowPass::NONE,
+        low_pass: LowPass::first_order(40.0, 0.003, 0.0001),
         start_up_mode: Mode::Hybrid,
         edges: None,
         history: None,

@@ -6,6 +6,7 @@ use super::interval::Interval;
 use super::mode::Mode;
 use super::numbers::LowPassNumbers;
 use super::q16::Q16;
+use super::sample::{SampleCorrection, corrected};
 use super::settling::Settling;
 use crate::drift::{Coverage, Knowledge};
 use crate::group::GroupSums;
@@ -131,14 +132,27 @@ impl AxisCompensation {
     /// the last closed group, and the wiper as far as it has settled. The plain sample in the modes that do not
     /// correct, and before the first group has closed.
     pub fn sample(&mut self, zro: u16) -> Q16 {
-        let effect = self.settling.next_sample().0;
-        self.effect_sum += i64::from(effect);
-        // A reading of 15 bits fits; past the form's end it is held there, as every sum here.
-        let reading = i32::try_from(i64::from(zro) << 16).unwrap_or(i32::MAX);
-        match self.drift_from_centre {
-            Some(drift) if self.mode.corrects() => Q16(reading.saturating_sub(drift).saturating_sub(effect)),
-            _ => Q16(reading),
-        }
+        let effect = self.settling.next_sample();
+        self.effect_sum += i64::from(effect.0);
+        corrected(zro, self.drift_in_force(), effect)
+    }
+
+    /// What corrects the samples from here on one by one, beside the group that they add up to: the same bits as
+    /// [`sample`](Self::sample).
+    #[must_use]
+    pub fn sample_correction(&self) -> SampleCorrection {
+        SampleCorrection::new(self.settling, self.drift_in_force())
+    }
+
+    /// Whether a temperature has been taken in, so that the law is in force.
+    #[must_use]
+    pub const fn has_begun(&self) -> bool {
+        self.drift_from_centre.is_some()
+    }
+
+    /// What is subtracted but for the wiper's part; none in the modes that do not correct, and before the first group.
+    fn drift_in_force(&self) -> Option<i32> {
+        self.drift_from_centre.filter(|_| self.mode.corrects())
     }
 
     /// Passes over samples of the group that is being filled whose readings are not looked at one by one.

@@ -33,6 +33,11 @@ impl Settling {
         self.settled = effect.0;
     }
 
+    /// What is still missing of it at the next sample, in steps of [`Q16`].
+    pub(super) const fn missing(&self) -> i32 {
+        self.missing
+    }
+
     /// The effect at the next sample.
     pub(super) fn next_sample(&mut self) -> Q16 {
         let now = Q16(self.settled.saturating_add(self.missing));

@@ -9,11 +9,11 @@ use serde::de::DeserializeOwned;
 
 use crate::checksum::CRC_32;
 
+/// Bytes of a frame's CRC.
+pub(super) const CRC_BYTES: usize = 4;
+
 /// More bytes than any frame takes on the wire, its zero included.
 const MAX_FRAME: usize = 512;
-
-/// What fits before COBS adds its byte in 254 and the zero ends the frame.
-const MAX_PAYLOAD: usize = MAX_FRAME - MAX_FRAME / 254 - 2;
 
 /// Why a frame was not made, or not read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,13 +31,23 @@ pub enum FrameError {
 /// # Errors
 /// [`FrameError::TooLong`].
 pub fn encode(message: &impl Serialize) -> Result<Vec<u8, MAX_FRAME>, FrameError> {
-    let mut payload = [0; MAX_PAYLOAD];
-    let length = postcard::to_slice(message, &mut payload[..MAX_PAYLOAD - 4]).map_err(|_| FrameError::TooLong)?.len();
+    encode_within(message)
+}
+
+/// A message that takes no more than `N` bytes on the wire.
+///
+/// # Errors
+/// [`FrameError::TooLong`].
+pub(super) fn encode_within<const N: usize>(message: &impl Serialize) -> Result<Vec<u8, N>, FrameError> {
+    let mut payload = [0; N];
+    // What fits before COBS adds its byte in 254 and the zero ends the frame.
+    let most = N - N / 254 - 2;
+    let length = postcard::to_slice(message, &mut payload[..most - CRC_BYTES]).map_err(|_| FrameError::TooLong)?.len();
     let crc = CRC_32.checksum(&payload[..length]).to_le_bytes();
-    payload[length..length + 4].copy_from_slice(&crc);
+    payload[length..length + CRC_BYTES].copy_from_slice(&crc);
     let mut frame = Vec::new();
-    frame.resize_default(MAX_FRAME).map_err(|_| FrameError::TooLong)?;
-    let stuffed = cobs::try_encode(&payload[..length + 4], &mut frame).map_err(|_| FrameError::TooLong)?;
+    frame.resize_default(N).map_err(|_| FrameError::TooLong)?;
+    let stuffed = cobs::try_encode(&payload[..length + CRC_BYTES], &mut frame).map_err(|_| FrameError::TooLong)?;
     frame.truncate(stuffed);
     frame.push(0).map_err(|_| FrameError::TooLong)?;
     Ok(frame)
@@ -47,7 +57,7 @@ pub fn encode(message: &impl Serialize) -> Result<Vec<u8, MAX_FRAME>, FrameError
 fn decode<T: DeserializeOwned>(stuffed: &mut [u8]) -> Result<(T, u32), FrameError> {
     let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Damaged)?;
     let payload = stuffed.get(..length).ok_or(FrameError::Damaged)?;
-    let (content, crc) = payload.split_last_chunk::<4>().ok_or(FrameError::Damaged)?;
+    let (content, crc) = payload.split_last_chunk::<CRC_BYTES>().ok_or(FrameError::Damaged)?;
     if CRC_32.checksum(content).to_le_bytes() != *crc {
         return Err(FrameError::Damaged);
     }

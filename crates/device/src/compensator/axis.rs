@@ -1,10 +1,10 @@
 //! One axis at work: its law, and what is known of its temperature and its wiper.
 
-use zerorate_core::compensate::{AxisCompensation, AxisLaw, Mode};
-use zerorate_core::drift::Coverage;
+use zerorate_core::compensate::{AxisCompensation, AxisLaw, GroupOutcome, Mode};
+use zerorate_core::drift::{Coverage, Knowledge};
 use zerorate_core::group::GroupSums;
 use zerorate_core::units::{Axis, Taps, TemperatureCode};
-use zerorate_core::wire::{AxisReport, FaultCounts, Refusal};
+use zerorate_core::wire::{AxisReport, FaultCounts, Refusal, ScanFlags, TemperatureCheck};
 
 use super::temperature::{self, TemperatureWatch};
 use crate::acquisition::{FULL_SCALE, Timing};
@@ -18,13 +18,22 @@ pub(super) struct AxisAtWork {
     pub(super) temperature: TemperatureWatch,
     /// The wiper stands where the part's own memory has it, and is left there.
     recalled: bool,
+    /// What the last group said of the temperature that corrects the samples after it.
+    of_group: ScanFlags,
 }
 
 impl AxisAtWork {
     /// An axis without a law, its wiper left where it stands.
     pub(super) fn new(axis: Axis, tap: Taps) -> Self {
         let state = AxisCompensation::new(None, tap);
-        Self { axis, law: None, state, temperature: TemperatureWatch::default(), recalled: false }
+        Self {
+            axis,
+            law: None,
+            state,
+            temperature: TemperatureWatch::default(),
+            recalled: false,
+            of_group: ScanFlags::default(),
+        }
     }
 
     /// Takes a law into use, keeping mode and tap.
@@ -68,6 +77,13 @@ impl AxisAtWork {
         self.recalled = true;
     }
 
+    /// What is to be thought of a sample, but for what the sample itself says.
+    pub(super) fn flags(&self) -> ScanFlags {
+        let mode = self.state.mode();
+        let at_work = mode != Mode::Off && self.law.is_some() && self.state.has_begun();
+        ScanFlags::of(mode).with(ScanFlags::AT_WORK, at_work).and(self.of_group)
+    }
+
     /// Groups of so many samples were lost: their time passes all the same.
     pub(super) fn lose(&mut self, groups: u32, n: u32) {
         self.state.skip_lost(groups.saturating_mul(n));
@@ -92,6 +108,7 @@ impl AxisAtWork {
         // dip of the analogue supply, which puts it back to its tap of power-up. A write that fails leaves the shadow as it
         // was; the law asks again with the next group.
         let written = if self.recalled { Ok(()) } else { self.write(part, outcome.move_to.unwrap_or(tap), faults) };
+        self.of_group = of_group(temperature, &outcome);
         let saturated = sums.is_saturated(FULL_SCALE);
         temperature::count(temperature, faults);
         faults.saturated += u32::from(saturated);
@@ -108,4 +125,11 @@ impl AxisAtWork {
             trim_failed: written.is_err(),
         }
     }
+}
+
+fn of_group(temperature: TemperatureCheck, outcome: &GroupOutcome) -> ScanFlags {
+    ScanFlags::default()
+        .with(ScanFlags::HELD, temperature != TemperatureCheck::Believed)
+        .with(ScanFlags::OUTSIDE, matches!(outcome.coverage, Coverage::Below | Coverage::Above))
+        .with(ScanFlags::UNCERTAIN, outcome.knowledge == Knowledge::Uncertain)
 }

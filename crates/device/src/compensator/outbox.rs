@@ -1,7 +1,7 @@
 //! What the compensator has to say, in the order in which it came to be, until the task below fetches it.
 
 use heapless::Deque;
-use zerorate_core::compensate::AxisCompensation;
+use zerorate_core::compensate::SampleCorrection;
 use zerorate_core::wire::{GroupReport, SampleWindow};
 
 use super::report::{Outcome, Report};
@@ -62,7 +62,7 @@ impl Outbox {
     }
 
     /// A group of so many scans whose samples go out before it. `before` it the axes were such.
-    pub(super) fn group_and_samples(&mut self, report: GroupReport, before: [AxisCompensation; 2], scans: usize) {
+    pub(super) fn group_and_samples(&mut self, report: GroupReport, before: [SampleCorrection; 2], scans: usize) {
         self.stream = Some(Stream::new(report, before, &self.window, scans));
     }
 

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use zerorate_core::compensate::AxisCompensation;
+use zerorate_core::compensate::SampleCorrection;
 use zerorate_core::units::Axis;
 use zerorate_core::wire::{GroupReport, SAMPLES_PER_BLOCK, Sample, SampleBlock, SampleWindow};
 
@@ -14,15 +14,15 @@ const BLOCK: u16 = SAMPLES_PER_BLOCK as u16;
 /// A closed group whose samples are being reported. Its own report follows the last of them.
 pub(super) struct Stream {
     pub(super) report: GroupReport,
-    /// The axes as they were before the next of their samples, and how many have passed.
-    axes: [(AxisCompensation, u16); 2],
+    /// What corrects the next of their samples, and how many have passed.
+    axes: [(SampleCorrection, u16); 2],
     /// The samples that are still to come.
     runs: [(Axis, Range<u16>); 4],
 }
 
 impl Stream {
     /// The samples that are asked for of a group of so many scans. `axes` are as they were before the first of them.
-    pub(super) fn new(report: GroupReport, axes: [AxisCompensation; 2], window: &SampleWindow, scans: usize) -> Self {
+    pub(super) fn new(report: GroupReport, axes: [SampleCorrection; 2], window: &SampleWindow, scans: usize) -> Self {
         let n = u16::try_from(scans).unwrap_or(u16::MAX);
         let [(x, x_last), (y, y_last)] = Axis::BOTH.map(|axis| window.of(axis, n));
         let runs = [(Axis::X, 0..x), (Axis::X, x_last..n), (Axis::Y, 0..y), (Axis::Y, y_last..n)];
@@ -34,13 +34,13 @@ impl Stream {
         let (axis, run) = self.runs.iter_mut().find(|(_, run)| !run.is_empty())?;
         let index = run.start;
         run.start = run.end.min(index.saturating_add(BLOCK));
-        let (state, passed) = &mut self.axes[axis.index()];
-        state.skip_samples(u32::from(index - *passed));
+        let (correction, passed) = &mut self.axes[axis.index()];
+        correction.skip(u32::from(index - *passed));
         *passed = run.start;
         let scans = scans.get(usize::from(index)..usize::from(run.start))?;
         let samples = scans.iter().map(|scan| {
             let (temperature, zro) = axis_samples(scan, *axis);
-            Sample { temperature, zro, corrected_q16: state.sample(zro).0 }
+            Sample { temperature, zro, corrected_q16: correction.correct(zro).0 }
         });
         Some(SampleBlock { group: self.report.group, axis: *axis, index, samples: samples.collect() })
     }

@@ -1,10 +1,13 @@
 use std::vec;
 use std::vec::Vec;
 
+use zerorate_core::compensate::LowPass;
 use zerorate_core::wire::SampleWindow;
 
 use super::*;
-use crate::tests::{Part, Sets, record};
+use crate::tests::{Part, Sets, record, record_with};
+
+mod scans;
 
 /// A compensator with its parts.
 struct Rig {
@@ -15,8 +18,13 @@ struct Rig {
 
 impl Rig {
     fn calibrated() -> Self {
+        Self::with(LowPass::NONE)
+    }
+
+    /// One whose record knows a low-pass.
+    fn with(low_pass: LowPass) -> Self {
         let mut rig = Self::blank();
-        let record = record("u");
+        let record = record_with("u", low_pass);
         rig.compensator.install(Axis::BOTH.map(|axis| record.axis(axis).law().unwrap()));
         rig
     }

@@ -62,8 +62,12 @@ fn set_read(head: Vec<u8>, scans: Vec<u8>) -> Vec<Transaction<u8>> {
 const SCANS: [[u16; 4]; 2] = [[8500, 8541, 8501, 8763], [8502, 16_383, 8499, 0]];
 
 fn started() -> Vec<Transaction<u8>> {
+    started_at(0x0002_0001)
+}
+
+fn started_at(version: u32) -> Vec<Transaction<u8>> {
     let mut expected = word_read(0x00, 0x5A52_4151);
-    expected.extend(word_read(0x01, 0x0002_0000));
+    expected.extend(word_read(0x01, version));
     expected.extend(word_write(0x02, 0));
     expected.extend(word_write(0x03, 3000));
     expected.extend(word_read(0x03, 3000));
@@ -75,11 +79,15 @@ fn started() -> Vec<Transaction<u8>> {
 }
 
 fn run(reads: Vec<Transaction<u8>>, act: impl FnOnce(&mut PortAcquisition<&mut Mock<u8>>)) {
-    let mut expected = started();
+    run_at(0x0002_0001, reads, act);
+}
+
+fn run_at(version: u32, reads: Vec<Transaction<u8>>, act: impl FnOnce(&mut PortAcquisition<&mut Mock<u8>>)) {
+    let mut expected = started_at(version);
     expected.extend(reads);
     let mut spi = Mock::new(&expected);
     let mut port = PortAcquisition::new(&mut spi);
-    port.start(Timing { scan_period_us: 3000, set_length: 2 }).unwrap();
+    port.start(Timing { scan_period_us: 3000, set_length: 2 }, 2).unwrap();
     act(&mut port);
     spi.done();
 }
@@ -148,10 +156,69 @@ fn scans_that_are_damaged_or_another_sets_are_none() {
     });
 }
 
+fn scan_read(bytes: Vec<u8>) -> Vec<Transaction<u8>> {
+    vec![
+        Transaction::transaction_start(),
+        Transaction::write_vec(vec![0x20, 0]),
+        Transaction::read_vec(bytes),
+        Transaction::transaction_end(),
+    ]
+}
+
+#[test]
+fn the_latest_scan_is_read_alone_and_none_and_a_damaged_one_are_told_apart() {
+    let number = 70_000_u32;
+    let bytes =
+        with_crc([number.to_be_bytes().to_vec(), SCANS[1].iter().flat_map(|s| s.to_be_bytes()).collect()].concat());
+    let mut damaged = bytes.clone();
+    damaged[6] ^= 0x10;
+    let reads = [vec![0; 16], damaged, bytes].map(scan_read).concat();
+    run(reads, |port| {
+        assert_eq!(port.latest_scan(), Ok(None), "none since the start");
+        assert_eq!(port.latest_scan(), Err(PortError::Damaged));
+        assert_eq!(port.latest_scan(), Ok(Some(NumberedScan { number, scan: SCANS[1] })));
+    });
+}
+
+#[test]
+fn a_port_of_version_2_0_gives_its_sets_and_is_not_asked_for_scans() {
+    let (head, _) = burst(41, &SCANS);
+    run_at(0x0002_0000, [word_read(0x05, 1), set_read(head, vec![])].concat(), |port| {
+        assert_eq!(port.latest_scan(), Ok(None));
+        assert_eq!(port.read_set(&mut Set::default(), false), Ok(true));
+    });
+}
+
+#[test]
+fn the_first_set_may_be_shorter_and_each_is_read_by_its_own_length() {
+    let mut expected = started();
+    // SET_LENGTH of the first set, before the start; the others' after it.
+    let set_length = 4 + 4 + 3 + 3 + 4;
+    expected.splice(set_length..set_length + 3 + 4, [word_write(0x04, 1), word_read(0x04, 1)].concat());
+    expected.extend([word_write(0x04, 2), word_read(0x04, 2)].concat());
+    let sets = [burst(0, &SCANS[..1]), burst(1, &SCANS)];
+    for (head, samples) in sets.clone() {
+        expected.extend([word_read(0x05, 1), set_read(head[..63].to_vec(), vec![]), set_read(head, samples)].concat());
+    }
+    // A set 1 as short as set 0 is none.
+    expected.extend([word_read(0x05, 1), set_read(burst(1, &SCANS[..1]).0, vec![])].concat());
+    let mut spi = Mock::new(&expected);
+    let mut port = PortAcquisition::new(&mut spi);
+    port.start(Timing { scan_period_us: 3000, set_length: 2 }, 1).unwrap();
+    let mut set = Set::default();
+    for scans in [&SCANS[..1], &SCANS] {
+        assert_eq!(port.read_set(&mut set, true), Ok(true));
+        port.read_scans(&mut set).unwrap();
+        assert_eq!(set.scans.as_slice(), scans);
+    }
+    assert_eq!(port.read_set(&mut set, false), Err(PortError::Length { found: 1 }));
+    spi.done();
+}
+
 #[test]
 fn something_else_on_the_bus_is_named() {
     let mut spi = Mock::new(&word_read(0x00, 0xFFFF_FFFF));
-    let error = PortAcquisition::new(&mut spi).start(Timing::PAPER).unwrap_err();
+    let error = PortAcquisition::new(&mut spi).start(Timing::PAPER, 500).unwrap_err();
     assert_eq!(error, PortError::NotAPort { identity: 0xFFFF_FFFF });
     spi.done();
 }
@@ -162,7 +229,7 @@ fn a_port_of_another_major_version_is_named_and_nothing_is_written_to_it() {
         let mut expected = word_read(0x00, 0x5A52_4151);
         expected.extend(word_read(0x01, version));
         let mut spi = Mock::new(&expected);
-        let error = PortAcquisition::new(&mut spi).start(Timing::PAPER).unwrap_err();
+        let error = PortAcquisition::new(&mut spi).start(Timing::PAPER, 500).unwrap_err();
         assert_eq!(error, PortError::UnknownVersion { version });
         spi.done();
     }
@@ -191,7 +258,7 @@ fn a_start_that_the_port_has_not_taken_is_named() {
     expected.truncate(expected.len() - 4);
     expected.extend(word_read(0x02, 0));
     let mut spi = Mock::new(&expected);
-    let error = PortAcquisition::new(&mut spi).start(Timing { scan_period_us: 3000, set_length: 2 }).unwrap_err();
+    let error = PortAcquisition::new(&mut spi).start(Timing { scan_period_us: 3000, set_length: 2 }, 2).unwrap_err();
     assert_eq!(error, PortError::NotTaken { address: 2, found: 0 });
     spi.done();
 }
@@ -203,7 +270,7 @@ fn a_setting_that_the_port_has_not_taken_is_named_and_nothing_is_started() {
     expected.truncate(4 + 4 + 3 + 3);
     expected.extend(word_read(0x03, 3001));
     let mut spi = Mock::new(&expected);
-    let error = PortAcquisition::new(&mut spi).start(Timing { scan_period_us: 3000, set_length: 2 }).unwrap_err();
+    let error = PortAcquisition::new(&mut spi).start(Timing { scan_period_us: 3000, set_length: 2 }, 2).unwrap_err();
     assert_eq!(error, PortError::NotTaken { address: 3, found: 3001 });
     spi.done();
 }

@@ -46,5 +46,5 @@ extern "C" uint32_t JOIN(NAME, _eval)(void* handle, uint32_t pins) {
     gateware_assertion_failed = false;
     model.eval();
     return model.spi_miso | model.data_ready << 1 | model.adc_cnv << 2 | model.adc_sck << 3 | model.adc_din << 4
-        | (gateware_assertion_failed ? 1u << 31 : 0);
+        | model.scan_ready << 5 | (gateware_assertion_failed ? 1u << 31 : 0);
 }

@@ -55,6 +55,7 @@ pub struct Bench {
     frames: Vec<Frame>,
     scans: Vec<Scan>,
     scans_count_from_ps: Ps,
+    scan_ready_rises: u32,
 }
 
 impl Bench {
@@ -93,6 +94,7 @@ impl Bench {
             frames: Vec::new(),
             scans: Vec::new(),
             scans_count_from_ps: 0,
+            scan_ready_rises: 0,
         };
         bench.pass(10 * 2 * HALF_CLOCK_PS);
         bench.driven.rst_n = true;
@@ -168,6 +170,18 @@ impl Bench {
         self.outputs.data_ready
     }
 
+    /// The scan ready line.
+    #[must_use]
+    pub fn scan_ready(&self) -> bool {
+        self.outputs.scan_ready
+    }
+
+    /// How often it has risen since the last [`Self::count_scans`].
+    #[must_use]
+    pub fn scan_ready_rises(&self) -> u32 {
+        self.scan_ready_rises
+    }
+
     /// The scans that the A/D has delivered, those that began before the last [`Self::count_scans`] left out.
     #[must_use]
     pub fn scans(&self) -> &[Scan] {
@@ -177,6 +191,7 @@ impl Bench {
     /// Forgets the scans so far, the one under way included.
     pub fn count_scans(&mut self) {
         self.scans.clear();
+        self.scan_ready_rises = 0;
         self.scans_count_from_ps = self.now_ps;
     }
 
@@ -211,6 +226,7 @@ impl Bench {
                 self.note(frame);
             }
         }
+        self.scan_ready_rises += u32::from(outputs.scan_ready && !self.outputs.scan_ready);
         self.outputs = outputs;
     }
 

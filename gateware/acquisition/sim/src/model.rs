@@ -51,6 +51,7 @@ pub struct Outputs {
     pub adc_cnv: bool,
     pub adc_sck: bool,
     pub adc_din: bool,
+    pub scan_ready: bool,
 }
 
 const ASSERTION_FAILED: u32 = 1 << 31;
@@ -107,7 +108,14 @@ impl Model {
         };
         assert!(word & ASSERTION_FAILED == 0, "an assertion of the RTL failed, see what Verilator printed");
         let pin = |place: u32| word >> place & 1 == 1;
-        Outputs { spi_miso: pin(0), data_ready: pin(1), adc_cnv: pin(2), adc_sck: pin(3), adc_din: pin(4) }
+        Outputs {
+            spi_miso: pin(0),
+            data_ready: pin(1),
+            adc_cnv: pin(2),
+            adc_sck: pin(3),
+            adc_din: pin(4),
+            scan_ready: pin(5),
+        }
     }
 }
 

@@ -9,7 +9,7 @@ const SCAN_PERIOD: u8 = 0x03;
 const SET_LENGTH: u8 = 0x04;
 const STATUS: u8 = 0x05;
 const SET: u8 = 0x10;
-const AT_RESET: [u32; 8] = [0x5A52_4151, 0x0002_0000, 0, 3000, 500, 0, 0, 0];
+const AT_RESET: [u32; 8] = [0x5A52_4151, 0x0002_0001, 0, 3000, 500, 0, 0, 0];
 const READY: u32 = 1;
 const OVERRUN: u32 = 2;
 /// A set of a few scans is there in less, microseconds.

@@ -44,7 +44,7 @@ impl Direct {
 
     /// The set that it makes of these scans.
     fn set(&mut self, timing: device::Timing, scans: &[[u16; 4]]) -> Set {
-        self.acquisition.start(timing).unwrap();
+        self.acquisition.start(timing, timing.set_length).unwrap();
         for (index, scan) in scans.iter().enumerate() {
             self.held.set(*scan);
             assert_eq!(self.acquisition.tick(), Ok(index + 1 == scans.len()));
@@ -63,7 +63,7 @@ fn start(master: &mut Master, board: &RefCell<Port>, timing: device::Timing) {
     // A stop is taken within six of the block's clocks of chip select's rise: a scan that begins before is none of these.
     board.borrow_mut().bench.pass(250_000);
     board.borrow_mut().bench.count_scans();
-    master.start(timing).unwrap();
+    master.start(timing, timing.set_length).unwrap();
 }
 
 /// Reads the set that waits; `false` where another waits by the time that its scans are read.

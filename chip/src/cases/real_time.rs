@@ -1,0 +1,181 @@
+//! The second line: every scan, corrected, while the next one is being awaited.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, ensure};
+use zerorate_core::compensate::Mode;
+use zerorate_core::units::{Axis, Celsius};
+use zerorate_core::wire::{Request, SampleWindow, ScanFlags, ScanReport};
+
+use super::same_bits::{plant, start_of_port};
+use super::select::registers;
+use super::{Given, wipers};
+use crate::bench::Bench;
+use crate::chip::board::Cut;
+use crate::chip::time::{MILLISECOND, SECOND, Ticks, milliseconds};
+use crate::native;
+
+/// From scan to scan.
+const SAMPLE_PERIOD: Ticks = 3 * MILLISECOND;
+/// A frame whose scan has come is there by then, or never.
+const PATIENCE: Ticks = 10 * MILLISECOND;
+/// So long is listened on this machine's clock, an hour of the board's at most.
+const LISTENED: Duration = Duration::from_secs(60);
+const HOUR: u32 = 1_200_000;
+/// Fewer scans say nothing: a minute of them.
+const LEAST: u32 = 20_000;
+
+/// A board with a record whose power has just come, its second line listened to.
+fn listened_to(given: &Given) -> Result<Bench> {
+    let mut bench = given.calibrated()?;
+    bench.machine.chip().board.scan_ready_connected = true;
+    Ok(bench)
+}
+
+/// The next frame.
+fn next(bench: &mut Bench) -> Result<(ScanReport, Ticks)> {
+    let until = bench.now() + SECOND;
+    bench.scan(until)?.context("no frame within a second")
+}
+
+/// Those that have come are passed over.
+fn pass_over(bench: &mut Bench) -> Result<()> {
+    let now = bench.now();
+    while bench.scan(now)?.is_some() {}
+    Ok(())
+}
+
+/// From the scan to the last byte of its frame.
+fn latency(bench: &mut Bench, report: &ScanReport, at: Ticks) -> Result<Ticks> {
+    let scan = bench.machine.chip().board.scanned.get(report.scan as usize).context("no such scan")?;
+    Ok(at - scan.0)
+}
+
+/// From power to the first frame that the law is in force for, with no host; the wipers beside it.
+pub fn power_up(given: &Given) -> Result<String> {
+    const LIMIT: Ticks = 1500 * MILLISECOND;
+    let mut bench = listened_to(given)?;
+    let (first, at) = loop {
+        let (report, at) = next(&mut bench)?;
+        if report.axes.iter().all(|axis| axis.flags.has(ScanFlags::AT_WORK)) {
+            break (report, at);
+        }
+    };
+    ensure!(at <= LIMIT, "{:.1} ms", milliseconds(at));
+    ensure!(wipers(&bench) != [511; 2], "the wipers stand in the middle");
+    // Counts from the centre, by the plant's own truth of the drift that is left.
+    let settled = loop {
+        let (report, at) = next(&mut bench)?;
+        if report.axes.iter().all(|axis| !axis.flags.has(ScanFlags::SETTLING)) {
+            break at;
+        }
+    };
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "the first corrected frame, of scan {}, {:.2} ms after power; the wipers settled to a count {:.1} ms after power",
+        first.scan,
+        milliseconds(at),
+        milliseconds(settled)
+    ))
+}
+
+/// Every scan of a board alone on a ramp: there within a sample period, and the native board's to the bit.
+pub fn every_scan(given: &Given) -> Result<String> {
+    let mut bench = Bench::new(&given.image, plant()?, Some(&given.records))?;
+    bench.machine.chip().board.scan_ready_connected = true;
+    let started_ns = start_of_port(&mut bench)?;
+    let native_plant = plant()?.share();
+    native_plant.borrow_mut().pass_until_ns(started_ns);
+    let mut native = native::at_work(&native_plant, &given.record)?;
+
+    let (began, from) = (Instant::now(), bench.now());
+    let (mut scans, mut longest, mut settling) = (0_u32, 0, 0_u32);
+    while scans < HOUR && (scans < LEAST || began.elapsed() < LISTENED) {
+        let (report, at) = next(&mut bench)?;
+        let expected = native.scan()?;
+        ensure!(report == expected, "image {report:?}\n    native {expected:?}");
+        ensure!(report.scan == scans, "scan {} where {scans} comes next", report.scan);
+        longest = longest.max(latency(&mut bench, &report, at)?);
+        settling += u32::from(report.axes.iter().any(|axis| axis.flags.has(ScanFlags::SETTLING)));
+        scans += 1;
+    }
+    ensure!(longest <= SAMPLE_PERIOD, "{:.2} ms", milliseconds(longest));
+    ensure!(settling > 0, "no wiper moved");
+    let virtual_s = milliseconds(bench.now() - from) / 1e3;
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "{scans} scans in {virtual_s:.0} s, none lost, each the native board's bit for bit; from a scan to the last byte of its \
+         frame {:.2} ms at most; {settling} while a wiper was on its way",
+        milliseconds(longest)
+    ))
+}
+
+/// The wipers with each scan read beside them, and how many scans are missed where their samples are streamed.
+pub fn beside_the_groups(given: &Given) -> Result<String> {
+    const GROUPS: u64 = 20;
+    let mut bench = listened_to(given)?;
+    bench.plant.borrow_mut().chamber_set_point(Celsius(60.0))?;
+    bench.pass(2 * SECOND)?;
+    bench.machine.chip().board.written_after.clear();
+    bench.pass(GROUPS * 3 * SECOND / 2)?;
+    let written = bench.machine.chip().board.written_after.iter().copied().max().unwrap_or(0);
+    ensure!(written > 0 && written <= SAMPLE_PERIOD, "{:.2} ms", milliseconds(written));
+    bench.order(Request::SetStream { groups: true, samples: SampleWindow { axes: [true; 2], first: 25, last: 0 } })?;
+    bench.pass(2 * SECOND)?;
+    pass_over(&mut bench)?;
+    let until = bench.now() + GROUPS * 3 * SECOND / 2;
+    let (mut last, mut missed) = (None, 0);
+    while let Some((report, _)) = bench.scan(until)? {
+        missed += last.map_or(0, |last| report.scan - last - 1);
+        last = Some(report.scan);
+    }
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "wipers written {:.2} ms after the last scan at most; while samples are streamed {missed} scans are missed in {GROUPS} \
+         groups",
+        milliseconds(written)
+    ))
+}
+
+/// Chip select cut at any bit of a scan's reading: no frame says what the A/D did not.
+pub fn cut(given: &Given) -> Result<String> {
+    const CUTS: u32 = 1000;
+    /// What a scan's reading clocks.
+    const READING: u64 = 8 * 18;
+    let mut bench = listened_to(given)?;
+    bench.pass(20 * MILLISECOND)?;
+    for axis in Axis::BOTH {
+        bench.order(Request::SetMode { axis, mode: Mode::Off })?;
+    }
+    bench.pass(2 * SECOND)?;
+    pass_over(&mut bench)?;
+    let expected = registers(&bench.plant)?;
+    let (mut state, mut last, mut missed, mut frames) = (0x5CA7_u64, None, 0, 0_u32);
+    while bench.machine.chip().board.cuts < CUTS {
+        let board = &mut bench.machine.chip().board;
+        if board.cut.is_none_or(|cut| cut.after == 0) {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            let after = 1 + u32::try_from(state % READING)?;
+            board.cut =
+                Some(Cut { after, lasts: (state >> 40 & 1 == 1).then_some(1 + u32::try_from(state >> 41 & 63)?) });
+        }
+        let (report, _) = next(&mut bench)?;
+        let taken = bench.machine.chip().board.scanned[report.scan as usize].1;
+        let said = report.axes.map(|axis| axis.corrected_q16);
+        ensure!(said == [taken[1], taken[3]].map(|zro| i32::from(zro) << 16), "{report:?} is not {taken:?}");
+        missed += last.map_or(0, |last| report.scan - last - 1);
+        (last, frames) = (Some(report.scan), frames + 1);
+    }
+    ensure!(registers(&bench.plant)? == expected, "a register was changed");
+    let faults = bench.faults()?;
+    ensure!(faults.lost_sets == 0 && faults.restarts == 0, "{faults:?}");
+    bench.pass(PATIENCE)?;
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "{CUTS} cuts in {frames} scans: each frame is what the A/D gave, {missed} scans missed, {} reads failed, registers as \
+         written, no group lost",
+        faults.acquisition_errors
+    ))
+}
