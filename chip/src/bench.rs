@@ -234,10 +234,13 @@ impl Bench {
     pub fn scan(&mut self, until: Ticks) -> Result<Option<(ScanReport, Ticks)>> {
         while self.machine.run(until, |machine| !machine.chip().scan_line.heard.is_empty())? {
             let line = &mut self.machine.chip().scan_line;
-            let (bytes, at) = (std::mem::take(&mut line.heard), line.heard_at);
-            for byte in bytes {
+            let (mut bytes, at) = (std::mem::take(&mut line.heard).into_iter(), line.heard_at);
+            while let Some(byte) = bytes.next() {
                 match self.scans.push::<ScanReport>(byte) {
-                    Some(Ok(report)) => return Ok(Some((report, at))),
+                    Some(Ok(report)) => {
+                        self.machine.chip().scan_line.heard = bytes.collect();
+                        return Ok(Some((report, at)));
+                    }
                     Some(Err(error)) => bail!("a scan's frame: {error:?}"),
                     None => {}
                 }

@@ -79,9 +79,7 @@ impl Given {
     pub fn new(image: Image) -> Result<Self> {
         let record = paper_record::record(VALID, None, 0.05);
         let law = paper_record::model(VALID, None, 0.05).static_law(TemperatureScale::QUARTER_COUNTS);
-        let mut bench = Bench::new(&image, paper(), None)?;
-        bench.deploy(&record)?;
-        let records = bench.machine.chip().flash.records.clone();
+        let records = committed(&image, &record)?;
         Ok(Self { image, records, record, law })
     }
 
@@ -102,6 +100,13 @@ impl Given {
     fn asked(&self, group: &GroupReport, axis: Axis) -> Option<Taps> {
         self.law.tap(group.axes[axis.index()].sums.temperature_code()?)
     }
+}
+
+/// What the flash for records holds after a commit of a record by the image itself.
+fn committed(image: &Image, record: &DeviceRecord) -> Result<Vec<u8>> {
+    let mut bench = Bench::new(image, paper(), None)?;
+    bench.deploy(record)?;
+    Ok(bench.machine.chip().flash.records.clone())
 }
 
 fn paper() -> Plant {

@@ -17,7 +17,7 @@ const LATENCY_US: u32 = 2900;
 const SCAN_NS: u64 = 3_000_000;
 
 /// A plant on its way to -40 C, its wipers in the middle when its power comes.
-pub fn plant() -> Result<Plant> {
+fn plant() -> Result<Plant> {
     let mut plant = Plant::new(
         PlantParameters {
             wiper_latency_us: LATENCY_US,
