@@ -41,6 +41,14 @@ impl DeviceChoice {
         Ok(Some(client))
     }
 
+    /// The line that a board's scans go out on; a serial port at that line's rate, unless another than the host's is named.
+    pub(crate) fn scan_line(&self) -> Result<Box<dyn Link>, LinkError> {
+        match self {
+            Self::Serial(path, serial::BAUD) => serial::open(path, serial::SCAN_BAUD),
+            other => other.line(),
+        }
+    }
+
     fn line(&self) -> Result<Box<dyn Link>, LinkError> {
         match self {
             Self::Serial(path, baud) => serial::open(path, *baud),

@@ -27,6 +27,8 @@ pub mod procedure;
 pub mod recorded;
 pub mod results;
 pub mod run;
+#[cfg(feature = "boards")]
+pub mod scan_line;
 pub mod setup;
 pub mod simulated;
 pub mod soak_comparison;

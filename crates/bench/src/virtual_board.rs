@@ -41,6 +41,8 @@ pub struct VirtualBoard {
     due: Seconds,
     looked: Instant,
     pending: Vec<u8>,
+    /// The second line, and the bytes on their way to who listens there.
+    scans: Option<(Socket, Vec<u8>)>,
     damage: Damage,
     acquiring: bool,
 }
@@ -55,7 +57,19 @@ impl VirtualBoard {
         let due = device.plant().borrow().time();
         let socket = Socket::open(on)?;
         let damage = Damage { rate: 0.0, state: 0x9E37_79B9_7F4A_7C15 };
-        Ok(Self { device, socket, speed, due, looked: Instant::now(), pending: Vec::new(), damage, acquiring: false })
+        let (looked, pending) = (Instant::now(), Vec::new());
+        Ok(Self { device, socket, speed, due, looked, pending, scans: None, damage, acquiring: false })
+    }
+
+    /// Has a second line, on which each scan goes out, corrected; here a group of them at a time.
+    ///
+    /// # Errors
+    /// When it cannot listen there.
+    pub fn send_scans(&mut self, on: &ListenOn) -> io::Result<String> {
+        let socket = Socket::open(on)?;
+        let address = socket.address();
+        self.scans = Some((socket, Vec::new()));
+        Ok(address)
     }
 
     /// Where it listens, as `--device` and `--port` take it.
@@ -95,9 +109,18 @@ impl VirtualBoard {
             incoming.clear();
             self.pass_time();
             let said = self.device.said();
+            let most = MOST_PENDING * self.speed.max(1.0);
             #[allow(clippy::cast_precision_loss)] // bytes
-            let has_room = (self.pending.len() as f64) < MOST_PENDING * self.speed.max(1.0);
-            if self.socket.is_connected() && has_room {
+            let has_room = |pending: &[u8]| (pending.len() as f64) < most;
+            if let Some((socket, pending)) = &mut self.scans {
+                // Nobody speaks on it.
+                socket.exchange(&mut Vec::new(), pending)?;
+                let scans = self.device.scans_said(socket.is_connected());
+                if socket.is_connected() && has_room(pending) {
+                    pending.extend(scans);
+                }
+            }
+            if self.socket.is_connected() && has_room(&self.pending) {
                 let from = self.pending.len();
                 self.pending.extend(said);
                 self.damage.do_to(&mut self.pending[from..]);

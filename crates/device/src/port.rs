@@ -40,7 +40,7 @@ const CRC_BYTES: usize = 4;
 /// time in 16 million.
 const KEEPING_BYTES: usize = HEAD_BYTES - 1;
 const SET_HEADER: [u8; 2] = [READ | SET, 0];
-/// The latest scan: its number, its samples, CRC.
+/// The latest scan: its number, its samples, their CRC inverted.
 const SCAN_BYTES: usize = 16;
 
 /// What can go wrong at the port.
@@ -198,7 +198,10 @@ where
         if bytes == [0; SCAN_BYTES] {
             return Ok(None);
         }
-        let content = before_crc(&bytes, SCAN_BYTES - CRC_BYTES).ok_or(PortError::Damaged)?;
+        let (content, crc) = bytes.split_at(SCAN_BYTES - CRC_BYTES);
+        if (!CRC.checksum(content)).to_be_bytes() != *crc {
+            return Err(PortError::Damaged);
+        }
         let (words, _) = content.as_chunks();
         let (pairs, _) = content.as_chunks();
         let sample = |index: usize| u16::from_be_bytes(pairs[2 + index]);
@@ -268,12 +271,7 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
 
 /// The content of a head, of whose CRC all bytes or the first ones were read; `None` when they do not match.
 fn checked(head: &[u8]) -> Option<&[u8]> {
-    before_crc(head, HEAD_BYTES - CRC_BYTES)
-}
-
-/// So many bytes, if the CRC after them matches as far as it was read.
-fn before_crc(bytes: &[u8], length: usize) -> Option<&[u8]> {
-    let (content, crc) = bytes.split_at_checked(length)?;
+    let (content, crc) = head.split_at_checked(HEAD_BYTES - CRC_BYTES)?;
     CRC.checksum(content).to_be_bytes().starts_with(crc).then_some(content)
 }
 

@@ -316,7 +316,7 @@ fn latest(scans: u32, samples: Option<[u16; 4]>) -> [u32; SCAN_WORDS] {
     let mut words = [scans.wrapping_sub(1), a << 16 | b, c << 16 | d, 0];
     let mut crc = Crc32::new();
     words[..3].iter().for_each(|word| crc.push(&word.to_be_bytes()));
-    words[3] = crc.value();
+    words[3] = !crc.value();
     words
 }
 

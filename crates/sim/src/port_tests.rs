@@ -242,13 +242,15 @@ fn with_no_set_waiting_all_words_read_0_which_is_not_their_crc() {
 fn the_latest_scan_is_read_again_and_again_and_neither_torn_nor_a_read_of_the_set() {
     let mut port = running(2);
     assert_eq!(read(&mut port, SCAN, 5), [0; 5]);
-    assert_ne!(crc_of_words(&[0; 3]), 0, "no scan cannot pass for one");
+    assert_ne!(!crc_of_words(&[0; 3]), 0, "no scan cannot pass for one");
     scan(&mut port, 0..3);
     let third = [2, 20 << 16 | 21, 22 << 16 | 16_381];
     for _ in 0..2 {
-        assert_eq!(read(&mut port, SCAN, 5), [&third[..], &[crc_of_words(&third), 0]].concat());
+        assert_eq!(read(&mut port, SCAN, 5), [&third[..], &[!crc_of_words(&third), 0]].concat());
     }
     assert!(port.data_ready(), "the set waits on");
+    let in_place_of_a_set = read(&mut port, SCAN, 16);
+    assert_ne!(in_place_of_a_set[15], crc_of_words(&in_place_of_a_set[..15]), "what follows it makes no set of it");
     // A scan and a set become full while it is read: the one that is being read stays, and neither set is lost.
     read(&mut port, SET, 16);
     port.select();
@@ -256,7 +258,7 @@ fn the_latest_scan_is_read_again_and_again_and_neither_torn_nor_a_read_of_the_se
     scan(&mut port, 3..6);
     let rest: Vec<u8> = (0..13).map(|_| exchange(&mut port, 0)).collect();
     port.deselect();
-    let whole = [&third[..], &[crc_of_words(&third)]].concat();
+    let whole = [&third[..], &[!crc_of_words(&third)]].concat();
     assert_eq!(rest, whole.iter().flat_map(|word| word.to_be_bytes()).collect::<Vec<u8>>()[3..]);
     assert_eq!(read(&mut port, SCAN, 1), [5]);
     assert_eq!(read(&mut port, 0x1F, 3), [0; 3], "a read that runs into its address does not start it");

@@ -1,4 +1,4 @@
-// The scan that was taken last, with its number and their CRC (address 0x20), and the line that says that it is there.
+// The scan that was taken last, with its number and their CRC inverted (address 0x20), and the line that says that it is there.
 //
 // The samples of a scan gather beside the last one while it is taken, and take its place when the scan is done. A read has
 // its own copy, from the last bit of the address byte on: a scan that is done meanwhile is read next, however slow the master.
@@ -86,7 +86,7 @@ module latest_scan (
 
     always_comb begin
         if (!is_copied || place == OVER) word = 32'd0;
-        else word = place == 3'd3 ? crc : content(place);
+        else word = place == 3'd3 ? ~crc : content(place);
     end
 
     crc32 of_scan(.clk, .clear(head_in || !rst_n), .start(crc_start), .word(to_sum), .busy(crc_busy), .crc);

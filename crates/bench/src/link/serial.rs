@@ -10,6 +10,8 @@ use super::{Link, LinkError, ThreadedLink};
 
 /// The boards' rate: 11 520 bytes a second, twice what groups of 500 samples with every sample streamed need.
 pub const BAUD: u32 = 115_200;
+/// Their rate on the second line: a scan's frame of 20 bytes takes 0.43 ms, a seventh of a scan period.
+pub const SCAN_BAUD: u32 = 460_800;
 /// How long a frame may take to leave.
 const SEND: Duration = Duration::from_secs(1);
 

@@ -7,6 +7,7 @@ mod info;
 mod mode;
 mod monitor;
 mod read;
+mod stream;
 mod tap;
 
 use anyhow::{Context, Result};
@@ -53,6 +54,7 @@ Exit codes: 0 done; 1 the board refused, with its reason; 2 error.";
 enum Verb {
     Info(info::Info),
     Monitor(monitor::Monitor),
+    Stream(stream::Stream),
     Mode(mode::Mode),
     Tap(tap::Tap),
     Deploy(deploy::Deploy),
@@ -66,6 +68,7 @@ impl Device {
         let result = match &self.verb {
             Verb::Info(info) => info.run(self),
             Verb::Monitor(monitor) => monitor.run(self),
+            Verb::Stream(stream) => stream.run(self),
             Verb::Mode(mode) => mode.run(self),
             Verb::Tap(tap) => tap.run(self),
             Verb::Deploy(deploy) => deploy.run(self),

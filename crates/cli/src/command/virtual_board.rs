@@ -28,6 +28,10 @@ pub struct Serve {
     #[arg(long, value_name = "PLACE", default_value = "tcp:127.0.0.1:0")]
     on: ListenOn,
 
+    /// Where its second line is to be listened to, on which each scan goes out, corrected; as for --on
+    #[arg(long, value_name = "PLACE")]
+    scans_on: Option<ListenOn>,
+
     /// The simulated board
     #[arg(long, value_enum, default_value_t = Plant::Paper)]
     plant: Plant,
@@ -53,6 +57,8 @@ const EXAMPLES: &str = "\
 Examples:
   zerorate virtual-board --on tcp:127.0.0.1:5494
   zerorate device --port tcp:127.0.0.1:5494 monitor        in another terminal
+  zerorate virtual-board --on tcp:127.0.0.1:5494 --scans-on tcp:127.0.0.1:5495
+  zerorate device --port tcp:127.0.0.1:5495 stream
   zerorate virtual-board --on pty:/tmp/board --speed 60
   zerorate calibrate --device serial:/tmp/board            a chamber that you turn by hand, an hour a minute";
 
@@ -68,6 +74,11 @@ impl Serve {
         let unit = Unit::new(&self.serial, None)?;
         let mut board = VirtualBoard::new(kind.build(self.seed), &setup, &unit.serial, &self.on, self.speed)
             .with_context(|| format!("--on {}: cannot listen there", self.on))?;
+        let scans = self
+            .scans_on
+            .as_ref()
+            .map(|on| board.send_scans(on).with_context(|| format!("--scans-on {on}: cannot listen there")));
+        let scans = scans.transpose()?;
         interrupt::watch()?;
         let (tell, orders) = mpsc::channel();
         thread::spawn(move || {
@@ -78,6 +89,9 @@ impl Serve {
             }
         });
         screen::print(&format!("board {} listens on {}\n", self.serial, board.address()))?;
+        if let Some(scans) = scans {
+            screen::print(&format!("its scans go out on {scans}\n"))?;
+        }
         let answer = |text: &str| {
             // Whoever closed the pipe does not want to know.
             let _ = screen::print(&format!("{text}\n"));

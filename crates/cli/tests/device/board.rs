@@ -37,6 +37,11 @@ impl Board {
     /// Gives an order and returns what is said to it.
     pub fn order(&mut self, order: &str) -> String {
         writeln!(self.orders, "{order}").unwrap();
+        self.said()
+    }
+
+    /// The next line that it says.
+    pub fn said(&mut self) -> String {
         let mut line = String::new();
         self.answers.read_line(&mut line).unwrap();
         line.trim().to_owned()

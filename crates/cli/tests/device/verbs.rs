@@ -127,6 +127,35 @@ fn a_command_takes_effect_at_the_group_that_it_names() {
     assert_eq!((&first["axes"][0]["tap"], &first["axes"][1]["tap"]), (&520.into(), &511.into()));
 }
 
+/// At work alone after its power has come.
+#[test]
+fn the_second_line_gives_every_scan_as_csv_and_as_json() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("calibration.json"), bench::calibration()).unwrap();
+    let more = ["--speed", "20", "--scans-on", "tcp:127.0.0.1:0"];
+    let mut board = Board::start("tcp:127.0.0.1:0", &more, folder.path());
+    let scans = board.said().trim().rsplit(' ').next().unwrap().to_owned();
+    board.device(&["deploy", "calibration.json"], folder.path()).ends(0, &[]);
+    board.order("power");
+    board.port = scans;
+    let json = board.device(&["stream", "--scans", "1500", "--json"], folder.path());
+    let heard: Vec<Value> = json.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!((json.code, heard.len()), (Some(0), 1500), "{}", json.err);
+    heard.iter().for_each(|scan| schema::hold("device-stream.json", scan));
+    let numbers: Vec<u64> = heard.iter().map(|scan| scan["scan"].as_u64().unwrap()).collect();
+    assert!(numbers.windows(2).all(|pair| pair[1] == pair[0] + 1), "{numbers:?}");
+    let last = &heard[1499];
+    assert_eq!(last["x"]["flags"], serde_json::json!(["hybrid", "at_work"]));
+    assert!((last["time_s"].as_f64().unwrap() - 0.003 * last["scan"].as_f64().unwrap()).abs() < 1e-6);
+    let x = last["x"]["counts"].as_f64().unwrap();
+    assert!((x - 8200.0).abs() < 40.0, "{x}: near the centre, its noise on it");
+    let csv = board.device(&["stream", "--scans", "20", "--scan-period-us", "1000"], folder.path());
+    csv.ends(0, &["scan,time_s,x_counts,x_flags,y_counts,y_flags", "hybrid at_work"]);
+    assert_eq!(csv.out.lines().count(), 21);
+    // The host's line is none.
+    board.device(&["stream", "--scan-period-us", "0"], folder.path()).ends(2, &["--scan-period-us"]);
+}
+
 #[test]
 fn the_fault_counters_are_told() {
     let (mut board, folder) = on_a_serial_line();

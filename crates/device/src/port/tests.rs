@@ -168,8 +168,9 @@ fn scan_read(bytes: Vec<u8>) -> Vec<Transaction<u8>> {
 #[test]
 fn the_latest_scan_is_read_alone_and_none_and_a_damaged_one_are_told_apart() {
     let number = 70_000_u32;
-    let bytes =
+    let mut bytes =
         with_crc([number.to_be_bytes().to_vec(), SCANS[1].iter().flat_map(|s| s.to_be_bytes()).collect()].concat());
+    bytes[12..].iter_mut().for_each(|byte| *byte = !*byte);
     let mut damaged = bytes.clone();
     damaged[6] ^= 0x10;
     let reads = [vec![0; 16], damaged, bytes].map(scan_read).concat();
@@ -177,6 +178,18 @@ fn the_latest_scan_is_read_alone_and_none_and_a_damaged_one_are_told_apart() {
         assert_eq!(port.latest_scan(), Ok(None), "none since the start");
         assert_eq!(port.latest_scan(), Err(PortError::Damaged));
         assert_eq!(port.latest_scan(), Ok(Some(NumberedScan { number, scan: SCANS[1] })));
+    });
+}
+
+/// A bit too many in its head makes 0x20 of 0x10; the scan's four words, and the zeros after them, are no set.
+#[test]
+fn a_scan_in_place_of_a_set_is_damage() {
+    let words = [500_u32 << 16, 500 << 16 | 8200, 8500 << 16 | 8200];
+    let mut bytes = with_crc(words.iter().flat_map(|word| word.to_be_bytes()).collect());
+    bytes[12..].iter_mut().for_each(|byte| *byte = !*byte);
+    bytes.resize(64, 0);
+    run([word_read(0x05, 1), set_read(bytes, vec![])].concat(), |port| {
+        assert_eq!(port.read_set(&mut Set::default(), false), Err(PortError::Damaged));
     });
 }
 

@@ -20,7 +20,7 @@ fn scan_of(words: &[u32]) -> Option<(u32, [u16; 4])> {
     if words == [0; 4] {
         return None;
     }
-    assert!(checked(words).is_some(), "{words:x?}");
+    assert!(checked(&[words[0], words[1], words[2], !words[3]]).is_some(), "{words:x?}");
     let sample = |word: u32, high: bool| u16::try_from(if high { word >> 16 } else { word & 0xFFFF }).unwrap();
     Some((words[0], [sample(words[1], true), sample(words[1], false), sample(words[2], true), sample(words[2], false)]))
 }
