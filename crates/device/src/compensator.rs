@@ -146,11 +146,13 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     /// The interrupt: called when a set is ready.
     pub fn service(&mut self) {
         let with_samples = self.outbox.wants_samples();
-        if self.running && self.read_set(with_samples) {
+        // Scans that came one by one need not be read again.
+        let came = with_samples && self.scans.has_all();
+        if self.running && self.read_set(with_samples && !came) {
             self.sets = self.sets.wrapping_add(1);
             let before = with_samples.then(|| sample_corrections(&self.axes));
             let report = self.close_group();
-            match before.filter(|_| self.read_scans()) {
+            match before.filter(|_| if came { self.take_scans() } else { self.read_scans() }) {
                 None => self.outbox.group(report),
                 Some(before) => self.outbox.group_and_samples(report, before, self.set.scans.len()),
             }
@@ -256,6 +258,15 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             self.let_go();
         }
         is_read
+    }
+
+    /// Takes the scans of the set whose group was just closed as they came one by one.
+    fn take_scans(&mut self) -> bool {
+        let are_its = self.scans.give(self.set.number, &mut self.set.scans);
+        if !are_its {
+            self.outbox.samples_are_missing();
+        }
+        are_its
     }
 
     /// Lets the set go that was read and still waits. Where that fails it is read once more, with the tick, and known.

@@ -145,3 +145,19 @@ fn a_board_that_begins_alone_takes_a_short_group_first_and_a_host_s_groups_are_a
     rig.order(None, Action::SetAcquisition(true));
     assert_eq!(rig.sets.first.get(), 500);
 }
+
+#[test]
+fn the_samples_of_a_group_whose_scans_all_came_one_by_one_are_not_read_again() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetSamples(SampleWindow::ALL));
+    rig.order(None, Action::SetAcquisition(true));
+    rig.sets.scans_missing.set(true);
+    let samples = |reports: &[Report]| reports.iter().filter(|report| matches!(report, Report::Samples(_))).count();
+    let (_, reports) = set_of_scans(&mut rig, 0, 8500, false);
+    assert_eq!((samples(&reports), rig.compensator.status().faults.dropped_uploads), (40, 0));
+    // The last one is still to come when the set is served: they would have to be read.
+    let (_, reports) = set_of_scans(&mut rig, 1, 8501, true);
+    assert_eq!((samples(&reports), rig.compensator.status().faults.dropped_uploads), (0, 1));
+    let (_, reports) = set_of_scans(&mut rig, 2, 8502, false);
+    assert_eq!(samples(&reports), 40);
+}
