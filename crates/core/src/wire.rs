@@ -326,7 +326,7 @@ impl From<RecordRefused> for Refusal {
 pub struct FaultCounts {
     /// Sets lost before they were read.
     pub lost_sets: u32,
-    /// Sets whose CRC did not match, or whose transfer failed; and how often the acquisition was to be set up anew.
+    /// Sets and scans whose CRC did not match, or whose transfer failed; and how often the acquisition was to be set up anew.
     pub acquisition_errors: u32,
     /// Wiper writes that failed.
     pub trim_errors: u32,
@@ -398,7 +398,7 @@ pub struct GroupReport {
     pub group: GroupNumber,
     /// Groups lost since acquisition started.
     pub lost: u32,
-    /// Reads of a set that failed since the device started.
+    /// Reads of a set or a scan that failed since the device started.
     pub acquisition_errors: u32,
     /// The axes, X then Y.
     pub axes: [AxisReport; 2],
