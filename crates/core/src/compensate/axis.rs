@@ -29,23 +29,23 @@ pub struct GroupOutcome {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Codes {
     from: u32,
-    number: u32,
+    length: u32,
 }
 
 impl Codes {
-    const NONE: Self = Self { from: 0, number: 0 };
-    const ALL: Self = Self { from: 0, number: 1 << 16 };
+    const NONE: Self = Self { from: 0, length: 0 };
+    const ALL: Self = Self { from: 0, length: u32::MAX };
 
     /// As far as a dead band holds an interval.
     fn held_by(interval: &Interval) -> Self {
-        let from = u32::from(interval.hold_down_to);
-        Self { from, number: (u32::from(interval.hold_up_to) + 1).wrapping_sub(from) }
+        let further = interval.hold_up_to.wrapping_sub(interval.hold_down_to);
+        Self { from: u32::from(interval.hold_down_to) << 16, length: u32::from(further) << 16 | 1 }
     }
 
     /// Whether a code is one of them: below the first the difference wraps to more than any run.
     #[inline]
     fn contains(self, code: TemperatureCode) -> bool {
-        u32::from(code.0).wrapping_sub(self.from) < self.number
+        (u32::from(code.0) << 16).wrapping_sub(self.from) < self.length
     }
 }
 
@@ -206,12 +206,13 @@ impl AxisCompensation {
         if self.quiet.contains(code) {
             return None;
         }
-        self.cross(law, code)
+        // What is asked for is read here: a call that is not the last thing keeps the frame out of the way above.
+        self.cross(law, code).map(|interval| interval.tap)
     }
 
     /// An edge was crossed, most often to a neighbour; or it is not known yet where the edges are.
     #[inline(never)]
-    fn cross(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
+    fn cross<'l>(&mut self, law: &'l AxisLaw, code: TemperatureCode) -> Option<&'l Interval> {
         // Only an interval that holds says on which side the code has left it. The wiper was at its tap, and a neighbour's
         // is another.
         if let Stand::At(index) = self.stand
@@ -219,14 +220,14 @@ impl AxisCompensation {
             && let Some((index, interval)) = edges.neighbour(index, code)
         {
             (self.stand, self.quiet) = (Stand::Wanted(index), Codes::NONE);
-            return Some(interval.tap);
+            return Some(interval);
         }
         self.search(law, code)
     }
 
     /// The interval is looked up.
     #[inline(never)]
-    fn search(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
+    fn search<'l>(&mut self, law: &'l AxisLaw, code: TemperatureCode) -> Option<&'l Interval> {
         let Some(edges) = law.edges.as_ref().filter(|_| self.mode.moves_wiper()) else {
             (self.stand, self.quiet) = (Stand::Free, Codes::ALL);
             return None;
@@ -235,17 +236,16 @@ impl AxisCompensation {
             Stand::Wanted(index) | Stand::At(index) => edges.next(index, code),
             Stand::Unasked | Stand::Free => edges.find(code),
         };
-        self.follow(index, edges.intervals().get(index)?)
+        let interval = edges.intervals().get(index)?;
+        self.follow(index, interval).then_some(interval)
     }
 
-    /// The temperature is in an interval: its tap is asked for, unless the wiper is there.
-    fn follow(&mut self, index: usize, interval: &Interval) -> Option<Taps> {
-        if interval.tap == self.tap {
-            (self.stand, self.quiet) = (Stand::At(index), Codes::held_by(interval));
-            return None;
-        }
-        (self.stand, self.quiet) = (Stand::Wanted(index), Codes::NONE);
-        Some(interval.tap)
+    /// The temperature is in an interval; whether its tap is asked for, for the wiper is not there.
+    fn follow(&mut self, index: usize, interval: &Interval) -> bool {
+        let is_there = interval.tap == self.tap;
+        (self.stand, self.quiet) =
+            if is_there { (Stand::At(index), Codes::held_by(interval)) } else { (Stand::Wanted(index), Codes::NONE) };
+        !is_there
     }
 }
 
