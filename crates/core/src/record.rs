@@ -20,7 +20,8 @@ pub use model::{AxisModel, HistoryModel};
 /// The version of the body that this code reads and writes.
 ///
 /// 1: static laws. 2: each axis may carry a history with its group period. 3: laws in integers, no models in f64.
-pub const RECORD_VERSION: u16 = 3;
+/// 4: readings from the one aimed at; what the board is made of.
+pub const RECORD_VERSION: u16 = 4;
 /// More bytes than any record takes.
 pub const MAX_RECORD_BYTES: usize = 6144;
 

@@ -1,6 +1,7 @@
 //! One axis at work: the state that its law moves.
 
 use super::axis_law::AxisLaw;
+use super::codes::Codes;
 use super::dynamic::FixedHistoryState;
 use super::interval::Interval;
 use super::mode::Mode;
@@ -23,30 +24,6 @@ pub struct GroupOutcome {
     pub knowledge: Knowledge,
     /// The tap that the law asks for, when it is not the one last commanded.
     pub move_to: Option<Taps>,
-}
-
-/// A run of temperature codes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Codes {
-    from: u32,
-    length: u32,
-}
-
-impl Codes {
-    const NONE: Self = Self { from: 0, length: 0 };
-    const ALL: Self = Self { from: 0, length: u32::MAX };
-
-    /// As far as a dead band holds an interval.
-    fn held_by(interval: &Interval) -> Self {
-        let further = interval.hold_up_to.wrapping_sub(interval.hold_down_to);
-        Self { from: u32::from(interval.hold_down_to) << 16, length: u32::from(further) << 16 | 1 }
-    }
-
-    /// Whether a code is one of them: below the first the difference wraps to more than any run.
-    #[inline]
-    fn contains(self, code: TemperatureCode) -> bool {
-        (u32::from(code.0) << 16).wrapping_sub(self.from) < self.length
-    }
 }
 
 /// How the wiper stands to the table of edges, whose intervals go by their index.
@@ -181,7 +158,7 @@ impl AxisCompensation {
             Some(history) => {
                 history.advance(&mut self.history, code);
                 let (drift, knowledge) = history.drift(&self.history, law.drift.evaluate(code));
-                (drift.0.saturating_sub(law.centre.0), knowledge)
+                (drift.0, knowledge)
             }
         };
         self.drift_from_centre = Some(drift);
@@ -203,7 +180,7 @@ impl AxisCompensation {
     #[inline]
     #[must_use]
     pub fn update(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
-        if self.quiet.contains(code) {
+        if self.quiet.place(code).is_some() {
             return None;
         }
         // What is asked for is read here: a call that is not the last thing keeps the frame out of the way above.
@@ -244,7 +221,7 @@ impl AxisCompensation {
     fn follow(&mut self, index: usize, interval: &Interval) -> bool {
         let is_there = interval.tap == self.tap;
         (self.stand, self.quiet) =
-            if is_there { (Stand::At(index), Codes::held_by(interval)) } else { (Stand::Wanted(index), Codes::NONE) };
+            if is_there { (Stand::At(index), Codes::between(interval.hold_down_to, interval.hold_up_to)) } else { (Stand::Wanted(index), Codes::NONE) };
         !is_there
     }
 }

@@ -65,7 +65,9 @@ impl AxisModel {
         let law = self.static_law(temperature_scale);
         let mut numbers = LawNumbers::new(&law, self.edges.as_ref(), self.low_pass)?;
         if let Some(HistoryModel { history, group_period_s }) = &self.history {
-            numbers.history = Some(HistoryNumbers::new(history, &law.drift, temperature_scale, *group_period_s)?);
+            let centre = law.trim.line.centre();
+            let history = HistoryNumbers::new(history, &law.drift, centre, temperature_scale, *group_period_s)?;
+            numbers.history = Some(history);
         }
         AxisLaw::from_numbers(&numbers)?;
         Ok(AxisRecord { law: numbers, start_up_mode: self.start_up_mode })
