@@ -12,13 +12,16 @@ mod samples;
 mod temperature;
 
 use heapless::Vec;
-use zerorate_core::compensate::{AxisLaw, Mode};
+use zerorate_core::board::BoardNumbers;
+use zerorate_core::compensate::Mode;
+use zerorate_core::record::Laws;
 use zerorate_core::units::{Axis, GroupNumber, Taps};
 use zerorate_core::wire::{FaultCounts, GroupReport, Refusal};
 
 use self::axis::AxisAtWork;
 use self::continuity::Continuity;
 use self::outbox::Outbox;
+use self::temperature::Believable;
 use crate::acquisition::{Acquisition, Set, Timing};
 use crate::trim_part::TrimPart;
 
@@ -33,6 +36,7 @@ pub struct Compensator<A, P> {
     acquisition: A,
     part: P,
     timing: Timing,
+    board: BoardNumbers,
     axes: [AxisAtWork; 2],
     set: Set,
     /// The group that is being filled, or the first that will be.
@@ -65,6 +69,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             acquisition,
             part,
             timing,
+            board: BoardNumbers::PAPER,
             axes: Axis::BOTH.map(|axis| AxisAtWork::new(axis, taps[axis.index()])),
             set: Set::default(),
             group: GroupNumber(0),
@@ -105,9 +110,15 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         &mut self.acquisition
     }
 
+    /// The board that it is built on, by which it judges readings until a record tells more; the paper's where nobody says.
+    pub const fn built_on(&mut self, board: BoardNumbers) {
+        self.board = board;
+    }
+
     /// Takes laws into use, keeping modes and taps.
-    pub fn install(&mut self, laws: [AxisLaw; 2]) {
-        for (axis, law) in self.axes.iter_mut().zip(laws) {
+    pub fn install(&mut self, laws: Laws) {
+        self.board = laws.board;
+        for (axis, law) in self.axes.iter_mut().zip(laws.axes) {
             axis.install(law);
         }
     }
@@ -230,10 +241,11 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         for (axis, sums) in self.axes.iter_mut().zip(&self.set.sums) {
             axis.lose(missed, sums.n);
         }
+        let believable = Believable { board: self.board, timing: self.timing };
         let axes = Axis::BOTH.map(|axis| {
             let sums = self.set.sums[axis.index()];
             let other = self.axes[1 - axis.index()].temperature.believed();
-            self.axes[axis.index()].close(sums, other, missed, self.timing, &mut self.part, &mut self.faults)
+            self.axes[axis.index()].close(sums, other, missed, believable, &mut self.part, &mut self.faults)
         });
         self.group = GroupNumber(group.0.wrapping_add(1));
         let acquisition_errors = self.faults.acquisition_errors;

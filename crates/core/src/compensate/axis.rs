@@ -9,7 +9,7 @@ use super::numbers::LowPassNumbers;
 use super::q16::Q16;
 use super::settling::Settling;
 use crate::drift::{Coverage, Knowledge};
-use crate::group::GroupSums;
+use crate::group::{CODES_PER_COUNT, GroupSums};
 use crate::units::{Taps, TemperatureCode};
 
 /// What closing a group came to.
@@ -107,13 +107,15 @@ impl AxisCompensation {
     /// One sample of the group that is being filled, corrected by what is known when it is taken: the temperature of
     /// the last closed group, and the wiper as far as it has settled. The plain sample in the modes that do not
     /// correct, and before the first group has closed.
+    ///
+    /// Of a converter of 16 bits a reading takes the sign's bit too: what is given is so many counts less 65 536 then
+    /// ([`Q16::near`]).
     pub fn sample(&mut self, zro: u16) -> Q16 {
         let effect = self.settling.next_sample().0;
         self.effect_sum += i64::from(effect);
-        // A reading of 15 bits fits; past the form's end it is held there, as every sum here.
-        let reading = i32::try_from(i64::from(zro) << 16).unwrap_or(i32::MAX);
+        let reading = (u32::from(zro) << 16).cast_signed();
         match self.drift_from_centre {
-            Some(drift) if self.mode.corrects() => Q16(reading.saturating_sub(drift).saturating_sub(effect)),
+            Some(drift) if self.mode.corrects() => Q16(reading.wrapping_sub(drift).wrapping_sub(effect)),
             _ => Q16(reading),
         }
     }
@@ -133,9 +135,9 @@ impl AxisCompensation {
         self.history.lose(groups);
     }
 
-    /// Closes a group: the correction for its mean, and the tap for its temperature.
+    /// Closes a group of a 14-bit board: the correction for its mean, and the tap for its temperature.
     pub fn close_group(&mut self, law: Option<&AxisLaw>, sums: &GroupSums) -> GroupOutcome {
-        self.close_group_at(law, sums, sums.temperature_code())
+        self.close_group_at(law, sums, sums.temperature_code(CODES_PER_COUNT))
     }
 
     /// Closes a group whose temperature is known better than by its own sums: the last one that was believed. `None`
@@ -220,13 +222,16 @@ impl AxisCompensation {
     /// The temperature is in an interval; whether its tap is asked for, for the wiper is not there.
     fn follow(&mut self, index: usize, interval: &Interval) -> bool {
         let is_there = interval.tap == self.tap;
-        (self.stand, self.quiet) =
-            if is_there { (Stand::At(index), Codes::between(interval.hold_down_to, interval.hold_up_to)) } else { (Stand::Wanted(index), Codes::NONE) };
+        (self.stand, self.quiet) = if is_there {
+            (Stand::At(index), Codes::between(interval.hold_down_to, interval.hold_up_to))
+        } else {
+            (Stand::Wanted(index), Codes::NONE)
+        };
         !is_there
     }
 }
 
-/// `(sum of zro - correction) / n` to the nearest Q16 step; 0 for an empty group.
+/// `(sum of zro - correction) / n` to the nearest Q16 step, modulo 65 536 counts; 0 for an empty group.
 fn mean_q16(sums: &GroupSums, correction_sum: i64) -> Q16 {
     if sums.n == 0 {
         return Q16::default();
@@ -235,5 +240,6 @@ fn mean_q16(sums: &GroupSums, correction_sum: i64) -> Q16 {
     // A sum of 16-bit samples shifted by 16 stays below 2^63 for up to 2^31 samples.
     let sum = (i64::try_from(sums.zro).unwrap_or(i64::MAX >> 16) << 16) - correction_sum;
     let mean = (2 * sum + n).div_euclid(2 * n);
-    Q16(i32::try_from(mean).unwrap_or(if mean < 0 { i32::MIN } else { i32::MAX }))
+    #[allow(clippy::cast_possible_truncation)] // its lower half is what is given
+    Q16(mean as i32)
 }

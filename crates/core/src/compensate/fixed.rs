@@ -164,7 +164,7 @@ impl FixedPolynomial {
         }
         let codes = u32::from(span) + 1;
         let u_per_code = (1 << 16) / codes.next_power_of_two();
-        let first_u = (codes / 2 << 16).wrapping_neg().wrapping_mul(u_per_code);
+        let first_u = ((codes / 2) << 16).wrapping_neg().wrapping_mul(u_per_code);
         let polynomial = Self { first_u, u_per_code, varying, constant };
         // In Q16 it must fit as well, at every code.
         let to_q16 = 1 << (16 - bits);

@@ -1,6 +1,7 @@
 //! One axis as the host composes it, in f64: what its part of a record is rounded from.
 
 use super::{AxisRecord, DeviceRecord, UnitSerial};
+use crate::board::BoardNumbers;
 use crate::compensate::{AxisLaw, EdgeTable, HistoryNumbers, LawNumbers, LawRefused, LowPass, Mode, StaticLaw};
 use crate::drift::{Drift, History};
 use crate::trim::Trim;
@@ -14,10 +15,11 @@ impl DeviceRecord {
     pub fn new(
         unit: UnitSerial,
         temperature_scale: TemperatureScale,
+        board: BoardNumbers,
         axes: &[AxisModel; 2],
     ) -> Result<Self, (Axis, LawRefused)> {
         let record = |axis: Axis| axes[axis.index()].record(temperature_scale).map_err(|refused| (axis, refused));
-        Ok(Self { unit, temperature_scale, axes: [record(Axis::X)?, record(Axis::Y)?] })
+        Ok(Self { unit, temperature_scale, board, axes: [record(Axis::X)?, record(Axis::Y)?] })
     }
 }
 

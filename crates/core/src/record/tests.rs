@@ -27,7 +27,8 @@ fn model() -> AxisModel {
 }
 
 fn record() -> DeviceRecord {
-    DeviceRecord::new(UnitSerial::try_from("ZR-0001").unwrap(), SCALE, &[model(), model()]).unwrap()
+    DeviceRecord::new(UnitSerial::try_from("ZR-0001").unwrap(), SCALE, BoardNumbers::PAPER, &[model(), model()])
+        .unwrap()
 }
 
 #[test]

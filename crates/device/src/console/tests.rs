@@ -3,7 +3,7 @@ use std::vec::Vec;
 use zerorate_core::compensate::{CurveNumbers, Mode};
 use zerorate_core::record::MAX_RECORD_BYTES;
 use zerorate_core::units::Axis;
-use zerorate_core::wire::{CHUNK, CalibrationState, frame};
+use zerorate_core::wire::{CHUNK, CalibrationState, Health, frame};
 
 use super::*;
 use crate::store::{StoreFailed, Stored};
@@ -31,7 +31,7 @@ fn console<S: RecordStore>(store: S) -> Console<S> {
 }
 
 fn console_of<S: RecordStore>(unit: &str, store: S) -> Console<S> {
-    Console::new(UnitSerial::try_from(unit).unwrap(), Timing::PAPER, store, Started::POWER)
+    Console::new(UnitSerial::try_from(unit).unwrap(), Timing::PAPER, store, Started::POWER, Health::default)
 }
 
 /// Sends one request, each with a number of its own, and returns the answer.
