@@ -1,7 +1,8 @@
 //! The drift in integers alone.
 //!
 //! A polynomial is written in `u = (code - middle) / 2^b`, where `2^b` is at least the calibrated range of codes, so that
-//! `|u| <= 1/2` and `u` in Q32 is a subtraction and a shift. Horner's step is then one high-word multiply and one add.
+//! `|u| <= 1/2` and `u`, a multiple of 2^-16, is held by 16 bits. Horner's step is then one instruction of a Cortex-M4: 32
+//! bits times 16, the upper 32 of the product, and the next coefficient added.
 
 use super::codes::Codes;
 use super::numbers::{CurveNumbers, DriftNumbers, PolynomialNumbers, TableNumbers};
