@@ -11,6 +11,7 @@ mod select;
 
 use anyhow::{Result, ensure};
 use zerorate_core::compensate::StaticLaw;
+use zerorate_core::group::CODES_PER_COUNT;
 use zerorate_core::record::DeviceRecord;
 use zerorate_core::units::{Axis, Taps, TemperatureScale};
 use zerorate_core::wire::GroupReport;
@@ -98,7 +99,7 @@ impl Given {
 
     /// The tap that the law asks for at a group's own temperature.
     fn asked(&self, group: &GroupReport, axis: Axis) -> Option<Taps> {
-        self.law.tap(group.axes[axis.index()].sums.temperature_code()?)
+        self.law.tap(group.axes[axis.index()].sums.temperature_code(CODES_PER_COUNT)?)
     }
 }
 

@@ -333,6 +333,22 @@ impl Chip {
         word
     }
 
+    /// A word of the core's trace unit.
+    pub fn load_trace(&mut self, offset: u32) -> u32 {
+        let word = self.system.trace(offset, self.clock, self.rcc.core_ticks());
+        if word.is_none() {
+            self.wrong.push(format!("{offset:#05x} of the trace unit read, which is not modelled"));
+        }
+        word.unwrap_or(0)
+    }
+
+    /// A write to the core's trace unit.
+    pub fn store_trace(&mut self, offset: u32, word: u32) {
+        if !self.system.write_trace(offset, word) {
+            self.wrong.push(format!("{offset:#05x} of the trace unit written, which is not modelled"));
+        }
+    }
+
     /// A write of `size` bytes to the core's own registers.
     pub fn store_core(&mut self, offset: u32, size: usize, word: u32) {
         self.alarm = 0;

@@ -285,6 +285,14 @@ fn map(unicorn: &mut Unicorn<'static, Core>, image: &Image) -> Result<(), uc_err
         }),
     )?;
     unicorn.mmio_map(
+        memory::TRACE.into(),
+        0x1000,
+        Some(|unicorn: &mut Unicorn<'_, Core>, offset, _| unicorn.get_data_mut().chip.load_trace(low(offset)).into()),
+        Some(|unicorn: &mut Unicorn<'_, Core>, offset, _, word| {
+            unicorn.get_data_mut().chip.store_trace(low(offset), low(word));
+        }),
+    )?;
+    unicorn.mmio_map(
         memory::CORE.into(),
         0x1000,
         Some(|unicorn: &mut Unicorn<'_, Core>, offset, _| {

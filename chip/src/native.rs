@@ -3,9 +3,10 @@
 //! As on `zerorate-bench`'s native device, time passes only while nobody has anything to do, and buses take none.
 
 use anyhow::{Context, Result, ensure};
+use zerorate_core::board::BoardNumbers;
 use zerorate_core::record::{DeviceRecord, UnitSerial};
 use zerorate_core::wire::frame::{self, Receiver};
-use zerorate_core::wire::{Command, GroupReport, Message, Request, SampleWindow, ScanReport, Upload};
+use zerorate_core::wire::{Command, GroupReport, Health, Message, Request, SampleWindow, ScanReport, Upload};
 use zerorate_device::acquisition::Timing;
 use zerorate_device::application::{Application, Parts};
 use zerorate_device::port::PortAcquisition;
@@ -39,6 +40,8 @@ fn start(plant: &SharedPlant, flash: &Part) -> Result<Native> {
         started: Started::POWER,
         unit: UnitSerial::default(),
         timing: Timing::PAPER,
+        board: BoardNumbers::PAPER,
+        health: Health::default,
     }))
 }
 

@@ -16,11 +16,12 @@ pub const RAM_BYTES: usize = 128 * 1024;
 pub const SIGNATURE: u32 = 0x1FFF_7000;
 pub const FLASH_SIZE: u32 = 0x1FFF_7A22;
 pub const FLASH_KIB: u16 = 1024;
-/// Peripherals, their bits' alias, and the core's own registers.
+/// Peripherals, their bits' alias, the core's trace unit, and its own registers.
 pub const PERIPHERALS: u32 = 0x4000_0000;
 pub const PERIPHERAL_BYTES: u32 = 0x0008_0000;
 pub const BITS: u32 = 0x4200_0000;
 pub const BITS_BYTES: u32 = 32 * PERIPHERAL_BYTES;
+pub const TRACE: u32 = 0xE000_1000;
 pub const CORE: u32 = 0xE000_E000;
 /// Where a return from an exception branches to.
 pub const RETURN_PAGE: u32 = 0xFFFF_F000;

@@ -1,5 +1,5 @@
 //! The core's own registers (ARMv7-M, B3.2 and B3.3): where vectors are, the request for a reset, the float unit's access, and
-//! the counter that delays are made with.
+//! the counter that delays are made with, and the one that cycles are counted with (C1.8).
 
 use super::time::Ticks;
 
@@ -14,6 +14,11 @@ const HFSR: u32 = 0xD2C;
 const MMFAR: u32 = 0xD34;
 const BFAR: u32 = 0xD38;
 const CPACR: u32 = 0xD88;
+const DEMCR: u32 = 0xDFC;
+const TRACE_ENABLE: u32 = 1 << 24;
+
+const DWT_CTRL: u32 = 0x000;
+const DWT_CYCCNT: u32 = 0x004;
 /// The key, and SYSRESETREQ.
 const RESET_REQUEST: u32 = 0x05FA_0004;
 const COUNT_FLAG: u32 = 1 << 16;
@@ -41,6 +46,8 @@ pub struct System {
     period: Ticks,
     vectors: u32,
     cpacr: u32,
+    demcr: u32,
+    dwt_ctrl: u32,
     /// What the last fault was, and the address that it could not reach.
     cfsr: u32,
     bfar: u32,
@@ -87,6 +94,7 @@ impl System {
             VTOR => self.vectors,
             AIRCR => 0xFA05_0000,
             CPACR => self.cpacr,
+            DEMCR => self.demcr,
             CFSR => self.cfsr,
             // FORCED: a handler of its own is off.
             HFSR => u32::from(self.cfsr != 0) << 30,
@@ -99,6 +107,26 @@ impl System {
             _ => return None,
         };
         Some((word, None))
+    }
+
+    /// A word of the trace unit: its control, and the cycles counted, which stand still until both are told to run.
+    pub const fn trace(&self, offset: u32, now: Ticks, core_ticks: Ticks) -> Option<u32> {
+        let runs = self.demcr & TRACE_ENABLE != 0 && self.dwt_ctrl & ENABLE != 0;
+        match offset {
+            DWT_CTRL => Some(self.dwt_ctrl),
+            #[allow(clippy::cast_possible_truncation)] // the counter has 32 bits
+            DWT_CYCCNT => Some(if runs { (now / core_ticks) as u32 } else { 0 }),
+            _ => None,
+        }
+    }
+
+    /// A write to the trace unit; `false` if there is no such register.
+    pub const fn write_trace(&mut self, offset: u32, word: u32) -> bool {
+        let is_control = offset == DWT_CTRL;
+        if is_control {
+            self.dwt_ctrl = word;
+        }
+        is_control
     }
 
     /// A write; `false` if there is no such register.
@@ -118,6 +146,7 @@ impl System {
             VTOR => self.vectors = word,
             AIRCR => self.reset_asked |= word & 0xFFFF_0007 == RESET_REQUEST,
             CPACR => self.cpacr = word,
+            DEMCR => self.demcr = word,
             0xD10..=0xD24 | 0xF34 => {}
             _ => return false,
         }

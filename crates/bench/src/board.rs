@@ -2,6 +2,7 @@
 
 mod first_time;
 mod live;
+mod self_test;
 mod stopped;
 
 use std::path::Path;
@@ -19,6 +20,7 @@ pub use zerorate_core::units::{Axis, Taps};
 
 pub use self::first_time::{FirstTime, MOST_STORES, Recalled};
 pub use self::live::{LiveAxis, LiveGroup};
+pub use self::self_test::{Check, SelfTest, Verdict};
 pub use self::stopped::Stopped;
 
 use crate::choice::DeviceChoice;
@@ -92,10 +94,17 @@ impl Board {
     /// # Errors
     /// [`ClientError`].
     pub fn open(choice: &DeviceChoice) -> Result<Self, ClientError> {
-        let mut device = match choice.open()? {
+        Self::on(match choice.open()? {
             Some(device) => device,
             None => simulated_bench(choice)?.device,
-        };
+        })
+    }
+
+    /// Shakes hands with a device.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn on(mut device: DeviceClient) -> Result<Self, ClientError> {
         let identity = device.identify()?;
         Ok(Self { device, identity, started: false })
     }

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use zerorate_core::record::DeviceRecord;
 use zerorate_core::units::{Axis, GroupNumber, Taps};
 use zerorate_core::wire::{
-    Answer, CHUNK, FaultCounts, GroupReport, Identity, Refusal, Request, Sample, Stop, WIRE_VERSION,
+    Answer, CHUNK, FaultCounts, GroupReport, Health, Identity, Refusal, Request, Sample, Stop, WIRE_VERSION,
 };
 
 use self::conversation::Conversation;
@@ -223,6 +223,17 @@ impl DeviceClient {
     pub fn stop(&mut self) -> Result<Option<Stop>, ClientError> {
         match self.ask(Request::Stop)? {
             Answer::Stop(stop) => Ok(stop),
+            _ => Err(ClientError::Confused),
+        }
+    }
+
+    /// How the device finds itself.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn health(&mut self) -> Result<Health, ClientError> {
+        match self.ask(Request::Health)? {
+            Answer::Health(health) => Ok(health),
             _ => Err(ClientError::Confused),
         }
     }

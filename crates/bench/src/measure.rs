@@ -9,7 +9,7 @@ use zerorate_cal::ramp_fit::{RampGroup, RampMeans, fit_axis};
 use zerorate_cal::units::TemperatureUnit;
 use zerorate_core::drift::Drift;
 use zerorate_core::record::{AxisModel, DeviceRecord};
-use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps, TemperatureScale};
+use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps};
 use zerorate_core::wire::Request;
 use zerorate_fit::trim::{TrimFit, fit_trim, tap_effects};
 
@@ -153,7 +153,8 @@ fn compose(
     };
     let axes = Axis::BOTH.into_iter().zip(drifts.iter().zip(&trims)).map(with_trim).collect();
     let mut calibration = Calibration {
-        temperature_scale: Some(TemperatureScale::QUARTER_COUNTS),
+        temperature_scale: Some(session.setup.temperature_scale()),
+        board: Some(session.setup.board_scale()),
         group_period_s: Some(session.setup.group_period().0),
         labels: session.setup.labels.clone(),
         setup: serde_json::to_value(session.setup).ok(),

@@ -11,7 +11,6 @@ use zerorate_cal::units::TemperatureUnit;
 use zerorate_core::compensate::Mode;
 use zerorate_core::record::MAX_RECORD_BYTES;
 use zerorate_core::trim::{Trim, TrimLine};
-use zerorate_core::units::TemperatureScale;
 
 use crate::error::BenchError;
 use crate::setup::SetUp;
@@ -54,7 +53,8 @@ pub fn of_axes(
     let serial = Some(info.unit_serial.clone()).filter(|serial| !serial.is_empty());
     let axes = axes.into_iter().map(with_trim).collect();
     Ok(Calibration {
-        temperature_scale: Some(TemperatureScale::QUARTER_COUNTS),
+        temperature_scale: Some(setup.temperature_scale()),
+        board: Some(setup.board_scale()),
         group_period_s: Some(setup.group_period().0),
         warnings: warnings.into_iter().chain([NO_TRIM.to_owned()]).collect(),
         labels: info.labels.clone(),

@@ -48,7 +48,7 @@ impl Taken {
     /// The corrected mean of an axis.
     #[must_use]
     pub fn corrected(&self, axis: Axis) -> Counts {
-        Counts(f64::from(self.report.axes[axis.index()].corrected_q16) / 65_536.0)
+        self.report.axes[axis.index()].corrected()
     }
 
     /// The mean zero-rate output of an axis as read.

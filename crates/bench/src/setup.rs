@@ -11,9 +11,11 @@ use std::path::Path;
 
 use documented::DocumentedFields;
 use serde::{Deserialize, Serialize};
+use zerorate_cal::calibration::BoardScale;
 use zerorate_cal::source::in_quotes;
+use zerorate_core::board::BoardNumbers;
 use zerorate_core::compensate::{LowPass, Mode};
-use zerorate_core::units::{Celsius, Counts, Seconds, Taps};
+use zerorate_core::units::{Celsius, Counts, Seconds, Taps, TemperatureScale};
 use zerorate_fit::model::Model;
 
 /// The supply of the potentiometer, volts (paper, 2.1): a tap is a 1023rd of it.
@@ -49,7 +51,7 @@ pub struct SetUp {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, DocumentedFields)]
 #[serde(default, deny_unknown_fields)]
 pub struct Board {
-    /// Bits of the A/D converter. Only 14 is supported so far.
+    /// Bits of the A/D converter, 8 to 16.
     pub converter_bits: u32,
     /// The zero-rate reading aimed at, V0, counts.
     pub centre_counts: f64,
@@ -63,6 +65,9 @@ pub struct Board {
     pub counts_per_celsius: f64,
     /// The temperature reading at 0 C, counts; a part's own is some degrees off.
     pub counts_at_zero_celsius: f64,
+    /// Noise of one sample of the temperature reading, counts rms. A sensor that shows less than a quarter of it and does not
+    /// move is taken to be stuck, and one that shows 32 times as much in a group to be out of order.
+    pub temperature_noise_counts: f64,
     /// Volts at the rate input that move the reading by one count, without sign.
     pub input_volts_per_count: f64,
     /// Cut-off of the circuit's first-order low-pass, Hz.
@@ -216,6 +221,26 @@ impl SetUp {
         Counts(f64::from((1_u32 << self.board.converter_bits.min(16)) - 1))
     }
 
+    /// The converter and the temperature sensors as a device is told of them; the paper's where a set-up was never checked.
+    #[must_use]
+    pub fn numbers(&self) -> BoardNumbers {
+        self.board_scale().numbers().unwrap_or(BoardNumbers::PAPER)
+    }
+
+    /// What a temperature code stands for on the board, in counts.
+    pub(crate) fn temperature_scale(&self) -> TemperatureScale {
+        TemperatureScale { zero: 0.0, step: 1.0 / f64::from(self.numbers().codes_per_count) }
+    }
+
+    /// The same as a calibration keeps it.
+    pub(crate) const fn board_scale(&self) -> BoardScale {
+        BoardScale {
+            converter_bits: self.board.converter_bits,
+            counts_per_kelvin: self.board.counts_per_celsius,
+            temperature_noise_counts: self.board.temperature_noise_counts,
+        }
+    }
+
     /// The middle tap N0.
     #[must_use]
     pub fn middle(&self) -> Taps {
@@ -294,6 +319,7 @@ impl Default for Board {
             // 8500 to 11 900 counts over -40 to +60 C (READING.md, "What the paper leaves open").
             counts_per_celsius: 34.0,
             counts_at_zero_celsius: 9860.0,
+            temperature_noise_counts: 3.0,
             // 250 uV a count over the gain of 1.599.
             input_volts_per_count: 250e-6 / 1.599,
             low_pass_hz: 40.0,

@@ -28,7 +28,7 @@ impl StepWatch {
     /// The largest jump in the first `first` samples of a group, counts: the difference of two adjacent means of 20
     /// samples, the later of which begins in it. NaN where there are too few samples to tell.
     pub fn largest_jump(&mut self, samples: &[Sample], first: usize) -> f64 {
-        let corrected = samples.iter().map(|sample| f64::from(sample.corrected_q16) / 65_536.0);
+        let corrected = samples.iter().map(|sample| sample.corrected().0);
         let mut values = core::mem::take(&mut self.tail);
         let before = values.len();
         values.extend(corrected);

@@ -10,6 +10,7 @@ use zerorate_bench::run::{Session, Silent};
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
 use zerorate_core::compensate::Mode;
+use zerorate_core::group::CODES_PER_COUNT;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::{Axis, Taps, TemperatureScale};
 use zerorate_core::wire::{Request, ResetCause, SampleWindow};
@@ -37,7 +38,7 @@ fn a_calibrated_board_is_at_work_when_its_power_has_come_and_its_wipers_follow_f
     let groups = [(); 2].map(|()| bench.device.next_group().unwrap().report);
     let law = paper_record::model(VALID, None, 0.05).static_law(TemperatureScale::QUARTER_COUNTS);
     for axis in Axis::BOTH {
-        let asked = law.tap(groups[0].axes[axis.index()].sums.temperature_code().unwrap());
+        let asked = law.tap(groups[0].axes[axis.index()].sums.temperature_code(CODES_PER_COUNT).unwrap());
         assert_eq!(groups[0].group.0, 0);
         assert_eq!(groups[0].axes[axis.index()].moved_to, asked);
         assert_eq!(Some(groups[1].axes[axis.index()].tap), asked);

@@ -8,6 +8,7 @@
 //! a reader does not know it passes over, so that adding one needs no new version.
 
 mod axis;
+mod board;
 mod celsius;
 mod device;
 mod drift_form;
@@ -22,6 +23,7 @@ use serde::{Deserialize, Serialize};
 use zerorate_core::units::TemperatureScale;
 
 pub use axis::AxisCalibration;
+pub use board::BoardScale;
 pub use celsius::CelsiusScale;
 pub use device::{MadeRecord, NoDeviceRecord};
 pub use error::{CalibrationError, CalibrationFault};
@@ -70,6 +72,9 @@ pub struct Calibration {
     /// What a temperature code stands for on the board, in the temperature's unit; `None` for a log.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub temperature_scale: Option<TemperatureScale>,
+    /// The board's converter and temperature sensors; `None` for a log, and for the paper's board.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub board: Option<BoardScale>,
     /// The time from group to group on the board, seconds, by which a history runs there; `None` for a log.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub group_period_s: Option<f64>,
@@ -120,6 +125,7 @@ impl Calibration {
             sources,
             temperature_unit,
             temperature_scale: None,
+            board: None,
             group_period_s: None,
             axes,
             warnings: Vec::new(),

@@ -5,6 +5,7 @@ mod chatter;
 use std::fmt;
 
 use thiserror::Error;
+use zerorate_core::board::BoardNumbers;
 use zerorate_core::compensate::{EdgeError, EdgeTable, LawRefused, LowPass, Mode, StaticLaw, Unrepresentable};
 use zerorate_core::drift::{Drift, History};
 use zerorate_core::record::{AxisModel, DeviceRecord, HistoryModel, MAX_RECORD_BYTES, UnitSerial};
@@ -153,11 +154,12 @@ pub fn compose_axis(
 pub fn compose(
     unit_serial: &str,
     temperature_scale: TemperatureScale,
+    board: BoardNumbers,
     axes: &[AxisModel; 2],
 ) -> Result<DeviceRecord, ComposeError> {
     let unit = UnitSerial::try_from(unit_serial)
         .map_err(|_| ComposeError::SerialTooLong { serial: unit_serial.to_owned() })?;
-    let record = DeviceRecord::new(unit, temperature_scale, axes)
+    let record = DeviceRecord::new(unit, temperature_scale, board, axes)
         .map_err(|(axis, refused)| ComposeError::Axis { axis: axis.name(), refused })?;
     record.encode(&mut [0; MAX_RECORD_BYTES]).map_err(|_| ComposeError::TooLong)?;
     Ok(record)

@@ -17,6 +17,7 @@
 
 mod axis;
 mod axis_law;
+mod codes;
 mod compose;
 mod dynamic;
 mod edges;

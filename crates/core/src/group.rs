@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{Counts, TemperatureCode};
 
-/// Temperature codes to one count: a code is a quarter count on a 14-bit board (DESIGN.md, "The quantities").
-pub const CODES_PER_COUNT: u32 = 4;
+/// Temperature codes to one count of a 14-bit board: a code is a quarter count there (DESIGN.md, "The quantities").
+pub const CODES_PER_COUNT: u16 = 4;
 
 /// The sums of one axis's samples in a group: exact integers, so that groups add up in any order to the same bits.
 ///
@@ -68,20 +68,20 @@ impl GroupSums {
         is_at_end(self.n, self.temperature, self.temperature_sq, full_scale)
     }
 
-    /// Whether the temperature samples scatter about their mean by more than so many counts rms.
+    /// Whether the temperature samples scatter about their mean by more than so much, in steps of 1/256 count rms.
     #[must_use]
-    pub fn temperature_scatters(&self, counts_rms: u32) -> bool {
+    pub fn temperature_scatters(&self, rms_q8: u32) -> bool {
         let n = u128::from(self.n);
         let spread = spread(self.n, self.temperature, self.temperature_sq);
-        spread > n * n * u128::from(counts_rms) * u128::from(counts_rms)
+        spread << 16 > n * n * u128::from(rms_q8) * u128::from(rms_q8)
     }
 
-    /// The mean temperature as the law takes it, rounded to the nearest code in integers alone; `None` for an empty
-    /// group.
+    /// The mean temperature as the law takes it, in so many codes to a count, rounded to the nearest in integers alone; `None`
+    /// for an empty group.
     #[must_use]
-    pub fn temperature_code(&self) -> Option<TemperatureCode> {
+    pub fn temperature_code(&self, codes_per_count: u16) -> Option<TemperatureCode> {
         let n = u64::from(self.n);
-        let code = (2 * u64::from(CODES_PER_COUNT) * self.temperature + n).checked_div(2 * n)?;
+        let code = (2 * u64::from(codes_per_count) * self.temperature + n).checked_div(2 * n)?;
         Some(TemperatureCode(u16::try_from(code).unwrap_or(u16::MAX)))
     }
 }
@@ -113,7 +113,7 @@ mod tests {
     fn an_empty_group_has_no_temperature() {
         let empty = GroupSums::default();
         assert!(empty.mean_temperature().0.is_nan() && empty.variance_of_temperature().is_nan());
-        assert_eq!(empty.temperature_code(), None);
+        assert_eq!(empty.temperature_code(CODES_PER_COUNT), None);
     }
 
     #[test]
@@ -150,7 +150,7 @@ mod tests {
             prop_assert_eq!(forth, back);
             // The integer rounding against floating point.
             let mean = forth.mean_temperature().0 * 4.0;
-            let code = f64::from(forth.temperature_code().unwrap().0);
+            let code = f64::from(forth.temperature_code(CODES_PER_COUNT).unwrap().0);
             prop_assert!((code - mean).abs() <= 0.5 + 1e-9);
         }
     }

@@ -4,6 +4,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod board;
 pub mod checksum;
 pub mod compensate;
 pub mod drift;

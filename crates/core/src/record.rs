@@ -11,6 +11,7 @@ mod model;
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
+use crate::board::BoardNumbers;
 use crate::checksum::CRC_32;
 use crate::compensate::{AxisLaw, LawNumbers, LawRefused, Mode};
 use crate::units::{Axis, TemperatureScale};
@@ -20,7 +21,8 @@ pub use model::{AxisModel, HistoryModel};
 /// The version of the body that this code reads and writes.
 ///
 /// 1: static laws. 2: each axis may carry a history with its group period. 3: laws in integers, no models in f64.
-pub const RECORD_VERSION: u16 = 3;
+/// 4: readings from the one aimed at; what the board is made of.
+pub const RECORD_VERSION: u16 = 4;
 /// More bytes than any record takes.
 pub const MAX_RECORD_BYTES: usize = 6144;
 
@@ -55,6 +57,8 @@ pub struct DeviceRecord {
     pub unit: UnitSerial,
     /// What a temperature code stands for on this board.
     pub temperature_scale: TemperatureScale,
+    /// Its converter and its temperature sensors.
+    pub board: BoardNumbers,
     /// The axes, X then Y.
     pub axes: [AxisRecord; 2],
 }
@@ -94,8 +98,16 @@ impl core::fmt::Display for RecordError {
 
 impl core::error::Error for RecordError {}
 
-/// What a unit runs: the laws of its axes, X then Y, and what they do when the board starts.
-pub type Laws = ([AxisLaw; 2], [Mode; 2]);
+/// What a unit runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Laws {
+    /// The laws of its axes, X then Y.
+    pub axes: [AxisLaw; 2],
+    /// What they do when the board starts.
+    pub start_up_modes: [Mode; 2],
+    /// What its readings are held against.
+    pub board: BoardNumbers,
+}
 
 /// Why a unit does not run a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,7 +116,7 @@ pub enum RecordRefused {
     Bytes(RecordError),
     /// It is another unit's.
     OtherUnit,
-    /// A law of it cannot be run.
+    /// A law of it cannot be run, or no board has such numbers.
     Law,
 }
 
@@ -117,8 +129,10 @@ pub fn laws_for(serial: Option<&[u8]>, bytes: &[u8]) -> Result<Laws, RecordRefus
     if serial.is_some_and(|serial| serial != record.unit.as_bytes()) {
         return Err(RecordRefused::OtherUnit);
     }
+    let board = Some(record.board).filter(BoardNumbers::are_sound).ok_or(RecordRefused::Law)?;
     let law = |axis| record.axis(axis).law().map_err(|_| RecordRefused::Law);
-    Ok(([law(Axis::X)?, law(Axis::Y)?], Axis::BOTH.map(|axis| record.axis(axis).start_up_mode)))
+    let start_up_modes = Axis::BOTH.map(|axis| record.axis(axis).start_up_mode);
+    Ok(Laws { axes: [law(Axis::X)?, law(Axis::Y)?], start_up_modes, board })
 }
 
 impl DeviceRecord {

@@ -17,17 +17,17 @@ mod stop;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-use crate::compensate::Mode;
+use crate::compensate::{Mode, Q16};
 use crate::drift::Coverage;
 use crate::group::GroupSums;
 use crate::record::{RecordError, RecordRefused, UnitSerial};
-use crate::units::{Axis, GroupNumber, Taps};
+use crate::units::{Axis, Counts, GroupNumber, Taps};
 
 pub use self::scan::{AxisScan, SCAN_FRAME_BYTES, ScanFlags, ScanReport};
 pub use self::stop::{FILE_BYTES, FaultRegisters, Stop};
 
 /// The version of this table. Host and device compare it in the answer to [`Request::Identity`].
-pub const WIRE_VERSION: u16 = 4;
+pub const WIRE_VERSION: u16 = 5;
 /// Bytes of a calibration in one message.
 pub const CHUNK: usize = 128;
 /// Samples in one message.
@@ -104,6 +104,8 @@ pub enum Request {
     RecallPowerUpTap,
     /// Asks where the program stopped itself last. Answered at once.
     Stop,
+    /// Asks how the board finds itself. Answered at once.
+    Health,
 }
 
 /// Which of a group's samples are uploaded: the first so many and the last so many of each axis that is asked for.
@@ -193,6 +195,35 @@ pub enum Answer {
     Refused(Refusal),
     /// Where the program stopped itself last since power came, if it did.
     Stop(Option<Stop>),
+    /// How the board finds itself.
+    Health(Health),
+}
+
+/// How a board finds itself, as far as it can tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Health {
+    /// Its stack; `None` where the program runs on one that is not its own.
+    pub stack: Option<Stack>,
+    /// The longest that the data-ready interrupt took since the start; `None` where no cycles are counted.
+    pub interrupt: Option<Interrupt>,
+}
+
+/// A stack since the start, bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stack {
+    /// How much of it there is.
+    pub size: u32,
+    /// How much of it was ever used.
+    pub used: u32,
+}
+
+/// An interrupt, by the processor's own counter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Interrupt {
+    /// The longest since the start, cycles.
+    pub longest_cycles: u32,
+    /// Cycles a microsecond.
+    pub cycles_per_us: u32,
 }
 
 /// Who the device is.
@@ -377,7 +408,7 @@ pub struct AxisReport {
     pub tap: Taps,
     /// The mode while the group was taken.
     pub mode: Mode,
-    /// The corrected mean, in steps of 1/65536 count.
+    /// The corrected mean, in steps of 1/65536 count, modulo 65 536 counts: [`corrected`](Self::corrected) tells it.
     pub corrected_q16: i32,
     /// Where the temperature lay against the calibrated range.
     pub coverage: Coverage,
@@ -389,6 +420,14 @@ pub struct AxisReport {
     pub temperature: TemperatureCheck,
     /// Whether the wiper was to be written when the group closed, and could not be: it will be tried again.
     pub trim_failed: bool,
+}
+
+impl AxisReport {
+    /// The corrected mean.
+    #[must_use]
+    pub fn corrected(&self) -> Counts {
+        Counts(Q16(self.corrected_q16).near(self.sums.mean_zro().0))
+    }
 }
 
 /// A closed group.
@@ -411,8 +450,16 @@ pub struct Sample {
     pub temperature: u16,
     /// The zero-rate reading, counts.
     pub zro: u16,
-    /// The corrected reading, in steps of 1/65536 count.
+    /// The corrected reading, in steps of 1/65536 count, modulo 65 536 counts: [`corrected`](Self::corrected) tells it.
     pub corrected_q16: i32,
+}
+
+impl Sample {
+    /// The corrected reading.
+    #[must_use]
+    pub fn corrected(&self) -> Counts {
+        Counts(Q16(self.corrected_q16).near(f64::from(self.zro)))
+    }
 }
 
 /// Some of a group's samples of one axis.

@@ -7,9 +7,6 @@ use zerorate_core::units::Axis;
 /// The longest set, scans: what the acquisition port's banks hold (docs/acquisition-port.md).
 pub const MAX_SET_LENGTH: usize = 512;
 
-/// The highest reading of a 14-bit converter, counts.
-pub const FULL_SCALE: u16 = (1 << 14) - 1;
-
 /// One sample of each channel, counts: temperature X, zero-rate X, temperature Y, zero-rate Y (paper, S3).
 pub type Scan = [u16; 4];
 

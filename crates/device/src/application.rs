@@ -11,8 +11,10 @@
 
 use core::ops::Deref;
 
+use zerorate_core::board::BoardNumbers;
 use zerorate_core::compensate::Mode;
 use zerorate_core::record::UnitSerial;
+use zerorate_core::wire::Health;
 
 use crate::acquisition::{Acquisition, Timing};
 use crate::compensator::Compensator;
@@ -43,6 +45,10 @@ pub struct Parts<A, P, S, W, K> {
     pub unit: UnitSerial,
     /// How sets are taken.
     pub timing: Timing,
+    /// The board's converter and sensors, until a record tells more.
+    pub board: BoardNumbers,
+    /// How the board finds itself.
+    pub health: fn() -> Health,
 }
 
 /// The application of a home.
@@ -90,7 +96,7 @@ where
     /// until the first group. A record with which the program has failed three times in a row is set aside.
     #[must_use]
     pub fn start(parts: Parts<A, P, S, W, K>) -> Self {
-        let Parts { acquisition, trim, store, watchdog, kept, started, unit, timing } = parts;
+        let Parts { acquisition, trim, store, watchdog, kept, started, unit, timing, board, health } = parts;
         let goes_on = started.reset.is_fault();
         let trim = Keeping::new(trim, kept.clone());
         let mut compensator = if goes_on {
@@ -98,8 +104,10 @@ where
         } else {
             Compensator::new(acquisition, trim, timing)
         };
-        let mut console = Console::new(unit, timing, store, started);
-        if let Some((laws, modes)) = console.take_laws() {
+        compensator.built_on(board);
+        let mut console = Console::new(unit, timing, store, started, health);
+        if let Some(laws) = console.take_laws() {
+            let modes = laws.start_up_modes;
             compensator.install(laws);
             compensator.set_modes(modes);
             if modes != [Mode::Off; 2] {
@@ -171,7 +179,7 @@ impl<S: RecordStore, W: Watchdog, K: Deref<Target = Kept>> Task<S, W, K> {
 
     /// Takes a new record into use, when its group is about to begin.
     fn install(&mut self, compensator: &mut impl Shared) {
-        if let Some((laws, _)) = self.console.take_laws() {
+        if let Some(laws) = self.console.take_laws() {
             self.kept.works();
             compensator.lock(|compensator| compensator.install(laws));
         }

@@ -13,7 +13,9 @@ mod scans;
 mod temperature;
 
 use heapless::Vec;
-use zerorate_core::compensate::{AxisLaw, Mode, SampleCorrection};
+use zerorate_core::board::BoardNumbers;
+use zerorate_core::compensate::{Mode, SampleCorrection};
+use zerorate_core::record::Laws;
 use zerorate_core::units::{Axis, GroupNumber, Taps};
 use zerorate_core::wire::{AxisScan, FaultCounts, GroupReport, Refusal, ScanFlags, ScanReport};
 
@@ -21,7 +23,8 @@ use self::axis::AxisAtWork;
 use self::continuity::Continuity;
 use self::outbox::Outbox;
 use self::scans::ScanByScan;
-use crate::acquisition::{Acquisition, FULL_SCALE, Set, Timing, axis_samples};
+use self::temperature::Believable;
+use crate::acquisition::{Acquisition, Set, Timing, axis_samples};
 use crate::trim_part::TrimPart;
 
 pub use self::command::{Action, Scheduled};
@@ -42,6 +45,7 @@ pub struct Compensator<A, P> {
     timing: Timing,
     /// Scans of the first set when the acquisition is started, until one has come.
     first_length: u16,
+    board: BoardNumbers,
     axes: [AxisAtWork; 2],
     set: Set,
     scans: ScanByScan,
@@ -78,6 +82,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             part,
             timing,
             first_length: timing.set_length,
+            board: BoardNumbers::PAPER,
             axes,
             set: Set::default(),
             scans: ScanByScan::beginning(corrections, timing.set_length, timing.set_length),
@@ -119,9 +124,15 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         &mut self.acquisition
     }
 
+    /// The board that it is built on, by which it judges readings until a record tells more; the paper's where nobody says.
+    pub const fn built_on(&mut self, board: BoardNumbers) {
+        self.board = board;
+    }
+
     /// Takes laws into use, keeping modes and taps.
-    pub fn install(&mut self, laws: [AxisLaw; 2]) {
-        for (axis, law) in self.axes.iter_mut().zip(laws) {
+    pub fn install(&mut self, laws: Laws) {
+        self.board = laws.board;
+        for (axis, law) in self.axes.iter_mut().zip(laws.axes) {
             axis.install(law);
         }
         self.scans.replace(sample_corrections(&self.axes));
@@ -180,7 +191,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             let (_, zro) = axis_samples(&scan.scan, axis);
             let flags = self.axes[axis.index()].flags();
             let flags = flags.with(ScanFlags::SETTLING, is_settling);
-            let flags = flags.with(ScanFlags::SATURATED, zro == 0 || zro >= FULL_SCALE);
+            let flags = flags.with(ScanFlags::SATURATED, zro == 0 || zro >= self.board.full_scale);
             AxisScan { corrected_q16: corrected.0, flags }
         });
         Some(ScanReport { scan: scan.number, axes })
@@ -285,10 +296,11 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             axis.lose(missed, sums.n);
         }
         self.first_length = self.timing.set_length;
+        let believable = Believable { board: self.board, timing: self.timing };
         let axes = Axis::BOTH.map(|axis| {
             let sums = self.set.sums[axis.index()];
             let other = self.axes[1 - axis.index()].temperature.believed();
-            self.axes[axis.index()].close(sums, other, missed, self.timing, &mut self.part, &mut self.faults)
+            self.axes[axis.index()].close(sums, other, missed, believable, &mut self.part, &mut self.faults)
         });
         self.group = GroupNumber(group.0.wrapping_add(1));
         let acquisition_errors = self.faults.acquisition_errors;

@@ -9,7 +9,9 @@ mod memory;
 use zerorate_core::record::{Laws, UnitSerial};
 use zerorate_core::units::GroupNumber;
 use zerorate_core::wire::frame::{FrameError, Receiver, encode};
-use zerorate_core::wire::{Answer, Command, FaultCounts, Identity, Message, Refusal, Request, Upload, WIRE_VERSION};
+use zerorate_core::wire::{
+    Answer, Command, FaultCounts, Health, Identity, Message, Refusal, Request, Upload, WIRE_VERSION,
+};
 
 use self::calibration::Calibration;
 use self::memory::Memory;
@@ -43,6 +45,7 @@ pub struct Console<S> {
     faults: FaultCounts,
     /// The group that is being filled, as far as it is known here.
     group: GroupNumber,
+    health: fn() -> Health,
 }
 
 impl<S: RecordStore> Console<S> {
@@ -50,7 +53,7 @@ impl<S: RecordStore> Console<S> {
     /// it is whole and this unit's, waits in [`take_laws`](Self::take_laws); otherwise the device runs uncompensated, and
     /// keeps talking.
     #[must_use]
-    pub fn new(unit: UnitSerial, timing: Timing, store: S, started: Started) -> Self {
+    pub fn new(unit: UnitSerial, timing: Timing, store: S, started: Started, health: fn() -> Health) -> Self {
         Self {
             timing,
             calibration: Calibration::stored(store, unit, started.set_aside),
@@ -61,6 +64,7 @@ impl<S: RecordStore> Console<S> {
             memory: Memory::new(),
             faults: FaultCounts::default(),
             group: GroupNumber(0),
+            health,
         }
     }
 
@@ -144,6 +148,7 @@ impl<S: RecordStore> Console<S> {
             }
             Request::Faults => Answer::Faults(self.faults(status)),
             Request::Stop => Answer::Stop(self.started.stop.clone()),
+            Request::Health => Answer::Health((self.health)()),
             Request::ReadCalibration { offset } => self.calibration.read(*offset),
             Request::WriteCalibration { offset, bytes } => answer_of(self.calibration.write(*offset, bytes)),
             _ => return None,

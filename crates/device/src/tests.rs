@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 use std::vec::Vec;
 
+use zerorate_core::board::BoardNumbers;
 use zerorate_core::compensate::{EdgeTable, LowPass, Mode};
 use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, ValidRange};
 use zerorate_core::group::GroupSums;
@@ -167,5 +168,5 @@ pub fn record_with(unit: &str, low_pass: LowPass) -> DeviceRecord {
     };
     axis.edges = Some(EdgeTable::solve(&axis.static_law(TemperatureScale::QUARTER_COUNTS)).unwrap());
     let unit = UnitSerial::try_from(unit).unwrap();
-    DeviceRecord::new(unit, TemperatureScale::QUARTER_COUNTS, &[axis.clone(), axis]).unwrap()
+    DeviceRecord::new(unit, TemperatureScale::QUARTER_COUNTS, BoardNumbers::PAPER, &[axis.clone(), axis]).unwrap()
 }

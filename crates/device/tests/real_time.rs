@@ -3,9 +3,10 @@
 
 #![allow(clippy::unwrap_used)] // what a test cannot do without
 
+use zerorate_core::board::BoardNumbers;
 use zerorate_core::compensate::{EdgeTable, LowPass, Mode};
 use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, ValidRange};
-use zerorate_core::record::{AxisModel, DeviceRecord, UnitSerial};
+use zerorate_core::record::{AxisModel, DeviceRecord, MAX_RECORD_BYTES, UnitSerial, laws_for};
 use zerorate_core::trim::{TapEffects, Trim, TrimLine};
 use zerorate_core::units::{Axis, Celsius, Counts, Taps, TemperatureScale};
 use zerorate_core::wire::{SampleWindow, ScanFlags, ScanReport};
@@ -46,7 +47,8 @@ fn record(plant: &Plant) -> DeviceRecord {
         axis.edges = Some(EdgeTable::solve(&axis.static_law(TemperatureScale::QUARTER_COUNTS)).unwrap());
         axis
     };
-    DeviceRecord::new(UnitSerial::new(), TemperatureScale::QUARTER_COUNTS, &Axis::BOTH.map(axis)).unwrap()
+    let (scale, axes) = (TemperatureScale::QUARTER_COUNTS, Axis::BOTH.map(axis));
+    DeviceRecord::new(UnitSerial::new(), scale, BoardNumbers::PAPER, &axes).unwrap()
 }
 
 /// A board at work in mode hybrid, and its plant on its way to -40 C. Its wipers move so long after the last scan of a group.
@@ -62,7 +64,7 @@ impl Board {
         let plant = plant.share();
         let trim = Max5494Trim::new(PotentiometerSpi::new(&plant), PlantDelay::new(&plant));
         let mut compensator = Compensator::new(PortAcquisition::new(PortSpi::new(&plant)), trim, Timing::PAPER);
-        compensator.install(Axis::BOTH.map(|axis| record.axis(axis).law().unwrap()));
+        compensator.install(laws_for(None, record.encode(&mut [0; MAX_RECORD_BYTES]).unwrap()).unwrap());
         compensator.set_modes([Mode::Hybrid; 2]);
         plant.borrow_mut().chamber_set_point(Celsius(-40.0)).unwrap();
         compensator.begin_alone();

@@ -40,7 +40,7 @@
 #define ZERORATE_INVALID 3
 
 // 64-bit words of a unit's storage: more than its laws and state take on any target.
-#define ZERORATE_UNIT_WORDS 512
+#define ZERORATE_UNIT_WORDS 768
 
 // What came of a call.
 typedef enum {

@@ -4,11 +4,11 @@ use core::mem::MaybeUninit;
 
 use zerorate_core::compensate::{AxisCompensation, AxisLaw, GroupOutcome, Mode};
 use zerorate_core::group::GroupSums;
-use zerorate_core::record::{RecordRefused, laws_for};
+use zerorate_core::record::{Laws, RecordRefused, laws_for};
 use zerorate_core::units::Taps;
 
 /// 64-bit words of a unit's storage: more than its laws and state take on any target.
-pub const ZERORATE_UNIT_WORDS: usize = 512;
+pub const ZERORATE_UNIT_WORDS: usize = 768;
 
 /// A unit's storage. C provides it, `zerorate_init` fills it; what is in it is nobody else's business.
 #[repr(C)]
@@ -53,6 +53,7 @@ pub(crate) struct Unit(pub(crate) [CalibratedAxis; 2]);
 pub(crate) struct CalibratedAxis {
     law: AxisLaw,
     state: AxisCompensation,
+    codes_per_count: u16,
     /// Samples of the group being filled that `correct` has seen.
     seen: u32,
 }
@@ -61,11 +62,11 @@ impl Unit {
     /// A unit at start-up, both wipers at the middle tap, in the modes that the record gives for start-up. A `serial`
     /// that is not the record's refuses it.
     pub(crate) fn from_record(bytes: &[u8], serial: Option<&[u8]>) -> Result<Self, RecordRefused> {
-        let ([x, y], modes) = laws_for(serial, bytes)?;
+        let Laws { axes: [x, y], start_up_modes: modes, board } = laws_for(serial, bytes)?;
         let axis = |law: AxisLaw, mode| {
             let mut state = AxisCompensation::new(Some(&law), Taps::MIDDLE);
             state.set_mode(mode);
-            CalibratedAxis { law, state, seen: 0 }
+            CalibratedAxis { law, state, codes_per_count: board.codes_per_count, seen: 0 }
         };
         Ok(Self([axis(x, modes[0]), axis(y, modes[1])]))
     }
@@ -89,7 +90,8 @@ impl CalibratedAxis {
     /// Closes a group; samples that `correct` was not shown are passed over first.
     pub(crate) fn update(&mut self, sums: &GroupSums) -> (GroupOutcome, Taps) {
         self.state.skip_samples(sums.n.saturating_sub(core::mem::take(&mut self.seen)));
-        let outcome = self.state.close_group(Some(&self.law), sums);
+        let code = sums.temperature_code(self.codes_per_count);
+        let outcome = self.state.close_group_at(Some(&self.law), sums, code);
         (outcome, outcome.move_to.unwrap_or(self.state.tap()))
     }
 

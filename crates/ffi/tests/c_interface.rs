@@ -6,6 +6,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
+use zerorate_core::board::BoardNumbers;
 use zerorate_core::compensate::{AxisCompensation, EdgeTable, LowPass, Mode};
 use zerorate_core::drift::{Coverage, Drift, History, Knowledge, Memory, Polynomial, Scale, Shape, Term, ValidRange};
 use zerorate_core::group::GroupSums;
@@ -64,7 +65,13 @@ fn models() -> [AxisModel; 2] {
 }
 
 fn record_of(axes: &[AxisModel; 2]) -> DeviceRecord {
-    DeviceRecord::new(UnitSerial::try_from(SERIAL).unwrap(), TemperatureScale::QUARTER_COUNTS, axes).unwrap()
+    DeviceRecord::new(
+        UnitSerial::try_from(SERIAL).unwrap(),
+        TemperatureScale::QUARTER_COUNTS,
+        BoardNumbers::PAPER,
+        axes,
+    )
+    .unwrap()
 }
 
 fn record() -> DeviceRecord {

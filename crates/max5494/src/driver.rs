@@ -3,7 +3,7 @@
 use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;
 
-use crate::{Channel, Channels, Position, frame};
+use crate::{frame, Channel, Channels, Position};
 
 /// How long the part is busy after a frame that writes its non-volatile memory, from the rise of CS: 12 ms at most.
 /// No other command may reach it meanwhile.

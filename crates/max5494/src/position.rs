@@ -19,7 +19,11 @@ impl Position {
     /// The position `taps` away from the L end, or `None` above 1023.
     #[must_use]
     pub const fn new(taps: u16) -> Option<Self> {
-        if taps <= Self::LAST.0 { Some(Self(taps)) } else { None }
+        if taps <= Self::LAST.0 {
+            Some(Self(taps))
+        } else {
+            None
+        }
     }
 
     /// The position in taps, 0 to 1023.

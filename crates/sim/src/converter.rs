@@ -4,12 +4,11 @@
 use crate::gyro::ROOM_C;
 use crate::random::{Source, Stream};
 
-/// Counts of the converter: readings are 0 to 16 383.
-pub(crate) const COUNTS: f64 = 16_384.0;
-
 /// The converter's constants.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConverterParameters {
+    /// Its bits. Default 14; 16 stands for another part, which is driven alike.
+    pub bits: u32,
     /// The external reference in volts at 25 C. Default 4.096: exactly 250 uV a count.
     pub reference_v: f64,
     /// The reference's relative change per kelvin. Default 2e-6 (ADR4540B: 2 ppm/C at most).
@@ -21,9 +20,16 @@ pub struct ConverterParameters {
     pub noise_lsb: f64,
 }
 
+impl ConverterParameters {
+    /// Its counts: readings are below.
+    pub(crate) fn counts(&self) -> f64 {
+        f64::from(1_u32 << self.bits.min(16))
+    }
+}
+
 impl Default for ConverterParameters {
     fn default() -> Self {
-        Self { reference_v: 4.096, reference_tempco_per_k: 2e-6, inl_lsb: 1.0, noise_lsb: 0.15 }
+        Self { bits: 14, reference_v: 4.096, reference_tempco_per_k: 2e-6, inl_lsb: 1.0, noise_lsb: 0.15 }
     }
 }
 
@@ -34,6 +40,7 @@ pub(crate) struct Converter {
     /// The integral error's shape in counts: `(1 - x^2) (even + odd x)`, x from -1 to 1 over the range.
     even: f64,
     odd: f64,
+    counts: f64,
     counts_per_volt: f64,
 }
 
@@ -43,31 +50,32 @@ impl Converter {
         // (1 - x^2) is at most 1 and (1 - x^2) x at most 0.385, so these two together stay within the limit.
         let even = parameters.inl_lsb * stream.uniform(-0.6, 0.6);
         let odd = parameters.inl_lsb * stream.uniform(-1.0, 1.0);
-        let counts_per_volt = COUNTS / parameters.reference_v;
-        Self { parameters, even, odd, counts_per_volt }
+        let counts = parameters.counts();
+        let counts_per_volt = counts / parameters.reference_v;
+        Self { parameters, even, odd, counts, counts_per_volt }
     }
 
     /// Takes the reference to the board's temperature.
     pub(crate) fn warm(&mut self, board_c: f64) {
         let reference_v =
             self.parameters.reference_v * (1.0 + self.parameters.reference_tempco_per_k * (board_c - ROOM_C));
-        self.counts_per_volt = COUNTS / reference_v;
+        self.counts_per_volt = self.counts / reference_v;
     }
 
     /// The converter's own noise in volts rms.
     pub(crate) fn noise_v(&self) -> f64 {
-        self.parameters.noise_lsb * self.parameters.reference_v / COUNTS
+        self.parameters.noise_lsb * self.parameters.reference_v / self.counts
     }
 
     /// What a converter without steps would read: the integral error and the range's ends are in it. In counts.
     #[inline]
     pub(crate) fn stepless(&self, volts: f64) -> f64 {
-        let counts = (volts * self.counts_per_volt).clamp(0.0, COUNTS - 1.0);
-        let x = counts * (2.0 / COUNTS) - 1.0;
-        (counts + (1.0 - x * x) * (self.even + self.odd * x)).clamp(0.0, COUNTS - 1.0)
+        let counts = (volts * self.counts_per_volt).clamp(0.0, self.counts - 1.0);
+        let x = counts * (2.0 / self.counts) - 1.0;
+        (counts + (1.0 - x * x) * (self.even + self.odd * x)).clamp(0.0, self.counts - 1.0)
     }
 
-    /// A conversion: straight binary, 0 to 16 383.
+    /// A conversion: straight binary, 0 to all ones.
     #[inline]
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // The clamp of `stepless` makes the cast exact.
     pub(crate) fn convert(&self, volts: f64) -> u16 {

@@ -38,6 +38,7 @@ pub fn test(workspace: &Workspace) -> Result<Outcome> {
 /// have them.
 pub fn publish(workspace: &Workspace) -> Result<Outcome> {
     run(workspace, &["build", "--package", "max5494", "--no-default-features"])?;
+    run(workspace, &["test", "--package", "max5494", "--all-features"])?;
     run(workspace, &["publish", "--dry-run", "--allow-dirty", "--package", "max5494", "--package", "imu-logs"])
 }
 

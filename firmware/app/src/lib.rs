@@ -5,6 +5,8 @@
 
 #![no_std]
 
+pub mod health;
+
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 

@@ -12,6 +12,7 @@ mod semihosting;
 
 use heapless::String;
 use heapless::spsc::{Consumer, Producer};
+use zerorate_core::board::BoardNumbers;
 use zerorate_device::acquisition::Timing;
 use zerorate_device::application::{Application, Parts, Task};
 use zerorate_device::compensator::Compensator;
@@ -20,7 +21,7 @@ use zerorate_device::restart::{Keeping, Kept, Reset};
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::NoWatchdog;
-use zerorate_firmware::{Locked, Received};
+use zerorate_firmware::{Locked, Received, health};
 use zerorate_lockstep::{Answer, Board, Bus, BusFailed, Channel, LockstepFlash, LockstepSpi, Poll};
 
 use crate::chip::{Receiving, Sending};
@@ -70,6 +71,8 @@ mod app {
             started: zerorate_firmware::kept().started(Reset::Untold),
             unit: String::try_from(board.serial()).unwrap_or_default(),
             timing: Timing { scan_period_us: board.scan_period_us, set_length: board.set_length },
+            board: BoardNumbers::PAPER,
+            health: health::health,
         });
         let (received, heard) = cx.local.bytes.split();
         let (receiving, sending) = chip::uart0();

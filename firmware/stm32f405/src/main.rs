@@ -21,6 +21,7 @@ use stm32f4xx_hal::serial::{self, Rx, Tx};
 use stm32f4xx_hal::spi::{self, Spi};
 use stm32f4xx_hal::timer::{self, CounterHz, SysDelay};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
+use zerorate_core::board::BoardNumbers;
 use zerorate_device::acquisition::Timing;
 use zerorate_device::application::{Application, Parts, Task};
 use zerorate_device::compensator::Compensator;
@@ -29,7 +30,7 @@ use zerorate_device::restart::{Keeping, Kept};
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::Watchdog;
-use zerorate_firmware::{Locked, Received};
+use zerorate_firmware::{Locked, Received, health};
 
 use crate::flash::ChipFlash;
 use crate::scan_line::ScanLine;
@@ -112,7 +113,9 @@ mod app {
         let port_bus = device.SPI1.spi(pins, MODE_0, PORT_KHZ.kHz(), &mut rcc);
         let pins = (Some(b.pb13), SPI2::NoMiso, Some(b.pb15));
         let potentiometer_bus = device.SPI2.spi(pins, MODE_0, POTENTIOMETER_KHZ.kHz(), &mut rcc);
-        let delay = cx.core.SYST.delay(&rcc.clocks);
+        let mut core = cx.core;
+        health::count_cycles(&mut core.DCB, &mut core.DWT, CORE_MHZ);
+        let delay = core.SYST.delay(&rcc.clocks);
         let Ok(port) = ExclusiveDevice::new_no_delay(port_bus, port_select);
         let Ok(potentiometer) = ExclusiveDevice::new_no_delay(potentiometer_bus, potentiometer_select);
 
@@ -127,6 +130,8 @@ mod app {
             started,
             unit: String::try_from(option_env!("ZERORATE_UNIT").unwrap_or_default()).unwrap_or_default(),
             timing: Timing::PAPER,
+            board: BoardNumbers::PAPER,
+            health: health::health,
         });
 
         let line = serial::Config::default().baudrate(BAUD.bps());
@@ -186,7 +191,7 @@ mod app {
     #[task(binds = EXTI0, priority = 3, shared = [compensator], local = [data_ready_pin])]
     fn data_ready(mut cx: data_ready::Context) {
         cx.local.data_ready_pin.clear_interrupt_pending_bit();
-        cx.shared.compensator.lock(|compensator| compensator.service());
+        health::timed(|| cx.shared.compensator.lock(|compensator| compensator.service()));
         rtic::pend(pac::Interrupt::EXTI2);
     }
 

@@ -14,10 +14,6 @@ use crate::setup::SetUp;
 pub const MOST_STORES: u32 = 50_000;
 /// Groups averaged to compare readings: the noise of such a mean is far below a tap's 31 counts.
 const GROUPS: u32 = 4;
-/// Further apart than this before and after a power cycle the wiper is not where it was: half a tap, counts. Gyros come
-/// back up to a few counts off.
-const HALF_A_TAP: f64 = 16.0;
-
 /// Taps by which the wiper is moved away, so that a recall has something to bring back.
 const AWAY: u16 = 8;
 
@@ -34,6 +30,9 @@ pub struct FirstTime {
     pub recalled: Recalled,
     /// The same after a power cycle; `None` where there was none.
     pub after_power_up: Option<Recalled>,
+    /// Further apart than this the wiper is not where it was. Gyros come back up to a few counts off.
+    #[serde(skip)]
+    half_a_tap_counts: f64,
 }
 
 /// Readings of X and Y, counts.
@@ -49,7 +48,8 @@ impl FirstTime {
     /// What is not as it should be; nothing if all is.
     #[must_use]
     pub fn fault(&self) -> Option<&'static str> {
-        let apart = |a: [f64; 2], b: [f64; 2]| a.into_iter().zip(b).map(|(a, b)| (a - b).abs() > HALF_A_TAP);
+        let apart =
+            |a: [f64; 2], b: [f64; 2]| a.into_iter().zip(b).map(|(a, b)| (a - b).abs() > self.half_a_tap_counts);
         let of = |recalled: &Recalled| {
             let is_back = !apart(recalled.recalled_counts, self.before_counts).any(|apart| apart);
             let moved = apart(recalled.away_counts, self.before_counts).all(|apart| apart);
@@ -87,7 +87,9 @@ impl Board {
         let before_counts = self.readings(setup)?;
         let recalled = self.recall(tap, setup)?;
         self.go_on()?;
-        Ok(FirstTime { tap: tap.get(), store_answered, before_counts, recalled, after_power_up: None })
+        let half_a_tap_counts = setup.nominal_counts_per_tap() / 2.0;
+        let tap = tap.get();
+        Ok(FirstTime { tap, store_answered, before_counts, recalled, after_power_up: None, half_a_tap_counts })
     }
 
     /// Waits until the board was switched off and on, and has the potentiometer recall its tap once more: a board that starts
@@ -111,7 +113,7 @@ impl Board {
     }
 
     /// Puts the axes back in the modes in which the board was met: what it was at goes on.
-    fn go_on(&mut self) -> Result<(), ClientError> {
+    pub(super) fn go_on(&mut self) -> Result<(), ClientError> {
         for (axis, mode) in Axis::BOTH.into_iter().zip(self.identity.modes) {
             self.set_mode(&[axis], mode, None)?;
         }
@@ -129,7 +131,7 @@ impl Board {
         Ok(Recalled { away_counts, recalled_counts })
     }
 
-    fn readings(&mut self, setup: &SetUp) -> Result<[f64; 2], ClientError> {
+    pub(super) fn readings(&mut self, setup: &SetUp) -> Result<[f64; 2], ClientError> {
         self.watch()?;
         let mut sums = [0.0; 2];
         // The first may have begun before the wiper was written.

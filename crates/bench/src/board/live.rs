@@ -91,7 +91,7 @@ impl LiveGroup {
         let report = &group.report;
         let axes = Axis::BOTH.map(|axis| {
             let of = &report.axes[axis.index()];
-            let corrected_counts = f64::from(of.corrected_q16) / 65_536.0;
+            let corrected_counts = of.corrected().0;
             let coverage = match of.coverage {
                 Coverage::Inside => None,
                 Coverage::Below => Some("below"),

@@ -18,8 +18,8 @@ impl SetUp {
             }
         };
         must(
-            board.converter_bits == 14,
-            format!("board.converter_bits is {}: only 14 is supported so far", board.converter_bits),
+            (8..=16).contains(&board.converter_bits),
+            format!("board.converter_bits is {}: it must be 8 to 16", board.converter_bits),
         );
         must(
             board.trim_part == "max5494",
@@ -44,6 +44,7 @@ impl SetUp {
         for (name, value) in [
             ("board.counts_per_celsius", board.counts_per_celsius),
             ("board.counts_at_zero_celsius", board.counts_at_zero_celsius),
+            ("board.temperature_noise_counts", board.temperature_noise_counts),
             ("board.input_volts_per_count", board.input_volts_per_count),
             ("board.low_pass_hz", board.low_pass_hz),
             ("trim.span_counts", trim.span_counts),

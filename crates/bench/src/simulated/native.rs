@@ -3,8 +3,10 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
+use zerorate_core::board::BoardNumbers;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::Seconds;
+use zerorate_core::wire::Health;
 use zerorate_device::acquisition::{Acquisition, Timing};
 use zerorate_device::application::{Application, Parts};
 use zerorate_device::direct::DirectAcquisition;
@@ -113,6 +115,7 @@ struct BareBoard {
     plant: SharedPlant,
     unit: UnitSerial,
     timing: Timing,
+    numbers: BoardNumbers,
     flash: RecordFlash,
     fed_at: Rc<Cell<f64>>,
     /// Memory that a restart of the processor does not clear.
@@ -139,6 +142,8 @@ impl BareBoard {
             started: self.kept.started(reset),
             unit: self.unit.clone(),
             timing: self.timing,
+            board: self.numbers,
+            health: Health::default,
         })
     }
 }
@@ -165,6 +170,7 @@ impl<A: OnPlant> NativeDevice<A> {
             plant: plant.share(),
             unit: unit.clone(),
             timing,
+            numbers: setup.numbers(),
             flash: FlashPart::new(Flash::erased(PAGES)),
             fed_at: Rc::default(),
             kept: Rc::default(),

@@ -10,6 +10,7 @@ use zerorate_bench::plants::PlantKind;
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
 use zerorate_core::compensate::{Mode, StaticLaw};
+use zerorate_core::group::CODES_PER_COUNT;
 use zerorate_core::record::{DeviceRecord, UnitSerial};
 use zerorate_core::units::{Axis, Taps, TemperatureScale};
 use zerorate_core::wire::{GroupReport, Request, SampleWindow};
@@ -65,7 +66,7 @@ impl Rig {
 
     /// The tap that the model asks for at a group's own temperature.
     pub fn asked(&self, group: &GroupReport, axis: Axis) -> Taps {
-        let code = group.axes[axis.index()].sums.temperature_code().unwrap();
+        let code = group.axes[axis.index()].sums.temperature_code(CODES_PER_COUNT).unwrap();
         self.law.tap(code).unwrap()
     }
 

@@ -2,6 +2,7 @@
 
 #![allow(dead_code)] // a test takes what it needs
 
+use zerorate_core::board::BoardNumbers;
 use zerorate_core::compensate::{EdgeTable, LowPass, Mode};
 use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, ValidRange};
 use zerorate_core::record::{AxisModel, DeviceRecord, UnitSerial};
@@ -30,5 +31,5 @@ pub fn model(valid: [f64; 2], measured: Option<TapEffects>, dead_band: f64) -> A
 /// The same on both axes, as unit ZR-1.
 pub fn record(valid: [f64; 2], measured: Option<TapEffects>, dead_band: f64) -> DeviceRecord {
     let axis = model(valid, measured, dead_band);
-    DeviceRecord::new(UnitSerial::try_from("ZR-1").unwrap(), SCALE, &[axis.clone(), axis]).unwrap()
+    DeviceRecord::new(UnitSerial::try_from("ZR-1").unwrap(), SCALE, BoardNumbers::PAPER, &[axis.clone(), axis]).unwrap()
 }

@@ -1,6 +1,7 @@
 //! From a board's calibration to the record that its device takes.
 
 use thiserror::Error;
+use zerorate_core::board::BoardNumbers;
 use zerorate_core::record::{AxisModel, DeviceRecord};
 use zerorate_core::units::{Axis, TemperatureScale};
 
@@ -31,6 +32,11 @@ pub enum NoDeviceRecord {
     /// The temperature's code is missing.
     #[error("the calibration does not say what a temperature code stands for (temperature_scale)")]
     NoTemperatureScale,
+    /// No board is like it.
+    #[error(
+        "the calibration's board makes no sense (board): a converter has 8 to 16 bits, and counts a kelvin and noise are above 0"
+    )]
+    NoSuchBoard,
     /// An axis has a history, and nothing says what time it runs by.
     #[error(
         "axis {axis} has a history, and the calibration does not say the time from group to group (group_period_s)"
@@ -83,10 +89,14 @@ impl Calibration {
         }
         let serial = self.unit_serial.as_deref().ok_or(NoDeviceRecord::NoSerial)?;
         let scale = self.temperature_scale.ok_or(NoDeviceRecord::NoTemperatureScale)?;
+        let board = match &self.board {
+            None => BoardNumbers::PAPER,
+            Some(scale) => scale.numbers().ok_or(NoDeviceRecord::NoSuchBoard)?,
+        };
         let mut digital_only = Vec::new();
         let mut axis = |axis| self.axis_model(axis, scale, &mut digital_only);
         let models = [axis(Axis::X)?, axis(Axis::Y)?];
-        Ok(MadeRecord { record: compose(serial, scale, &models)?, models, digital_only })
+        Ok(MadeRecord { record: compose(serial, scale, board, &models)?, models, digital_only })
     }
 
     fn axis_model(

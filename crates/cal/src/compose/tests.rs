@@ -41,7 +41,7 @@ fn the_composed_law_is_the_papers() {
 fn a_unit_of_two_axes_is_a_record_that_a_device_reads_back() {
     let axis = composed(1.0, Mode::Trim);
     assert_eq!(axis.digital_only, None);
-    let record = compose("ZR-0001", SCALE, &[axis.model.clone(), axis.model]).unwrap();
+    let record = compose("ZR-0001", SCALE, BoardNumbers::PAPER, &[axis.model.clone(), axis.model]).unwrap();
     let mut buffer = [0; MAX_RECORD_BYTES];
     assert_eq!(DeviceRecord::decode(record.encode(&mut buffer).unwrap()).unwrap(), record);
 }
@@ -82,7 +82,10 @@ fn parameters_that_make_no_sense_are_refused() {
     assert!(matches!(refused, Err(ComposeError::TemperatureScale { .. })));
     let axis = composed(1.0, Mode::Trim).model;
     let long = "x".repeat(33);
-    assert_eq!(compose(&long, SCALE, &[axis.clone(), axis]), Err(ComposeError::SerialTooLong { serial: long }));
+    assert_eq!(
+        compose(&long, SCALE, BoardNumbers::PAPER, &[axis.clone(), axis]),
+        Err(ComposeError::SerialTooLong { serial: long })
+    );
 }
 
 #[test]
@@ -90,7 +93,7 @@ fn an_axis_changed_after_it_was_composed_is_named() {
     let good = composed(1.0, Mode::Trim).model;
     let mut changed = good.clone();
     changed.dead_band = 0.05;
-    let refused = compose("ZR-0001", SCALE, &[good, changed]).unwrap_err();
+    let refused = compose("ZR-0001", SCALE, BoardNumbers::PAPER, &[good, changed]).unwrap_err();
     assert!(refused.to_string().starts_with("axis y: "), "{refused}");
 }
 

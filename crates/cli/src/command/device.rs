@@ -7,6 +7,7 @@ mod info;
 mod mode;
 mod monitor;
 mod read;
+mod self_test;
 mod stream;
 mod tap;
 
@@ -46,6 +47,7 @@ Examples:
   zerorate device --port serial:/dev/ttyUSB0 monitor
   zerorate device --port serial:/dev/ttyUSB0 deploy calibration/calibration.json
   zerorate device --port tcp:bench-3:5494 mode both hybrid
+  zerorate device --port tcp:bench-3:5494 self-test
   zerorate virtual-board --on tcp:127.0.0.1:5494     a board to try these on
 
 Exit codes: 0 done; 1 the board refused, with its reason; 2 error.";
@@ -61,6 +63,7 @@ enum Verb {
     Read(read::Read),
     Faults(faults::Faults),
     FirstTime(first_time::FirstTime),
+    SelfTest(self_test::SelfTest),
 }
 
 impl Device {
@@ -75,6 +78,7 @@ impl Device {
             Verb::Read(read) => read.run(self),
             Verb::Faults(faults) => faults.run(self),
             Verb::FirstTime(first_time) => first_time.run(self),
+            Verb::SelfTest(self_test) => self_test.run(self),
         };
         match result {
             Err(error) => match error.downcast_ref::<ClientError>() {

@@ -26,7 +26,7 @@ fn every_subcommand_explains_itself_with_examples() {
         help.says(&["Usage: zerorate", "Examples:\n  zerorate", subcommand]);
         assert!(help.out.lines().all(|line| line.chars().count() <= 120), "{}", help.out);
     }
-    for verb in ["info", "monitor", "stream", "mode", "tap", "deploy", "read", "faults", "first-time"] {
+    for verb in ["info", "monitor", "stream", "mode", "tap", "deploy", "read", "faults", "first-time", "self-test"] {
         let help = zerorate(folder.path(), &["device", verb, "--help"]);
         help.says(&["Usage: zerorate device", "--port", "--json", "Examples:\n  zerorate device", verb]);
     }

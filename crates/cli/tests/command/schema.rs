@@ -39,6 +39,6 @@ pub fn hold_printed(arguments: &[String], json: &Value) {
 }
 
 fn verb(arguments: &[String]) -> &str {
-    const VERBS: [&str; 8] = ["info", "monitor", "mode", "tap", "deploy", "read", "faults", "first-time"];
+    const VERBS: [&str; 9] = ["info", "monitor", "mode", "tap", "deploy", "read", "faults", "first-time", "self-test"];
     arguments.iter().map(String::as_str).find(|argument| VERBS.contains(argument)).unwrap()
 }

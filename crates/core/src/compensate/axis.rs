@@ -1,6 +1,7 @@
 //! One axis at work: the state that its law moves.
 
 use super::axis_law::AxisLaw;
+use super::codes::Codes;
 use super::dynamic::FixedHistoryState;
 use super::interval::Interval;
 use super::mode::Mode;
@@ -9,7 +10,7 @@ use super::q16::Q16;
 use super::sample::{SampleCorrection, corrected};
 use super::settling::Settling;
 use crate::drift::{Coverage, Knowledge};
-use crate::group::GroupSums;
+use crate::group::{CODES_PER_COUNT, GroupSums};
 use crate::units::{Taps, TemperatureCode};
 
 /// What closing a group came to.
@@ -24,30 +25,6 @@ pub struct GroupOutcome {
     pub knowledge: Knowledge,
     /// The tap that the law asks for, when it is not the one last commanded.
     pub move_to: Option<Taps>,
-}
-
-/// A run of temperature codes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Codes {
-    from: u32,
-    number: u32,
-}
-
-impl Codes {
-    const NONE: Self = Self { from: 0, number: 0 };
-    const ALL: Self = Self { from: 0, number: 1 << 16 };
-
-    /// As far as a dead band holds an interval.
-    fn held_by(interval: &Interval) -> Self {
-        let from = u32::from(interval.hold_down_to);
-        Self { from, number: (u32::from(interval.hold_up_to) + 1).wrapping_sub(from) }
-    }
-
-    /// Whether a code is one of them: below the first the difference wraps to more than any run.
-    #[inline]
-    fn contains(self, code: TemperatureCode) -> bool {
-        u32::from(code.0).wrapping_sub(self.from) < self.number
-    }
 }
 
 /// How the wiper stands to the table of edges, whose intervals go by their index.
@@ -131,6 +108,9 @@ impl AxisCompensation {
     /// One sample of the group that is being filled, corrected by what is known when it is taken: the temperature of
     /// the last closed group, and the wiper as far as it has settled. The plain sample in the modes that do not
     /// correct, and before the first group has closed.
+    ///
+    /// Of a converter of 16 bits a reading takes the sign's bit too: what is given is so many counts less 65 536 then
+    /// ([`Q16::near`]).
     pub fn sample(&mut self, zro: u16) -> Q16 {
         let effect = self.settling.next_sample();
         self.effect_sum += i64::from(effect.0);
@@ -170,9 +150,9 @@ impl AxisCompensation {
         self.history.lose(groups);
     }
 
-    /// Closes a group: the correction for its mean, and the tap for its temperature.
+    /// Closes a group of a 14-bit board: the correction for its mean, and the tap for its temperature.
     pub fn close_group(&mut self, law: Option<&AxisLaw>, sums: &GroupSums) -> GroupOutcome {
-        self.close_group_at(law, sums, sums.temperature_code())
+        self.close_group_at(law, sums, sums.temperature_code(CODES_PER_COUNT))
     }
 
     /// Closes a group whose temperature is known better than by its own sums: the last one that was believed. `None`
@@ -195,7 +175,7 @@ impl AxisCompensation {
             Some(history) => {
                 history.advance(&mut self.history, code);
                 let (drift, knowledge) = history.drift(&self.history, law.drift.evaluate(code));
-                (drift.0.saturating_sub(law.centre.0), knowledge)
+                (drift.0, knowledge)
             }
         };
         self.drift_from_centre = Some(drift);
@@ -217,15 +197,16 @@ impl AxisCompensation {
     #[inline]
     #[must_use]
     pub fn update(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
-        if self.quiet.contains(code) {
+        if self.quiet.place(code).is_some() {
             return None;
         }
-        self.cross(law, code)
+        // What is asked for is read here: a call that is not the last thing keeps the frame out of the way above.
+        self.cross(law, code).map(|interval| interval.tap)
     }
 
     /// An edge was crossed, most often to a neighbour; or it is not known yet where the edges are.
     #[inline(never)]
-    fn cross(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
+    fn cross<'l>(&mut self, law: &'l AxisLaw, code: TemperatureCode) -> Option<&'l Interval> {
         // Only an interval that holds says on which side the code has left it. The wiper was at its tap, and a neighbour's
         // is another.
         if let Stand::At(index) = self.stand
@@ -233,14 +214,14 @@ impl AxisCompensation {
             && let Some((index, interval)) = edges.neighbour(index, code)
         {
             (self.stand, self.quiet) = (Stand::Wanted(index), Codes::NONE);
-            return Some(interval.tap);
+            return Some(interval);
         }
         self.search(law, code)
     }
 
     /// The interval is looked up.
     #[inline(never)]
-    fn search(&mut self, law: &AxisLaw, code: TemperatureCode) -> Option<Taps> {
+    fn search<'l>(&mut self, law: &'l AxisLaw, code: TemperatureCode) -> Option<&'l Interval> {
         let Some(edges) = law.edges.as_ref().filter(|_| self.mode.moves_wiper()) else {
             (self.stand, self.quiet) = (Stand::Free, Codes::ALL);
             return None;
@@ -249,21 +230,23 @@ impl AxisCompensation {
             Stand::Wanted(index) | Stand::At(index) => edges.next(index, code),
             Stand::Unasked | Stand::Free => edges.find(code),
         };
-        self.follow(index, edges.intervals().get(index)?)
+        let interval = edges.intervals().get(index)?;
+        self.follow(index, interval).then_some(interval)
     }
 
-    /// The temperature is in an interval: its tap is asked for, unless the wiper is there.
-    fn follow(&mut self, index: usize, interval: &Interval) -> Option<Taps> {
-        if interval.tap == self.tap {
-            (self.stand, self.quiet) = (Stand::At(index), Codes::held_by(interval));
-            return None;
-        }
-        (self.stand, self.quiet) = (Stand::Wanted(index), Codes::NONE);
-        Some(interval.tap)
+    /// The temperature is in an interval; whether its tap is asked for, for the wiper is not there.
+    fn follow(&mut self, index: usize, interval: &Interval) -> bool {
+        let is_there = interval.tap == self.tap;
+        (self.stand, self.quiet) = if is_there {
+            (Stand::At(index), Codes::between(interval.hold_down_to, interval.hold_up_to))
+        } else {
+            (Stand::Wanted(index), Codes::NONE)
+        };
+        !is_there
     }
 }
 
-/// `(sum of zro - correction) / n` to the nearest Q16 step; 0 for an empty group.
+/// `(sum of zro - correction) / n` to the nearest Q16 step, modulo 65 536 counts; 0 for an empty group.
 fn mean_q16(sums: &GroupSums, correction_sum: i64) -> Q16 {
     if sums.n == 0 {
         return Q16::default();
@@ -272,5 +255,6 @@ fn mean_q16(sums: &GroupSums, correction_sum: i64) -> Q16 {
     // A sum of 16-bit samples shifted by 16 stays below 2^63 for up to 2^31 samples.
     let sum = (i64::try_from(sums.zro).unwrap_or(i64::MAX >> 16) << 16) - correction_sum;
     let mean = (2 * sum + n).div_euclid(2 * n);
-    Q16(i32::try_from(mean).unwrap_or(if mean < 0 { i32::MIN } else { i32::MAX }))
+    #[allow(clippy::cast_possible_truncation)] // its lower half is what is given
+    Q16(mean as i32)
 }

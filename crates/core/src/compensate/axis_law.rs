@@ -8,15 +8,19 @@ use super::numbers::{HistoryNumbers, LawNumbers, LowPassNumbers};
 use super::q16::Q16;
 use super::refused::{LawRefused, Part};
 use crate::drift::Coverage;
+use crate::trim::MAX_TAP_OFFSETS;
 use crate::units::{Taps, TemperatureCode};
 
 /// An axis's law in the form that the device runs: integers and a table. It does not change while it is in use.
 #[derive(Debug, Clone, PartialEq)]
+// What a correction fetches by an index stands first: its place needs no addition.
+#[repr(C)]
 pub struct AxisLaw {
+    /// The effects near the first tap measured and the drift's constant, added up beforehand.
+    constants: [i32; MAX_TAP_OFFSETS],
     pub(super) drift: FixedDrift,
     pub(super) edges: Option<EdgeTable>,
     pub(super) effects: FixedEffects,
-    pub(super) centre: Q16,
     pub(super) low_pass: LowPassNumbers,
     dead_band: i32,
     /// What makes the law dynamic; `None` where the drift is a function of temperature alone.
@@ -38,16 +42,20 @@ impl AxisLaw {
     /// # Errors
     /// [`LawRefused`], with the part that is wrong.
     pub fn from_numbers(numbers: &LawNumbers) -> Result<Self, LawRefused> {
-        let drift = FixedDrift::from_numbers(&numbers.drift).ok_or(LawRefused::Senseless(Part::Drift))?;
+        let mut drift = FixedDrift::from_numbers(&numbers.drift).ok_or(LawRefused::Senseless(Part::Drift))?;
         let effects = FixedEffects::from_numbers(&numbers.trim).ok_or(LawRefused::Senseless(Part::Trim))?;
         if !(0..=1 << 16).contains(&numbers.dead_band) {
             return Err(LawRefused::Senseless(Part::DeadBand));
         }
+        let constants = effects.near().map(|effect| effect.checked_add(drift.constant()));
+        if constants.contains(&None) {
+            drift.never_quickly();
+        }
         let mut law = Self {
+            constants: constants.map(Option::unwrap_or_default),
             drift,
             edges: numbers.edges.clone(),
             effects,
-            centre: Q16(numbers.centre),
             low_pass: numbers.low_pass,
             dead_band: numbers.dead_band,
             history: None,
@@ -86,14 +94,24 @@ impl AxisLaw {
     #[must_use]
     #[inline]
     pub fn correction(&self, code: TemperatureCode, tap: Taps) -> Q16 {
-        let drift = self.drift.evaluate_here(code).0.saturating_sub(self.centre.0);
-        let effect = self.effects.measured(tap);
-        Q16(drift.saturating_add(effect.unwrap_or_else(|| self.effects.beyond(tap).0)))
+        if let Some(constant) = self.constants.get(tap.after(self.effects.first()))
+            && let Some(drift) = self.drift.quickly(code)
+        {
+            return Q16(drift.saturating_add(*constant));
+        }
+        self.rare_correction(code, tap)
+    }
+
+    /// The same of a tap that was not measured, or by a drift of a rare form.
+    #[cold]
+    #[inline(never)]
+    fn rare_correction(&self, code: TemperatureCode, tap: Taps) -> Q16 {
+        Q16(self.drift.evaluate(code).0.saturating_add(self.effects.get(tap).0))
     }
 
     #[inline]
     pub(super) fn drift_from_centre(&self, code: TemperatureCode) -> i32 {
-        self.drift.evaluate(code).0.saturating_sub(self.centre.0)
+        self.drift.evaluate(code).0
     }
 
     pub(super) fn coverage(&self, code: TemperatureCode) -> Coverage {

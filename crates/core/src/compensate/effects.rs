@@ -48,20 +48,30 @@ impl FixedEffects {
         (is_rising && is_in_part && fits).then_some(all)
     }
 
+    /// The first tap measured.
     #[inline]
-    pub(super) fn get(&self, tap: Taps) -> Q16 {
-        self.measured(tap).map_or_else(|| self.beyond(tap), Q16)
+    pub(super) const fn first(&self) -> Taps {
+        self.first
+    }
+
+    /// The effects of the first tap measured and of those after it, more than were measured; past the part's end nothing.
+    pub(super) fn near(&self) -> [i32; MAX_TAP_OFFSETS] {
+        let mut effects = [0; MAX_TAP_OFFSETS];
+        for (slot, tap) in effects.iter_mut().zip((self.first.get()..).map_while(Taps::new)) {
+            *slot = self.get(tap).0;
+        }
+        effects
     }
 
     #[inline]
-    pub(super) fn measured(&self, tap: Taps) -> Option<i32> {
-        self.measured.get(tap.after(self.first)).copied()
+    pub(super) fn get(&self, tap: Taps) -> Q16 {
+        self.measured.get(tap.after(self.first)).map_or_else(|| self.beyond(tap), |&effect| Q16(effect))
     }
 
     /// The effect of a tap that was not measured.
     #[cold]
     #[inline(never)]
-    pub(super) fn beyond(&self, tap: Taps) -> Q16 {
+    fn beyond(&self, tap: Taps) -> Q16 {
         #[allow(clippy::cast_possible_truncation)] // both ends of the part fit, and so does all between them
         Q16(self.whole(tap) as i32)
     }

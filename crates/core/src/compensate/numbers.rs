@@ -19,12 +19,11 @@ pub(super) const WEIGHT_BITS: u32 = 24;
 /// The law of one axis.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LawNumbers {
-    /// Zero-rate output at the middle tap over temperature code.
+    /// Zero-rate output at the middle tap over temperature code, from the reading aimed at: `V - V0`. So the middle of a
+    /// converter of 16 bits is as near as that of one of 14.
     pub drift: DriftNumbers,
     /// What the taps do.
     pub trim: TrimNumbers,
-    /// The reading aimed at, `V0`, Q16 counts.
-    pub centre: i32,
     /// Dead band, Q16 taps.
     pub dead_band: i32,
     /// The circuit's low-pass.

@@ -16,6 +16,15 @@ impl Q16 {
     pub fn to_counts(self) -> f64 {
         f64::from(self.0) / 65_536.0
     }
+
+    /// As counts, of a number that is known but for so many times 65 536 counts: the one nearest a reading. A corrected
+    /// reading is within half of that of the reading itself.
+    #[must_use]
+    pub fn near(self, reading: f64) -> f64 {
+        let counts = self.to_counts();
+        let turns = libm::round((reading - counts) / 65_536.0);
+        if turns.is_finite() { counts + 65_536.0 * turns } else { counts }
+    }
 }
 
 /// The nearest fixed-point number with so many fractional bits; `None` when it does not fit.

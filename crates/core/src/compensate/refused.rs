@@ -119,12 +119,12 @@ impl core::fmt::Display for EdgeError {
             Self::OutOfTaps { code, position } => write!(
                 f,
                 "at {} counts of temperature the law asks for tap {position:.1}; the part has 0 to 1023: the drift is larger than the trim can take",
-                u32::from(code.0) / CODES_PER_COUNT
+                code.0 / CODES_PER_COUNT
             ),
             Self::TooManyIntervals { code } => write!(
                 f,
                 "the drift crosses more than {MAX_INTERVALS} taps (the table was full at {} counts of temperature): use mode digital, or a coarser trim",
-                u32::from(code.0) / CODES_PER_COUNT
+                code.0 / CODES_PER_COUNT
             ),
             Self::Disagrees { code } => {
                 write!(f, "the table of edges and the law disagree at temperature code {}", code.0)

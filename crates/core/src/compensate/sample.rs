@@ -37,12 +37,12 @@ impl SampleCorrection {
     }
 }
 
-/// A reading without drift and effect; the plain one where no drift is known that is to be subtracted.
+/// A reading without drift and effect; the plain one where no drift is known that is to be subtracted. Of a converter of 16 bits
+/// a reading takes the sign's bit too, so sums wrap: what is given is so many counts less 65 536 then ([`Q16::near`]).
 pub(super) fn corrected(zro: u16, drift_from_centre: Option<i32>, effect: Q16) -> Q16 {
-    // A reading of 15 bits fits; past the form's end it is held there, as every sum here.
-    let reading = i32::try_from(i64::from(zro) << 16).unwrap_or(i32::MAX);
+    let reading = (u32::from(zro) << 16).cast_signed();
     Q16(match drift_from_centre {
-        Some(drift) => reading.saturating_sub(drift).saturating_sub(effect.0),
+        Some(drift) => reading.wrapping_sub(drift).wrapping_sub(effect.0),
         None => reading,
     })
 }

@@ -101,6 +101,20 @@ fn assert_correction_is_close(law: &StaticLaw) {
     }
 }
 
+/// The same; but the ends are rounded to a code, and a drift that moves more than a count in one there is refused as too
+/// coarse.
+fn assert_correction_is_close_unless_steep_at_an_end(law: &StaticLaw) -> Result<(), TestCaseError> {
+    match AxisLaw::new(law, None, LowPass::NONE) {
+        Err(LawRefused::Unrepresentable(Unrepresentable::TooCoarse)) => {
+            let slope_at = |t: f64| (law.drift.evaluate(t + 0.01).0 - law.drift.evaluate(t).0).abs() / 0.01;
+            let steepest = slope_at(law.drift.valid.min()).max(slope_at(law.drift.valid.max() - 0.01));
+            prop_assert!(steepest * law.temperature_scale.step > 0.9, "refused, with {steepest} counts a count");
+        }
+        _ => assert_correction_is_close(law),
+    }
+    Ok(())
+}
+
 /// Eq. (1), X, on a part whose taps are uneven by several counts, every one of them measured.
 fn uneven(dead_band: f64) -> StaticLaw {
     let mut law = paper_x(WORKING, dead_band);
@@ -340,15 +354,7 @@ proptest! {
         assert_table_is_the_law(&law(shape.clone(), valid, 0.0));
         let law = law(shape, valid, dead_band);
         assert_sweeps_agree(&law);
-        // The ends are rounded to a code: a drift that moves more than a count in one there is refused as too coarse.
-        match AxisLaw::new(&law, None, LowPass::NONE) {
-            Err(LawRefused::Unrepresentable(Unrepresentable::TooCoarse)) => {
-                let slope_at = |t: f64| (law.drift.evaluate(t + 0.01).0 - law.drift.evaluate(t).0).abs() / 0.01;
-                let steepest = slope_at(valid.0).max(slope_at(valid.1 - 0.01));
-                prop_assert!(steepest * law.temperature_scale.step > 0.9, "refused, with {steepest} counts a count");
-            }
-            _ => assert_correction_is_close(&law),
-        }
+        assert_correction_is_close_unless_steep_at_an_end(&law)?;
     }
 
     /// What an axis remembers to be quick changes nothing: it asks for what the table says, whatever happens to wiper
@@ -411,6 +417,6 @@ proptest! {
         assert_table_is_the_law(&law(shape.clone(), valid, 0.0));
         let law = law(shape, valid, dead_band);
         assert_sweeps_agree(&law);
-        assert_correction_is_close(&law);
+        assert_correction_is_close_unless_steep_at_an_end(&law)?;
     }
 }

@@ -25,6 +25,14 @@ impl Shape {
             Self::Table(table) => table.evaluate(temperature),
         }
     }
+
+    /// The same shape with every reading less by so much.
+    pub(crate) fn lowered(&self, by: f64) -> Self {
+        match self {
+            Self::Polynomial(polynomial) => Self::Polynomial(polynomial.lowered(by)),
+            Self::Table(table) => Self::Table(table.lowered(by)),
+        }
+    }
 }
 
 /// Zero-rate output over temperature: a shape and the range over which it holds.

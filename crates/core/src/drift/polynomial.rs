@@ -32,6 +32,12 @@ impl Polynomial {
         Self::new(scale, &scaled)
     }
 
+    pub(super) fn lowered(&self, by: f64) -> Self {
+        let mut lowered = self.clone();
+        lowered.coefficients[0] -= by;
+        lowered
+    }
+
     /// The centred variable that the coefficients belong to.
     #[must_use]
     pub const fn scale(&self) -> Scale {

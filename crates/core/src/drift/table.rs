@@ -26,6 +26,12 @@ impl Table {
         Some(Self { scale, knots: Vec::from_slice(knots).ok()? })
     }
 
+    pub(super) fn lowered(&self, by: f64) -> Self {
+        let mut lowered = self.clone();
+        lowered.knots.iter_mut().for_each(|knot| *knot -= by);
+        lowered
+    }
+
     /// The span that the knots cover.
     #[must_use]
     pub const fn scale(&self) -> Scale {

@@ -1,6 +1,7 @@
 //! One axis as the host composes it, in f64: what its part of a record is rounded from.
 
 use super::{AxisRecord, DeviceRecord, UnitSerial};
+use crate::board::BoardNumbers;
 use crate::compensate::{AxisLaw, EdgeTable, HistoryNumbers, LawNumbers, LawRefused, LowPass, Mode, StaticLaw};
 use crate::drift::{Drift, History};
 use crate::trim::Trim;
@@ -14,10 +15,11 @@ impl DeviceRecord {
     pub fn new(
         unit: UnitSerial,
         temperature_scale: TemperatureScale,
+        board: BoardNumbers,
         axes: &[AxisModel; 2],
     ) -> Result<Self, (Axis, LawRefused)> {
         let record = |axis: Axis| axes[axis.index()].record(temperature_scale).map_err(|refused| (axis, refused));
-        Ok(Self { unit, temperature_scale, axes: [record(Axis::X)?, record(Axis::Y)?] })
+        Ok(Self { unit, temperature_scale, board, axes: [record(Axis::X)?, record(Axis::Y)?] })
     }
 }
 
@@ -65,7 +67,9 @@ impl AxisModel {
         let law = self.static_law(temperature_scale);
         let mut numbers = LawNumbers::new(&law, self.edges.as_ref(), self.low_pass)?;
         if let Some(HistoryModel { history, group_period_s }) = &self.history {
-            numbers.history = Some(HistoryNumbers::new(history, &law.drift, temperature_scale, *group_period_s)?);
+            let centre = law.trim.line.centre();
+            let history = HistoryNumbers::new(history, &law.drift, centre, temperature_scale, *group_period_s)?;
+            numbers.history = Some(history);
         }
         AxisLaw::from_numbers(&numbers)?;
         Ok(AxisRecord { law: numbers, start_up_mode: self.start_up_mode })

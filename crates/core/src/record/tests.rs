@@ -27,7 +27,8 @@ fn model() -> AxisModel {
 }
 
 fn record() -> DeviceRecord {
-    DeviceRecord::new(UnitSerial::try_from("ZR-0001").unwrap(), SCALE, &[model(), model()]).unwrap()
+    DeviceRecord::new(UnitSerial::try_from("ZR-0001").unwrap(), SCALE, BoardNumbers::PAPER, &[model(), model()])
+        .unwrap()
 }
 
 #[test]
@@ -105,7 +106,8 @@ fn numbers_that_make_no_law_are_refused_by_the_part_that_is_wrong() {
     assert_eq!(refused(&|law| polynomial(law, &|numbers| numbers.coefficients[1] = i32::MIN)), drift);
     assert_eq!(refused(&|law| polynomial(law, &|numbers| numbers.coefficients.truncate(1))), drift);
     // Fits in its own steps, and not in counts: the correction would wrap.
-    assert_eq!(refused(&|law| polynomial(law, &|numbers| numbers.fraction_bits = 12)), drift);
+    let coarse = |numbers: &mut PolynomialNumbers| (numbers.fraction_bits, numbers.coefficients[0]) = (12, 1 << 28);
+    assert_eq!(refused(&|law| polynomial(law, &coarse)), drift);
     let trim = LawRefused::Senseless(Part::Trim);
     assert_eq!(refused(&|law| law.trim.per_tap = 0), trim);
     assert_eq!(refused(&|law| law.trim.per_tap = i32::MAX), trim);
@@ -121,7 +123,7 @@ fn numbers_that_make_no_law_are_refused_by_the_part_that_is_wrong() {
     assert_eq!(refused(&|law| history(law, half)), LawRefused::Senseless(Part::History));
     // The laws are whole, and are another one than the table's.
     let other = |law: LawRefused| matches!(law, LawRefused::Edges(_));
-    assert!(other(refused(&|law| law.centre += 2 << 16)));
+    assert!(other(refused(&|law| polynomial(law, &|numbers| numbers.coefficients[0] += 2 << 16))));
     assert!(other(refused(&|law| law.trim.per_tap += 2 << 16)));
     assert!(other(refused(&|law| law.trim.intercept += 2 << 16)));
     assert!(other(refused(&|law| polynomial(law, &|numbers| numbers.coefficients[0] -= 2 << 16))));

@@ -24,6 +24,8 @@ fn start(sets: &Sets, part: &Part, store: &MemoryStore, kept: &Rc<Kept>) -> Test
         started: kept.started(Reset::Untold),
         unit: UnitSerial::default(),
         timing: Timing::PAPER,
+        board: BoardNumbers::PAPER,
+        health: Health::default,
     })
 }
 

@@ -6,8 +6,7 @@ use zerorate_core::group::GroupSums;
 use zerorate_core::units::{Axis, Taps, TemperatureCode};
 use zerorate_core::wire::{AxisReport, FaultCounts, Refusal, ScanFlags, TemperatureCheck};
 
-use super::temperature::{self, TemperatureWatch};
-use crate::acquisition::{FULL_SCALE, Timing};
+use super::temperature::{self, Believable, TemperatureWatch};
 use crate::trim_part::TrimPart;
 
 /// An axis, with a law or without.
@@ -96,20 +95,20 @@ impl AxisAtWork {
         sums: GroupSums,
         other: Option<TemperatureCode>,
         missed: u32,
-        timing: Timing,
+        believable: Believable,
         part: &mut impl TrimPart,
         faults: &mut FaultCounts,
     ) -> AxisReport {
         self.state.skip_samples(sums.n);
         let (tap, mode) = (self.state.tap(), self.state.mode());
-        let (temperature, code) = self.temperature.check(&sums, other, missed, timing);
+        let (temperature, code) = self.temperature.check(&sums, other, missed, believable);
         let outcome = self.state.close_group_at(self.law.as_ref(), &sums, code);
         // Written with every group, moved or not: where the wiper stands nobody knows after a write that failed, or after a
         // dip of the analogue supply, which puts it back to its tap of power-up. A write that fails leaves the shadow as it
         // was; the law asks again with the next group.
         let written = if self.recalled { Ok(()) } else { self.write(part, outcome.move_to.unwrap_or(tap), faults) };
         self.of_group = of_group(temperature, &outcome);
-        let saturated = sums.is_saturated(FULL_SCALE);
+        let saturated = sums.is_saturated(believable.board.full_scale);
         temperature::count(temperature, faults);
         faults.saturated += u32::from(saturated);
         faults.out_of_range += u32::from(matches!(outcome.coverage, Coverage::Below | Coverage::Above));

@@ -46,6 +46,7 @@ impl Action {
             Request::Identity
             | Request::Faults
             | Request::Stop
+            | Request::Health
             | Request::ReadCalibration { .. }
             | Request::WriteCalibration { .. }
             | Request::CommitCalibration { .. } => return None,

@@ -3,34 +3,81 @@
 //! The law moves the wiper by the temperature alone, so a broken temperature reading would throw the tap. What is not
 //! believed leaves tap and correction where the last believed temperature put them.
 
-use zerorate_core::group::{CODES_PER_COUNT, GroupSums};
+use zerorate_core::board::BoardNumbers;
+use zerorate_core::group::GroupSums;
 use zerorate_core::units::TemperatureCode;
 use zerorate_core::wire::{FaultCounts, TemperatureCheck};
 
-use crate::acquisition::{FULL_SCALE, Timing};
+use crate::acquisition::Timing;
 
-/// The fastest that a temperature moves, counts a second: 2 K/s at the board's 34 counts a kelvin. The quickest real
-/// thing is the package behind air that jumps by 100 K, 0.7 K/s by its time constant of 150 s; a chamber ramps at 2.5 K a
-/// minute.
-const FASTEST_COUNTS_PER_S: u64 = 68;
-/// What noise may add to it between two groups, counts: one sample has 3 counts rms, and this is seven times the rms
-/// difference of two groups of a single one. Of the paper's 500 it is far more than enough.
-const NOISE_COUNTS: u64 = 32;
-/// Samples of a group scatter no more than this, counts rms: thirty times the noise. More is a glitch within the group.
-const SCATTER_COUNTS_RMS: u32 = 96;
+/// The fastest that a temperature moves, kelvins a second. The quickest real thing is the package behind air that jumps by
+/// 100 K, 0.7 K/s by its time constant of 150 s; a chamber ramps at 2.5 K a minute.
+const FASTEST_K_PER_S: u32 = 2;
+/// What noise may add to it between two groups, in thirds of a sample's noise: 32 counts where that is 3. It is seven times the
+/// rms difference of two groups of a single sample. Of the paper's 500 it is far more than enough.
+const NOISE_THIRDS: u32 = 32;
+/// Samples of a group scatter no more than this many times their noise. More is a glitch within the group.
+const SCATTER_NOISES: u32 = 32;
+/// Samples that scatter less than this part of their noise come of no sensor, but of a converter's last bit.
+const STILL_PART: u32 = 4;
 /// A jump that stays for so many groups is believed: the first is held, the second, and the third moves. At the paper's
 /// rate that is 4.5 s, in which the fastest chamber moves 0.2 K: less than a hundredth of a tap, and nothing against a
 /// thrown one.
 const BELIEVED_AFTER: u8 = 3;
-/// So many samples without a count's change are stuck: two of the paper's groups. With noise of 3 counts rms not even ten
-/// equal ones happen. (A sensor quieter than a tenth of a count may stand still by right; then holding its tap is the
-/// same as following it.)
+/// So many samples that stand still are stuck: two of the paper's groups. (A sensor quieter than a quarter of what its record
+/// says may stand still by right; then holding its tap is the same as following it.)
 const STUCK_SAMPLES: u32 = 1000;
-
-/// An axis that has not moved by a count while the other moved by 3 K is stuck, however its last bits move: both gyros
+/// A group's mean moves by so much with the last bit of a converter alone, counts.
+const LAST_BIT_COUNTS: u32 = 1;
+/// An axis that has not moved while the other moved by so many kelvins is stuck, however its last bits move: both gyros
 /// stand on one board, and the paper finds their temperatures alike.
-const STANDS_COUNTS: u32 = 1;
-const OTHER_MOVES_COUNTS: u32 = 102;
+const OTHER_MOVES_K: u32 = 3;
+/// It has not moved: so many thousandths of a kelvin, a count of the paper's board. A count it may always move.
+const STANDS_MK: u32 = 30;
+
+/// Steps of 1/256.
+const Q8: u32 = 8;
+
+/// What there is to believe by.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Believable {
+    /// The converter, and the sensors' scale and noise.
+    pub(super) board: BoardNumbers,
+    /// How long a group takes.
+    pub(super) timing: Timing,
+}
+
+impl Believable {
+    /// How far a temperature moves at most from one group to the next, with so many missed between them.
+    fn furthest_codes(&self, missed: u32) -> u64 {
+        let noise = (u64::from(self.board.temperature_noise_q8) * u64::from(NOISE_THIRDS) / 3) >> Q8;
+        (noise + self.fastest_counts(u64::from(missed) + 1)) * u64::from(self.board.codes_per_count)
+    }
+
+    /// How far it moves in so many groups.
+    fn fastest_counts(&self, groups: u64) -> u64 {
+        let counts_per_s_q8 = u64::from(FASTEST_K_PER_S) * u64::from(self.board.counts_per_kelvin_q8);
+        (groups.saturating_mul(self.timing.period_us()).saturating_mul(counts_per_s_q8) >> Q8) / 1_000_000
+    }
+
+    /// How far samples of a group scatter at most, by their noise or by the fastest ramp, 1/256 count rms.
+    fn scatter_q8(&self) -> u32 {
+        // Evenly spread over what is passed they scatter by 0.29 of it.
+        let ramp = u32::try_from(self.fastest_counts(1) << Q8).unwrap_or(u32::MAX) / 2;
+        (SCATTER_NOISES * self.board.temperature_noise_q8).max(ramp)
+    }
+
+    /// Kelvins in codes.
+    fn codes(&self, thousandths: u32) -> u64 {
+        let counts_q8 = u64::from(self.board.counts_per_kelvin_q8) * u64::from(thousandths) / 1000;
+        (counts_q8 * u64::from(self.board.codes_per_count)) >> Q8
+    }
+
+    /// A converter's last bit in codes.
+    const fn last_bit(&self) -> u64 {
+        LAST_BIT_COUNTS as u64 * self.board.codes_per_count as u64
+    }
+}
 
 /// What is known of one axis's temperature.
 #[derive(Debug, Clone, Default)]
@@ -57,11 +104,13 @@ impl TemperatureWatch {
         sums: &GroupSums,
         other: Option<TemperatureCode>,
         missed: u32,
-        timing: Timing,
+        believable: Believable,
     ) -> (TemperatureCheck, Option<TemperatureCode>) {
-        let Some(code) = sums.temperature_code() else { return (TemperatureCheck::Believed, self.believed) };
-        let left_behind = self.is_left_behind(code, other);
-        let check = match self.judge(code, sums, missed, timing) {
+        let Some(code) = sums.temperature_code(believable.board.codes_per_count) else {
+            return (TemperatureCheck::Believed, self.believed);
+        };
+        let left_behind = self.is_left_behind(code, other, believable);
+        let check = match self.judge(code, sums, missed, believable) {
             TemperatureCheck::Believed if left_behind => TemperatureCheck::Stuck,
             check => check,
         };
@@ -73,18 +122,24 @@ impl TemperatureWatch {
         (check, self.believed)
     }
 
-    fn judge(&mut self, code: TemperatureCode, sums: &GroupSums, missed: u32, timing: Timing) -> TemperatureCheck {
-        if sums.is_temperature_saturated(FULL_SCALE) {
+    fn judge(
+        &mut self,
+        code: TemperatureCode,
+        sums: &GroupSums,
+        missed: u32,
+        believable: Believable,
+    ) -> TemperatureCheck {
+        if sums.is_temperature_saturated(believable.board.full_scale) {
             return TemperatureCheck::Saturated;
         }
-        if self.is_stuck(code, sums) {
+        if self.is_stuck(code, sums, believable) {
             return TemperatureCheck::Stuck;
         }
-        if sums.temperature_scatters(SCATTER_COUNTS_RMS) {
+        if sums.temperature_scatters(believable.scatter_q8()) {
             return TemperatureCheck::Jumped;
         }
-        let limit = limit_codes(missed, timing);
-        let near = |other: TemperatureCode| u64::from(code.0.abs_diff(other.0)) <= limit;
+        let limit = believable.furthest_codes(missed);
+        let near = |other: TemperatureCode| distance(code, other) <= limit;
         if self.believed.is_none_or(near) {
             return TemperatureCheck::Believed;
         }
@@ -96,33 +151,37 @@ impl TemperatureWatch {
         if groups < BELIEVED_AFTER { TemperatureCheck::Jumped } else { TemperatureCheck::Believed }
     }
 
-    fn is_stuck(&mut self, code: TemperatureCode, sums: &GroupSums) -> bool {
-        let samples = match self.still {
-            Some((still, samples)) if still == code => samples,
-            _ => 0,
+    fn is_stuck(&mut self, code: TemperatureCode, sums: &GroupSums, believable: Believable) -> bool {
+        let (since, samples) = match self.still {
+            Some((still, samples)) if distance(still, code) <= believable.last_bit() => (still, samples),
+            _ => (code, 0),
         };
-        self.still = (!sums.temperature_scatters(0)).then(|| (code, samples.saturating_add(sums.n)));
+        let is_still = !sums.temperature_scatters(believable.board.temperature_noise_q8 / STILL_PART);
+        self.still = is_still.then(|| (since, samples.saturating_add(sums.n)));
         self.still.is_some_and(|(_, samples)| samples >= STUCK_SAMPLES)
     }
 
     /// Whether the axis stands still while the other moves.
-    fn is_left_behind(&mut self, code: TemperatureCode, other: Option<TemperatureCode>) -> bool {
+    fn is_left_behind(
+        &mut self,
+        code: TemperatureCode,
+        other: Option<TemperatureCode>,
+        believable: Believable,
+    ) -> bool {
         let Some(other) = other else { return false };
-        let counts = |a: TemperatureCode, b: TemperatureCode| u32::from(a.0.abs_diff(b.0)) / CODES_PER_COUNT;
         let [own_then, other_then] = *self.moved.get_or_insert([code, other]);
-        if counts(code, own_then) > STANDS_COUNTS {
+        // Two codes within one count of each other, and one more, are told apart by rounding alone.
+        let stands = believable.codes(STANDS_MK).max(believable.last_bit()) + believable.last_bit();
+        if distance(code, own_then) >= stands {
             self.moved = Some([code, other]);
             return false;
         }
-        counts(other, other_then) >= OTHER_MOVES_COUNTS
+        distance(other, other_then) >= believable.codes(1000 * OTHER_MOVES_K)
     }
 }
 
-/// How far a temperature moves at most from one group to the next, with so many missed between them.
-fn limit_codes(missed: u32, timing: Timing) -> u64 {
-    let counts =
-        NOISE_COUNTS + (u64::from(missed) + 1).saturating_mul(timing.period_us() * FASTEST_COUNTS_PER_S) / 1_000_000;
-    counts * u64::from(CODES_PER_COUNT)
+fn distance(a: TemperatureCode, b: TemperatureCode) -> u64 {
+    u64::from(a.0.abs_diff(b.0))
 }
 
 /// Counts what was thought of a temperature.
@@ -141,6 +200,8 @@ mod tests {
     use super::*;
     use TemperatureCheck::{Believed, Jumped, Saturated, Stuck};
 
+    const PAPER: Believable = Believable { board: BoardNumbers::PAPER, timing: Timing::PAPER };
+
     /// A group of 500 samples about a temperature, with the sensor's noise.
     fn about(counts: u16) -> GroupSums {
         let mut sums = GroupSums::default();
@@ -157,7 +218,7 @@ mod tests {
     fn checks(groups: &[GroupSums]) -> std::vec::Vec<(TemperatureCheck, Option<u16>)> {
         let mut watch = TemperatureWatch::default();
         let check = |sums| {
-            let (check, code) = watch.check(sums, None, 0, Timing::PAPER);
+            let (check, code) = watch.check(sums, None, 0, PAPER);
             (check, code.map(|code| code.0 / 4))
         };
         groups.iter().map(check).collect()
@@ -180,9 +241,9 @@ mod tests {
         let ramp: std::vec::Vec<_> = (0..20).map(|k| about(9000 + 102 * k)).collect();
         assert!(checks(&ramp).iter().all(|(check, _)| *check == Believed));
         let mut watch = TemperatureWatch::default();
-        watch.check(&about(9000), None, 0, Timing::PAPER);
-        assert_eq!(watch.clone().check(&about(9500), None, 0, Timing::PAPER).0, Jumped);
-        assert_eq!(watch.check(&about(9500), None, 4, Timing::PAPER).0, Believed);
+        watch.check(&about(9000), None, 0, PAPER);
+        assert_eq!(watch.clone().check(&about(9500), None, 0, PAPER).0, Jumped);
+        assert_eq!(watch.check(&about(9500), None, 4, PAPER).0, Believed);
     }
 
     #[test]
@@ -192,10 +253,43 @@ mod tests {
     }
 
     #[test]
+    fn a_sensor_that_stands_still_is_stuck_though_the_converters_last_bit_goes_on_moving() {
+        let last_bit = |counts: u16| {
+            let mut sums = GroupSums::default();
+            (0..500).for_each(|k: u16| sums.push(counts + (k * 7 % 11 + k / 100) % 2, 8200));
+            sums
+        };
+        let stuck = checks(&[about(9000), last_bit(9000), last_bit(9000), last_bit(9001), about(9000)]);
+        assert_eq!(stuck.map_checks(), [Believed, Believed, Stuck, Stuck, Believed]);
+    }
+
+    /// 16 bits, 100 counts a kelvin, 8 counts of noise: what is much on the paper's board is little there.
+    #[test]
+    fn another_board_is_judged_by_its_own_numbers() {
+        let board = BoardNumbers::new(16, 100.0, 8.0).unwrap();
+        let other = Believable { board, ..PAPER };
+        let noisy = |counts: u16, wide: u16| {
+            let mut sums = GroupSums::default();
+            (0..500).for_each(|k: u16| sums.push(counts + k % 3 * wide, 40_000));
+            sums
+        };
+        let check = |groups: &[GroupSums]| {
+            let mut watch = TemperatureWatch::default();
+            groups.iter().map(|sums| watch.check(sums, None, 0, other).0).collect::<std::vec::Vec<_>>()
+        };
+        // 3 K in a group and a half are too many, 2 K a second are not; the middle of 14 bits is no end.
+        assert_eq!(check(&[noisy(30_000, 10), noisy(30_300, 10)]), [Believed, Believed]);
+        assert_eq!(check(&[noisy(30_000, 10), noisy(30_500, 10)]), [Believed, Jumped]);
+        assert_eq!(check(&[noisy(16_383, 10), noisy(65_515, 10)]), [Believed, Saturated]);
+        // A scatter of 1.6 counts is a converter's, where the sensor's is 8; of 300 it is a glitch.
+        assert_eq!(check(&[noisy(30_000, 2); 3]), [Believed, Stuck, Stuck]);
+        assert_eq!(check(&[noisy(30_000, 370)]), [Jumped]);
+    }
+
+    #[test]
     fn a_sensor_that_stands_while_the_other_moves_is_stuck_whatever_its_last_bits_do() {
         let mut watch = TemperatureWatch::default();
-        let mut check =
-            |own: u16, other: u16| watch.check(&about(own), Some(TemperatureCode(4 * other)), 0, Timing::PAPER).0;
+        let mut check = |own: u16, other: u16| watch.check(&about(own), Some(TemperatureCode(4 * other)), 0, PAPER).0;
         // Y warms by 3 K in thirty groups, and X does not; then it goes on.
         let stands: std::vec::Vec<_> = (0..40).map(|k| check(9000 + k % 2, 9100 + 4 * k)).collect();
         assert!(

@@ -2,12 +2,17 @@ use std::vec;
 use std::vec::Vec;
 
 use zerorate_core::compensate::LowPass;
+use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES, laws_for};
 use zerorate_core::wire::SampleWindow;
 
 use super::*;
 use crate::tests::{Part, Sets, record, record_with};
 
 mod scans;
+
+fn laws(record: &DeviceRecord) -> Laws {
+    laws_for(None, record.encode(&mut [0; MAX_RECORD_BYTES]).unwrap()).unwrap()
+}
 
 /// A compensator with its parts.
 struct Rig {
@@ -25,7 +30,7 @@ impl Rig {
     fn with(low_pass: LowPass) -> Self {
         let mut rig = Self::blank();
         let record = record_with("u", low_pass);
-        rig.compensator.install(Axis::BOTH.map(|axis| record.axis(axis).law().unwrap()));
+        rig.compensator.install(laws(&record));
         rig
     }
 
@@ -309,7 +314,7 @@ fn after_a_restart_the_wipers_are_held_until_the_first_group_and_then_written_wh
     let taps = [500, 512].map(|tap| Taps::new(tap).unwrap());
     rig.compensator = Compensator::holding(rig.sets.clone(), rig.part.clone(), Timing::PAPER, taps);
     let record = record("u");
-    rig.compensator.install(Axis::BOTH.map(|axis| record.axis(axis).law().unwrap()));
+    rig.compensator.install(laws(&record));
     rig.compensator.set_modes([Mode::Hybrid, Mode::Off]);
     rig.compensator.begin_alone();
     assert_eq!(rig.writes(), []);

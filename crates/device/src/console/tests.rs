@@ -1,9 +1,9 @@
 use std::vec::Vec;
 
-use zerorate_core::compensate::Mode;
+use zerorate_core::compensate::{CurveNumbers, Mode};
 use zerorate_core::record::MAX_RECORD_BYTES;
 use zerorate_core::units::Axis;
-use zerorate_core::wire::{CHUNK, CalibrationState, frame};
+use zerorate_core::wire::{CHUNK, CalibrationState, Health, frame};
 
 use super::*;
 use crate::store::{StoreFailed, Stored};
@@ -31,7 +31,7 @@ fn console<S: RecordStore>(store: S) -> Console<S> {
 }
 
 fn console_of<S: RecordStore>(unit: &str, store: S) -> Console<S> {
-    Console::new(UnitSerial::try_from(unit).unwrap(), Timing::PAPER, store, Started::POWER)
+    Console::new(UnitSerial::try_from(unit).unwrap(), Timing::PAPER, store, Started::POWER, Health::default)
 }
 
 /// Sends one request, each with a number of its own, and returns the answer.
@@ -155,7 +155,8 @@ fn a_record_that_cannot_be_run_never_replaces_one_that_can() {
 #[test]
 fn a_record_whose_table_of_edges_is_not_its_laws_is_neither_stored_nor_run() {
     let mut wrong = record("ZR-7");
-    wrong.axes[1].law.centre += 3 << 16;
+    let CurveNumbers::Polynomial(drift) = &mut wrong.axes[1].law.drift.curve else { panic!() };
+    drift.coefficients[0] -= 3 << 16;
     let mut buffer = [0; MAX_RECORD_BYTES];
     let wrong = wrong.encode(&mut buffer).unwrap();
     let mut store = MemoryStore::default();

@@ -18,7 +18,7 @@ use crate::compensate::q16::{Q16, to_fixed};
 use crate::compensate::refused::{LawRefused, Unrepresentable};
 use crate::drift::{Drift, History, Memory, Polynomial, Shape, Table, Term, ValidRange, substitute};
 use crate::trim::Trim;
-use crate::units::{Taps, TemperatureCode, TemperatureScale};
+use crate::units::{Counts, Taps, TemperatureCode, TemperatureScale};
 
 /// One in Q32.
 const Q32: f64 = 4_294_967_296.0;
@@ -44,7 +44,8 @@ impl LawNumbers {
     /// # Errors
     /// [`LawRefused`], when the numbers do not fit or the table is wrong.
     pub fn new(law: &StaticLaw, edges: Option<&EdgeTable>, low_pass: LowPass) -> Result<Self, LawRefused> {
-        let drift = DriftNumbers::new(&law.drift, law.temperature_scale)?;
+        let centre = law.trim.line.centre();
+        let drift = DriftNumbers::new(&from_centre(&law.drift, centre), law.temperature_scale)?;
         if let Some(edges) = edges {
             edges.check(law).map_err(LawRefused::Edges)?;
         }
@@ -52,7 +53,6 @@ impl LawNumbers {
             Some(Self {
                 drift,
                 trim: TrimNumbers::new(&law.trim)?,
-                centre: Q16::from_counts(law.trim.line.centre().0)?.0,
                 dead_band: to_fixed(law.dead_band, 16)?,
                 low_pass: low_pass.numbers(),
                 edges: edges.cloned(),
@@ -87,6 +87,11 @@ impl DriftNumbers {
         let close = with_beyond.map(TemperatureCode).all(is_close);
         close.then_some(numbers).ok_or(Unrepresentable::TooCoarse)
     }
+}
+
+/// A drift counted from the reading aimed at.
+fn from_centre(drift: &Drift, centre: Counts) -> Drift {
+    Drift { shape: drift.shape.lowered(centre.0), valid: drift.valid }
 }
 
 /// The codes whose temperatures lie in a valid range, ends rounded to the nearest; `None` if there are fewer than two.
@@ -160,18 +165,19 @@ impl TrimNumbers {
 }
 
 impl HistoryNumbers {
-    /// A history beside its static drift as a record stores it. `group_period_s` is the time from group to group, in
-    /// seconds.
+    /// A history beside its static drift as a record stores it. `centre` is the reading aimed at, `group_period_s` the time
+    /// from group to group, in seconds.
     ///
     /// # Errors
     /// [`Unrepresentable`], when its numbers do not fit.
     pub fn new(
         history: &History,
         drift: &Drift,
+        centre: Counts,
         scale: TemperatureScale,
         group_period_s: f64,
     ) -> Result<Self, Unrepresentable> {
-        let curve = Drift { shape: history.curve().clone(), valid: drift.valid };
+        let curve = from_centre(&Drift { shape: history.curve().clone(), valid: drift.valid }, centre);
         let terms: Option<_> = history.terms().iter().map(|term| rounded_term(term, scale, group_period_s)).collect();
         Ok(Self { curve: DriftNumbers::new(&curve, scale)?.curve, terms: terms.ok_or(Unrepresentable::TooLarge)? })
     }

@@ -16,6 +16,8 @@ use crate::trim::{TapEffects, Trim, TrimLine};
 use crate::units::{Counts, TemperatureScale};
 
 const SCALE: TemperatureScale = TemperatureScale::QUARTER_COUNTS;
+/// The reading aimed at.
+const CENTRE: Counts = Counts(8200.0);
 /// The board's groups: 500 scans of a millisecond.
 const PERIOD_S: f64 = 0.5;
 
@@ -54,7 +56,7 @@ fn history() -> History {
 /// Both in the device's form, for a law.
 fn fixed(law: &StaticLaw) -> (FixedDrift, FixedHistory) {
     let drift = DriftNumbers::new(&law.drift, SCALE).unwrap();
-    let numbers = HistoryNumbers::new(&history(), &law.drift, SCALE, PERIOD_S).unwrap();
+    let numbers = HistoryNumbers::new(&history(), &law.drift, Counts(0.0), SCALE, PERIOD_S).unwrap();
     // A dead band of 0.05 tap.
     let history = FixedHistory::from_numbers(&numbers, drift.first, drift.last, 3277).unwrap();
     (FixedDrift::from_numbers(&drift).unwrap(), history)
@@ -142,7 +144,7 @@ fn dynamic_law() -> AxisLaw {
     let law = law();
     let edges = EdgeTable::solve(&law).unwrap();
     let mut numbers = LawNumbers::new(&law, Some(&edges), LowPass::NONE).unwrap();
-    numbers.history = Some(HistoryNumbers::new(&history(), &law.drift, SCALE, PERIOD_S).unwrap());
+    numbers.history = Some(HistoryNumbers::new(&history(), &law.drift, CENTRE, SCALE, PERIOD_S).unwrap());
     AxisLaw::from_numbers(&numbers).unwrap()
 }
 
@@ -231,7 +233,7 @@ fn a_history_whose_numbers_do_not_fit_is_refused() {
     let law = law();
     let with = |memory, weight, period| {
         let history = History::new(paper(0.0), &[Term { memory, weight, share: 1.0 }]).unwrap();
-        HistoryNumbers::new(&history, &law.drift, SCALE, period)
+        HistoryNumbers::new(&history, &law.drift, CENTRE, SCALE, period)
     };
     assert!(with(Memory::Play { half_width: 100.0 }, 0.1, 0.5).is_ok());
     assert!(with(Memory::Play { half_width: 100.0 }, 1e6, 0.5).is_err(), "weight");
