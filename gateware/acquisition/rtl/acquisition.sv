@@ -14,6 +14,8 @@ module acquisition #(
     input  logic spi_mosi,
     output logic spi_miso,
     output logic data_ready,
+    // READY, for a light.
+    output logic waiting,
 
     output logic adc_cnv,
     output logic adc_sck,
@@ -48,7 +50,7 @@ module acquisition #(
 
     logic [31:0] register_word;
     logic [15:0] lost_modulo;
-    logic        run, restart, abandon, waiting, overrun;
+    logic        run, restart, abandon, overrun;
     logic [19:0] written_period_us;
     logic [9:0]  written_length;
 
@@ -78,13 +80,13 @@ module acquisition #(
         .period_us, .length(filling_length), .scan, .taking, .set_full
     );
 
-    logic        filling, reading, lost_before;
+    logic        filling, reading, lost_before, data_ready_next;
     logic [31:0] number, lost_at_read;
     logic [9:0]  waiting_length;
 
     banks owners(
         .clk, .rst_n, .restart, .set_full, .set_length(filling_length), .filling,
-        .read_begins, .read_ends, .release_set, .waiting, .reading, .overrun, .lost_modulo,
+        .read_begins, .read_ends, .release_set, .waiting, .data_ready_next, .reading, .overrun, .lost_modulo,
         .number, .length(waiting_length), .lost_before, .lost_at_read
     );
 
@@ -130,7 +132,7 @@ module acquisition #(
         .sum_address(sum_read_address), .sum_half(sum_read), .sample_address, .sample(sample_read)
     );
 
-    assign data_ready = waiting;
+    output_register ready_pin(.clk, .next(data_ready_next), .pin(data_ready));
 
 `ifdef SYNTHESIS
     logic unused;
@@ -152,5 +154,8 @@ module acquisition #(
     // A word is whole and still when SCK takes it to the shift register. This is what limits SCK to 10 MHz.
     assert property (@(negedge spi_sck) disable iff (!rst_n)
         slave.part != slave.HEAD && slave.place == 5'd0 |-> settled && events.head_level == events.head_before);
+`endif
+`ifdef FORMAL
+    `include "formal/port.sv"
 `endif
 endmodule
