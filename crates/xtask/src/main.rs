@@ -24,6 +24,7 @@ mod syntax;
 mod targets;
 mod toolchain;
 mod unused;
+mod wiring;
 mod workspace;
 
 use std::path::PathBuf;
@@ -66,7 +67,7 @@ enum Chore {
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house,
-        /// build, numpy, numbers, damage, circuit, gateware, firmware, chip, report, lot
+        /// wiring, build, numpy, numbers, damage, circuit, gateware, firmware, chip, report, lot
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -206,6 +207,11 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("circles", "see CONTRIBUTING.md, Arrows", within(circles::check)),
         Step::new("unused", "take it out, or say in crates/xtask/src/unused/kept.rs why not", within(unused::check)),
         Step::new("house", "see CONTRIBUTING.md, Habits", within(house::check)),
+        Step::new(
+            "wiring",
+            "hardware/wiring.md, the pins of firmware and gateware, and the board's connectors are one",
+            within(wiring::check),
+        ),
         Step::new("build", "mend the build", within(cargo::build_command)).skipped_if(fast, "--fast"),
         Step::new("numpy", "see crates/xtask/python/compare_fit.py", within(python::compare_fit))
             .skipped_if(fast, "--fast"),
