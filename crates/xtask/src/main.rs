@@ -118,7 +118,8 @@ enum Chore {
     /// Run the zero-adjust circuit in ngspice and compare it with what the simulated bench assumes
     ///
     /// Counts a tap, centre, corner and rails as drawn, then with every part off its value: the tables of
-    /// hardware/README.md. ngspice is installed if this runs as root on Debian, and named if it does not.
+    /// hardware/README.md; last the netlist for a layout, held to the simulated one. ngspice is installed if this runs as root on
+    /// Debian, and named if it does not; SKiDL comes from PyPI into target/venv-circuit.
     Circuit,
     /// Hold the raw stage of zerorate-lot against DuckDB and a plain loop, at a hundred million rows
     ///
@@ -132,7 +133,7 @@ enum Chore {
     Lines,
     /// Check the acquisition gateware and build it for the iCEBreaker
     ///
-    /// Verilator's lint, a proof by yosys, the tests of the verilated block, a shortened test of a unit through it, synthesis
+    /// Verilator's lint, proofs by yosys, the tests of the verilated block, a shortened test of a unit through it, synthesis
     /// and place-and-route: the table of gateware/acquisition/README.md. What that needs is installed if this runs as
     /// root on Debian, and named if not.
     Gateware,

@@ -111,10 +111,10 @@ fn faults(table: &str, firmware: &str, constraints: &str, board: &str) -> Result
         let found = rows.iter().find(|(_, row)| row.fpga_name == name);
         expect(name, "the FPGA's pin", found.map(|(_, row)| row.fpga_pin), pin);
         let holes = PMODS.iter().flat_map(|(pmod, pins)| pins.iter().map(move |pin| (pmod, pin)));
-        let hole = holes
+        let mut hole = holes
             .filter(|(_, (_, of_fpga))| of_fpga.to_string() == pin)
             .map(|(pmod, (hole, _))| format!("{pmod}, {hole}"));
-        let hole = hole.last().with_context(|| format!("{CONSTRAINTS}: {pin} is at neither PMOD"))?;
+        let hole = hole.next().with_context(|| format!("{CONSTRAINTS}: {pin} is at neither PMOD"))?;
         expect(name, "the PMOD's pin", found.map(|(_, row)| row.pmod), &hole);
     }
 
