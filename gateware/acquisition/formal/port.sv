@@ -3,6 +3,15 @@
 // A step is a period of `clk`. The pins may do anything, in any step; the modules in abstract/ stand for the ones on the
 // other side of a promise that another file here proves.
 
+// WHOLE and FALLS are proved from any state that the lemmas allow, which is more, and in a spoilt block the way from the reset to a set
+// that is read would be too long to be found.
+`ifdef PROVE_WHOLE
+`define FROM_ANYWHERE
+`endif
+`ifdef PROVE_FALLS
+`define FROM_ANYWHERE
+`endif
+
 // --- Transfers as they are on the pins, counted here and not by the block. The one that the block has open is the last one
 // whose head came in, or the one before while that head is on its way through the synchroniser.
 typedef struct packed {
@@ -40,7 +49,7 @@ end
 transfer_t f_before_kept;
 // How long chip select has been low.
 logic [3:0] f_low;
-`ifndef PROVE_FALLS
+`ifndef FROM_ANYWHERE
 initial f_low = 4'd0;
 initial f_kept.words = 5'd0;
 initial f_before_kept.words = 5'd0;
@@ -98,12 +107,11 @@ always_comb if (f_started && rst_n) assume (f_is_counted);
 `endif
 
 // The reset is asked for at first, and whenever the solver likes.
-// Data ready's fall is proved from any state that the lemmas allow, once the synchronisers are filled: from the reset on the
-// way that breaks a spoilt one is too long to be found.
+// What begins anywhere is looked at once the synchronisers are filled.
 logic [2:0] f_steps;
 initial f_steps = 3'd0;
 always_ff @(posedge clk) if (f_steps != 3'd7) f_steps <= f_steps + 3'd1;
-`ifndef PROVE_FALLS
+`ifndef FROM_ANYWHERE
 always_comb if (!f_started) assume (!rst_n);
 `endif
 
@@ -170,7 +178,7 @@ always_ff @(posedge clk) begin
 end
 
 `ifdef PROVE_WHOLE
-always_ff @(posedge clk) if (f_started && rst_n && f_ran) begin
+always_ff @(posedge clk) if (f_steps == 3'd7 && rst_n && f_ran) begin
     if (reading && f_is_read) begin
         assert (!(sample_in && taking) || filling != f_bank_read);
         assert (!sum_write || sum_address[5] != f_bank_read);
