@@ -3,6 +3,8 @@
 //! As drawn: counts a tap at several taps, centre, corner, rails. Then with every part off its value: one at a time, all
 //! in the worst direction, and at random. The tables are those of hardware/README.md.
 
+mod capture;
+mod noise;
 mod parts;
 mod sim;
 mod spice;
@@ -65,6 +67,9 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
     tolerances(&quantities, as_drawn, &ranges);
     faults.extend(trimmer(&spice, &nominal, &ranges)?);
     drift(&spice, &units, as_drawn)?;
+    faults.extend(noise::compare(&spice, &units)?);
+    faults.extend(unplugged(&spice)?);
+    capture::check(workspace)?;
 
     ensure!(faults.is_empty(), "{} faults\n    {}", faults.len(), faults.join("\n    "));
     Ok(Outcome::Passed)
@@ -204,6 +209,25 @@ fn rails(what: &str, rows: &[Vec<f64>], sign: f64, inputs: impl Fn(f64) -> (f64,
     }
     table(&["rails", "lowest", "highest", "A/D reads", "off sim inside, counts", "sags, mV"], &lines);
     faults
+}
+
+/// A gyro whose connector is out: both of its readings have to stand beyond the A/D's end, where they are no measurement.
+fn unplugged(spice: &Spice) -> Result<Vec<String>> {
+    let full_v = sim::COUNT_V * 16_384.0;
+    let mut faults = Vec::new();
+    let mut rows = Vec::new();
+    let inputs = ["brx", "bry", "btx", "bty"].into_iter().zip([OUTPUTS[0], OUTPUTS[1], "adtx", "adty"]);
+    for ((device, node), name) in inputs.zip(["X rate", "Y rate", "X temperature", "Y temperature"]) {
+        let output_v = spice.without(device, &[node])?[0];
+        let is_good = output_v >= full_v;
+        if !is_good {
+            faults.push(format!("{name} unplugged: {output_v:.3} V, which looks like a measurement"));
+        }
+        let verdict = if is_good { "16383" } else { "OUT" };
+        rows.push(vec![name.to_owned(), format!("{output_v:.3}"), verdict.to_owned()]);
+    }
+    table(&["unplugged", "at the A/D, V", "reads"], &rows);
+    Ok(faults)
 }
 
 fn tolerances(quantities: &[Quantity], as_drawn: &Measured, ranges: &[Range]) {

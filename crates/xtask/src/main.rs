@@ -24,6 +24,7 @@ mod syntax;
 mod targets;
 mod toolchain;
 mod unused;
+mod wiring;
 mod workspace;
 
 use std::path::PathBuf;
@@ -66,7 +67,7 @@ enum Chore {
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house,
-        /// build, numpy, numbers, damage, circuit, gateware, firmware, chip, report, lot
+        /// wiring, build, numpy, numbers, damage, circuit, gateware, firmware, chip, report, lot
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -117,7 +118,8 @@ enum Chore {
     /// Run the zero-adjust circuit in ngspice and compare it with what the simulated bench assumes
     ///
     /// Counts a tap, centre, corner and rails as drawn, then with every part off its value: the tables of
-    /// hardware/README.md. ngspice is installed if this runs as root on Debian, and named if it does not.
+    /// hardware/README.md; last the netlist for a layout, held to the simulated one. ngspice is installed if this runs as root on
+    /// Debian, and named if it does not; SKiDL comes from PyPI into target/venv-circuit.
     Circuit,
     /// Hold the raw stage of zerorate-lot against DuckDB and a plain loop, at a hundred million rows
     ///
@@ -131,7 +133,7 @@ enum Chore {
     Lines,
     /// Check the acquisition gateware and build it for the iCEBreaker
     ///
-    /// Verilator's lint, a proof by yosys, the tests of the verilated block, a shortened test of a unit through it, synthesis
+    /// Verilator's lint, proofs by yosys, the tests of the verilated block, a shortened test of a unit through it, synthesis
     /// and place-and-route: the table of gateware/acquisition/README.md. What that needs is installed if this runs as
     /// root on Debian, and named if not.
     Gateware,
@@ -206,6 +208,11 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("circles", "see CONTRIBUTING.md, Arrows", within(circles::check)),
         Step::new("unused", "take it out, or say in crates/xtask/src/unused/kept.rs why not", within(unused::check)),
         Step::new("house", "see CONTRIBUTING.md, Habits", within(house::check)),
+        Step::new(
+            "wiring",
+            "hardware/wiring.md, the pins of firmware and gateware, and the board's connectors are one",
+            within(wiring::check),
+        ),
         Step::new("build", "mend the build", within(cargo::build_command)).skipped_if(fast, "--fast"),
         Step::new("numpy", "see crates/xtask/python/compare_fit.py", within(python::compare_fit))
             .skipped_if(fast, "--fast"),

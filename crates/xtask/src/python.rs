@@ -104,6 +104,11 @@ pub fn lot_venv(workspace: &Workspace) -> Result<PathBuf> {
     venv_of(workspace, "venv-lot", "requirements-lot.txt", None)
 }
 
+/// The Python of the venv with SKiDL, alone: what else it asks for draws schematics, which nobody here does.
+pub fn circuit_venv(workspace: &Workspace) -> Result<PathBuf> {
+    venv_of(workspace, "venv-circuit", "requirements-circuit.txt", Some("skidl==3.0.0"))
+}
+
 /// The Python of a venv under target/ with the packages that a file pins and, without what it asks for, one more.
 fn venv_of(workspace: &Workspace, name: &str, requirements: &str, alone: Option<&str>) -> Result<PathBuf> {
     let folder = workspace.target.join(name);

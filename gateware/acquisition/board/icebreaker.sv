@@ -42,14 +42,17 @@ module icebreaker (
         .GLOBAL_BUFFER_OUTPUT(sck)
     );
 
-    // MISO may be shared with other parts on the bus: driven only while we are selected.
+    // MISO may be shared with other parts on the bus: driven only while we are selected. It has no register in its cell: chip
+    // select, which no clock of ours sees in time, has to reset it, and a cell has no reset.
     logic miso;
 
+    /* verilator lint_off PINMISSING */
     SB_IO #(.PIN_TYPE(6'b1010_01)) miso_pin (
         .PACKAGE_PIN(spi_miso),
         .OUTPUT_ENABLE(!spi_csn),
         .D_OUT_0(miso)
     );
+    /* verilator lint_on PINMISSING */
 
     // Reset: from power-up until the clock has been good for 255 periods, and while the button is pressed.
     logic       released;
@@ -65,11 +68,13 @@ module icebreaker (
     end
     assign rst_n = good_clocks == 8'hFF;
 
+    logic waiting;
+
     acquisition block (
         .clk, .rst_n,
-        .spi_sck(sck), .spi_csn, .spi_mosi, .spi_miso(miso), .data_ready, .scan_ready,
+        .spi_sck(sck), .spi_csn, .spi_mosi, .spi_miso(miso), .data_ready, .scan_ready, .waiting,
         .adc_cnv, .adc_sck, .adc_din, .adc_sdo
     );
 
-    assign led_green_n = !data_ready;
+    assign led_green_n = !waiting;
 endmodule

@@ -30,6 +30,7 @@ module SB_IO #(
     parameter logic [5:0] PIN_TYPE = 6'd0
 ) (
     output logic PACKAGE_PIN,
+    input  logic OUTPUT_CLK,
     input  logic OUTPUT_ENABLE,
     input  logic D_OUT_0
 );

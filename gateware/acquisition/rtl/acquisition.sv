@@ -15,6 +15,8 @@ module acquisition #(
     output logic spi_miso,
     output logic data_ready,
     output logic scan_ready,
+    // READY, for a light.
+    output logic waiting,
 
     output logic adc_cnv,
     output logic adc_sck,
@@ -49,7 +51,7 @@ module acquisition #(
 
     logic [31:0] register_word;
     logic [15:0] lost_modulo;
-    logic        run, restart, abandon, waiting, overrun;
+    logic        run, restart, abandon, overrun;
     logic [19:0] written_period_us;
     logic [9:0]  written_length;
 
@@ -79,13 +81,13 @@ module acquisition #(
         .period_us, .length(filling_length), .scan, .taking, .set_full
     );
 
-    logic        filling, reading, lost_before;
+    logic        filling, reading, lost_before, data_ready_next;
     logic [31:0] number, lost_at_read;
     logic [9:0]  waiting_length;
 
     banks owners(
         .clk, .rst_n, .restart, .set_full, .set_length(filling_length), .filling,
-        .read_begins, .read_ends, .release_set, .waiting, .reading, .overrun, .lost_modulo,
+        .read_begins, .read_ends, .release_set, .waiting, .data_ready_next, .reading, .overrun, .lost_modulo,
         .number, .length(waiting_length), .lost_before, .lost_at_read
     );
 
@@ -125,10 +127,11 @@ module acquisition #(
 
     // No register shares a transfer with it: its word is 0 where that is theirs.
     logic [31:0] scan_word;
+    logic        scan_ready_next;
 
     latest_scan scans(
         .clk, .rst_n, .restart, .scan_due, .sample_in, .channel, .sample,
-        .scan_taken(scan_done && taking && !abandon), .head, .head_in, .fetch, .word(scan_word), .scan_ready
+        .scan_taken(scan_done && taking && !abandon), .head, .head_in, .fetch, .word(scan_word), .scan_ready_next
     );
 
     logic settled;
@@ -139,7 +142,8 @@ module acquisition #(
         .sum_address(sum_read_address), .sum_half(sum_read), .sample_address, .sample(sample_read)
     );
 
-    assign data_ready = waiting;
+    output_register ready_pin(.clk, .next(data_ready_next), .pin(data_ready));
+    output_register scan_ready_pin(.clk, .next(scan_ready_next), .pin(scan_ready));
 
 `ifdef SYNTHESIS
     logic unused;
@@ -161,5 +165,8 @@ module acquisition #(
     // A word is whole and still when SCK takes it to the shift register. This is what limits SCK to 10 MHz.
     assert property (@(negedge spi_sck) disable iff (!rst_n)
         slave.part != slave.HEAD && slave.place == 5'd0 |-> settled && events.head_level == events.head_before);
+`endif
+`ifdef FORMAL
+    `include "formal/port.sv"
 `endif
 endmodule

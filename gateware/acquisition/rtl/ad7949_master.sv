@@ -52,19 +52,39 @@ module ad7949_master #(
     assign conversion_over = waited == WAIT_BITS'(CONVERT_CLOCKS - 1);
     assign next_frame      = frame + 3'd1;
 
-    // Outputs are flip-flops: a pulse on CNV is a conversion.
-    initial begin
-        adc_cnv = 1'b1;
-        adc_sck = 1'b0;
+    // Outputs come from the pins' flip-flops, so none has a pulse in it: one on CNV would be a conversion. What they will be:
+    logic cnv_next, sck_next, din_next;
+
+    always_comb begin
+        case (state)
+            SHIFT: begin
+                cnv_next = half_over && half == LAST_HALF;
+                sck_next = half_over ? !half[0] && half != LAST_HALF : half[0];
+                din_next = half_over && half[0] ? outgoing[14] : outgoing[15];
+            end
+            CONVERT: begin
+                cnv_next = !(conversion_over && frame != LAST_FRAME);
+                sck_next = 1'b0;
+                din_next = 1'b1;
+            end
+            default: begin
+                cnv_next = !start;
+                sck_next = 1'b0;
+                din_next = 1'b1;
+            end
+        endcase
+        if (!rst_n) {cnv_next, sck_next} = 2'b10;
     end
+
+    output_register cnv_pin(.clk, .next(cnv_next), .pin(adc_cnv));
+    output_register sck_pin(.clk, .next(sck_next), .pin(adc_sck));
+    output_register din_pin(.clk, .next(din_next), .pin(adc_din));
 
     always_ff @(posedge clk) begin
         sample_in <= 1'b0;
         waited    <= waited + 1'b1;
         if (!rst_n) begin
-            state   <= IDLE;
-            adc_cnv <= 1'b1;
-            adc_sck <= 1'b0;
+            state <= IDLE;
         end else begin
             case (state)
                 IDLE: begin
@@ -72,24 +92,18 @@ module ad7949_master #(
                     half     <= 6'd0;
                     waited   <= '0;
                     outgoing <= configuration(3'd0);
-                    if (start) begin
-                        state   <= SHIFT;
-                        adc_cnv <= 1'b0;
-                    end
+                    if (start) state <= SHIFT;
                 end
                 SHIFT: if (half_over) begin
                     waited <= '0;
                     half   <= half + 6'd1;
                     if (half == LAST_HALF) begin
                         state     <= CONVERT;
-                        adc_cnv   <= 1'b1;
                         sample_in <= frame >= 3'd2;
                     end else if (!half[0]) begin
-                        adc_sck <= 1'b1;
-                        // The part's last two clocks carry nothing.
+                        // SCK rises. The part's last two clocks carry nothing.
                         if (half < 6'd28) incoming <= {incoming[12:0], adc_sdo};
                     end else begin
-                        adc_sck  <= 1'b0;
                         outgoing <= {outgoing[14:0], 1'b0};
                     end
                 end
@@ -98,19 +112,13 @@ module ad7949_master #(
                     half     <= 6'd0;
                     frame    <= next_frame;
                     outgoing <= configuration(next_frame < 3'd4 ? next_frame : 3'd0);
-                    if (frame == LAST_FRAME) begin
-                        state <= IDLE;
-                    end else begin
-                        state   <= SHIFT;
-                        adc_cnv <= 1'b0;
-                    end
+                    state    <= frame == LAST_FRAME ? IDLE : SHIFT;
                 end
                 default: state <= IDLE;
             endcase
         end
     end
 
-    assign adc_din = outgoing[15];
     assign sample  = incoming;
     // Frames 2 to 5 bring channels 0 to 3.
     assign channel = {frame[2], frame[0]};

@@ -16,6 +16,9 @@ module banks (
     input  logic        release_set,
 
     output logic        waiting,
+    // The next clock's data ready: low for a clock after every release, even where the next set is full in the same clock, so
+    // that a master that waits for edges sees each set.
+    output logic        data_ready_next,
     output logic        reading,
     output logic        overrun,
     // Modulo 65 536, as STATUS has it.
@@ -38,6 +41,8 @@ module banks (
     assign loses_newest = set_full && is_kept;
     assign is_accepted  = set_full && !is_kept;
     assign loses_older  = is_accepted && still_waits;
+
+    assign data_ready_next = rst_n && !restart && !is_released && (waiting || set_full);
 
     assign lost_modulo = lost[15:0];
 

@@ -20,7 +20,8 @@ module latest_scan (
     input  logic        fetch,
     output logic [31:0] word,
 
-    output logic        scan_ready
+    // Scan ready as it is after this clock, for the pin's flip-flop.
+    output logic        scan_ready_next
 );
     localparam logic [7:0] READ_SCAN = 8'h20;
     // Past the last one.
@@ -29,21 +30,25 @@ module latest_scan (
     logic [13:0] gathered [4];
     logic [55:0] latest, copy;
     logic [31:0] next_number, number;
-    logic        is_there, is_copied;
+    logic        is_there, is_copied, scan_ready;
+
+    always_comb begin
+        if (!rst_n || restart) scan_ready_next = 1'b0;
+        else if (scan_taken) scan_ready_next = 1'b1;
+        else if (scan_due) scan_ready_next = 1'b0;
+        else scan_ready_next = scan_ready;
+    end
 
     always_ff @(posedge clk) begin
         if (sample_in) gathered[channel] <= sample;
         if (!rst_n || restart) begin
             next_number <= 32'd0;
             is_there    <= 1'b0;
-            scan_ready  <= 1'b0;
         end else if (scan_taken) begin
             next_number <= next_number + 32'd1;
             is_there    <= 1'b1;
-            scan_ready  <= 1'b1;
-        end else if (scan_due) begin
-            scan_ready  <= 1'b0;
         end
+        scan_ready <= scan_ready_next;
         if (scan_taken) latest <= {gathered[0], gathered[1], gathered[2], gathered[3]};
     end
 

@@ -11,7 +11,7 @@ use crate::provide;
 use crate::workspace::Workspace;
 
 /// Where the circuit is.
-const CIRCUIT: &str = "hardware/zero-adjust";
+pub const CIRCUIT: &str = "hardware/zero-adjust";
 
 /// What one run measured, by name.
 pub type Measured = BTreeMap<String, f64>;
@@ -116,10 +116,33 @@ impl Spice {
         Ok(rows)
     }
 
+    /// The noise at a node, rms, up to where nothing passes any more.
+    pub fn noise_v(&self, node: &str) -> Result<f64> {
+        let commands = format!("noise v({node}) vrate dec 20 0.01 100meg\nsetplot noise2\nprint onoise_total\n");
+        let answers = self.batch("noise", &commands)?;
+        let total = answers.iter().find(|(name, _)| name == "onoise_total");
+        Ok(total.with_context(|| format!("ngspice has no noise of {node}"))?.1)
+    }
+
+    /// What the nodes are when a device of the bench is not there.
+    pub fn without(&self, device: &str, nodes: &[&str]) -> Result<Vec<f64>> {
+        let is_kept = |line: &&str| line.split_whitespace().next() != Some(device);
+        let netlist: Vec<&str> = self.netlist.lines().filter(is_kept).collect();
+        ensure!(netlist.len() + 1 == self.netlist.lines().count(), "bench.cir has no `{device}`");
+        let prints: String = nodes.iter().map(|node| format!("let n_{node}=v({node})\nprint n_{node}\n")).collect();
+        let answers = self.run(&format!("without-{device}"), &netlist.join("\n"), &format!("op\n{prints}"))?;
+        ensure!(answers.len() == nodes.len(), "ngspice without {device}: {answers:?}");
+        Ok(answers.into_iter().map(|(_, value)| value).collect())
+    }
+
     /// Runs commands on the bench; what they print as `name = value`, in order.
     fn batch(&self, name: &str, commands: &str) -> Result<Vec<(String, f64)>> {
+        self.run(name, &self.netlist, commands)
+    }
+
+    fn run(&self, name: &str, netlist: &str, commands: &str) -> Result<Vec<(String, f64)>> {
         let deck = self.folder.join(format!("{name}.cir"));
-        let text = format!("{}.control\n{commands}.endc\n.end\n", self.netlist);
+        let text = format!("{}\n.control\n{commands}.endc\n.end\n", netlist.trim_end());
         fs::write(&deck, text).with_context(|| deck.display().to_string())?;
         let mut ngspice = Command::new(&self.program);
         ngspice.current_dir(&self.folder).arg("-b").arg(&deck).stdin(Stdio::null());
