@@ -140,7 +140,12 @@ impl Board {
             Some(group) => {
                 checks.push(Check::sentence("sets of samples", None));
                 checks.extend(Axis::BOTH.into_iter().flat_map(|axis| readings(&group, axis)));
+                // Groups that come while orders wait for theirs are not to be read later.
+                self.leave()?;
                 self.wipers(setup, per_tap, &mut checks)?;
+                // A part that cannot be written has been told of already.
+                let _ = unless_refused(self.device.set_taps(self.identity.taps))?;
+                self.go_on()?;
             }
             None => {
                 let no_sets = "start the board anew; where that does not help check the A/D and the port's clock";
@@ -228,16 +233,11 @@ impl Board {
         Ok(())
     }
 
-    /// Taps, modes and acquisition as they were met.
+    /// The acquisition as it was met.
     fn put_back(&mut self) -> Result<(), ClientError> {
-        // A part that cannot be written has been told of already.
-        let _ = unless_refused(self.device.set_taps(self.identity.taps))?;
-        self.go_on()?;
         self.started = !self.identity.running;
-        match self.leave() {
-            Err(ClientError::Refused(_)) => Ok(()),
-            left => left,
-        }
+        // What does not answer has been told of already.
+        unless_refused(self.leave()).map(|_| ())
     }
 }
 

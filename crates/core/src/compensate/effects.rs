@@ -17,6 +17,9 @@ pub(super) struct FixedEffects {
     intercept: i32,
 }
 
+/// The most that one tap moves the reading, Q16: 1024 counts.
+const MOST_PER_TAP: i32 = 1 << 26;
+
 /// A side of a tap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Side {
@@ -37,14 +40,17 @@ impl Side {
 }
 
 impl FixedEffects {
-    /// `None` when the effects do not rise from tap to tap, go on beyond the part, or do not fit: some tap would move the
-    /// reading by 32 768 counts or more.
+    /// `None` when the effects do not rise from tap to tap, go on beyond the part, or do not fit: a tap beside those that were
+    /// measured would move the reading by 32 768 counts or more, or the next one by more than [`MOST_PER_TAP`].
     pub(super) fn from_numbers(numbers: &TrimNumbers) -> Option<Self> {
         let TrimNumbers { first, ref effects, per_tap, intercept } = *numbers;
         let is_rising = per_tap > 0 && effects.windows(2).all(|pair| pair[0] < pair[1]);
         let is_in_part = usize::from(first.get()) + effects.len() <= usize::from(Taps::LAST.get()) + 1;
         let all = Self { first, measured: effects.clone(), per_tap, intercept };
-        let fits = [Taps::FIRST, Taps::LAST].iter().all(|&end| i32::try_from(all.whole(end)).is_ok());
+        let last = i32::from(first.get()) + i32::try_from(effects.len().saturating_sub(1)).ok()?;
+        let beside = [i32::from(first.get()) - 1, last + 1];
+        let mut beside = beside.into_iter().filter_map(|tap| u16::try_from(tap).ok().and_then(Taps::new));
+        let fits = per_tap <= MOST_PER_TAP && beside.all(|tap| i32::try_from(all.whole(tap)).is_ok());
         (is_rising && is_in_part && fits).then_some(all)
     }
 
@@ -68,12 +74,12 @@ impl FixedEffects {
         self.measured.get(tap.after(self.first)).map_or_else(|| self.beyond(tap), |&effect| Q16(effect))
     }
 
-    /// The effect of a tap that was not measured.
+    /// The effect of a tap that was not measured; of one that would take any reading out of the converter no more than fits.
     #[cold]
     #[inline(never)]
     fn beyond(&self, tap: Taps) -> Q16 {
-        #[allow(clippy::cast_possible_truncation)] // both ends of the part fit, and so does all between them
-        Q16(self.whole(tap) as i32)
+        let whole = self.whole(tap);
+        Q16(i32::try_from(whole).unwrap_or(if whole < 0 { i32::MIN } else { i32::MAX }))
     }
 
     /// The effect of a tap, whether it fits or not.

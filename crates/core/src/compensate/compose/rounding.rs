@@ -18,7 +18,7 @@ use crate::compensate::q16::{Q16, to_fixed};
 use crate::compensate::refused::{LawRefused, Unrepresentable};
 use crate::drift::{Drift, History, Memory, Polynomial, Shape, Table, Term, ValidRange, substitute};
 use crate::trim::Trim;
-use crate::units::{Counts, Taps, TemperatureCode, TemperatureScale};
+use crate::units::{Counts, TemperatureCode, TemperatureScale};
 
 /// One in Q32.
 const Q32: f64 = 4_294_967_296.0;
@@ -149,9 +149,6 @@ fn rounded_table(table: &Table, scale: TemperatureScale, first: u16) -> Result<T
 impl TrimNumbers {
     /// A trim model as a record stores it; `None` when an effect does not fit.
     pub(in crate::compensate) fn new(trim: &Trim) -> Option<Self> {
-        for end in [Taps::FIRST, Taps::LAST] {
-            Q16::from_counts(trim.effect(end).0)?;
-        }
         let per_tap = trim.line.counts_per_tap().0;
         let (first, effects, intercept) = match &trim.measured {
             None => (trim.line.middle(), Vec::new(), trim.line.intercept_taps() * per_tap),
