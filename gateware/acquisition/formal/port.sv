@@ -3,8 +3,8 @@
 // A step is a period of `clk`. The pins may do anything, in any step; the modules in abstract/ stand for the ones on the
 // other side of a promise that another file here proves.
 
-// WHOLE and FALLS are proved from any state that the lemmas allow, which is more, and in a spoilt block the way from the reset to a set
-// that is read would be too long to be found.
+// WHOLE and FALLS are proved from any state that the lemmas allow, which is more; in a spoilt block the way from the reset to
+// a set that is read would be too long to be found.
 `ifdef PROVE_WHOLE
 `define FROM_ANYWHERE
 `endif
@@ -47,6 +47,7 @@ always_comb begin
 end
 
 transfer_t f_before_kept;
+
 // How long chip select has been low.
 logic [3:0] f_low;
 `ifndef FROM_ANYWHERE

@@ -71,12 +71,14 @@ module scans (
             default: is_placed = 1'b0;
         endcase
         if (\converter.state != 2'd0) begin
-            if (\converter.frame > 3'd5 || (\converter.half > 6'd32 && \converter.state != 2'd2) || \converter.waited ) is_placed = 1'b0;
+            if (\converter.frame > 3'd5 || \converter.waited ) is_placed = 1'b0;
+            if (\converter.half > 6'd32 && \converter.state != 2'd2) is_placed = 1'b0;
             // Frames 2 to 5 end with a sample, which is seen in the clock after.
             if (\converter.state == 2'd1 && brought != (\converter.frame < 3'd3 ? 3'd0 : \converter.frame - 3'd2)) is_placed = 1'b0;
             if (\converter.state == 2'd2 && brought != (\converter.frame < 3'd2 ? 3'd0 : \converter.frame - 3'd2)) is_placed = 1'b0;
         end
-        if (since_due > SHORTEST || \timer.clocks == 2'd3 || (scan_due && (since_due != SHORTEST || {\timer.elapsed_us , \timer.clocks } != 22'd0))) is_placed = 1'b0;
+        if (since_due > SHORTEST || \timer.clocks == 2'd3) is_placed = 1'b0;
+        if (scan_due && (since_due != SHORTEST || {\timer.elapsed_us , \timer.clocks } != 22'd0)) is_placed = 1'b0;
         if (sample_in != (\converter.state == 2'd2 && \converter.frame >= 3'd2)) is_placed = 1'b0;
         if (\timer.elapsed_us < 20'd100 && since_due < elapsed && since_due != SHORTEST) is_placed = 1'b0;
         if (\timer.elapsed_us >= 20'd100 && since_due != SHORTEST) is_placed = 1'b0;

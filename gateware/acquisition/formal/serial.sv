@@ -58,7 +58,9 @@ module serial (
     assign bits_now = is_reset ? 7'd0 : !rises ? bits : bits == 7'd111 ? 7'd80 : bits + 7'd1;
     always_comb begin
         is_counted = bits < 7'd112 && \slave.place == bits_now[4:0] + 5'd16;
-        if (\slave.part != (bits_now < 7'd16 ? 2'd0 : bits_now < 7'd48 ? 2'd1 : bits_now < 7'd80 ? 2'd2 : 2'd3)) is_counted = 1'b0;
+        if (\slave.part != (bits_now < 7'd16 ? 2'd0 : bits_now < 7'd48 ? 2'd1 : bits_now < 7'd80 ? 2'd2 : 2'd3)) begin
+            is_counted = 1'b0;
+        end
         if (\slave.crc != (is_reset ? 32'hFFFF_FFFF : rises ? crc_after : crc)) is_counted = 1'b0;
         if (\slave.incoming != (rises ? now_bits[30:0] : last_bits[30:0])) is_counted = 1'b0;
     end
