@@ -27,7 +27,6 @@ use crate::residual::ResidualStatistics;
 use crate::series::{NextRun, Series};
 use crate::trend::trends;
 use curve::{Curve, Groups};
-use mean::Shares;
 use nested::Outer;
 
 /// How far past the measured temperatures a curve chosen by `auto` is believed before it is held, as a fraction of the span
@@ -76,12 +75,8 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
         .and_then(|(evidence, found)| Attempt::new(series, |keep| evidence.fit(&found, keep)));
     let Some(own) = own else { return Ok(finish(&tried, tried.len() - 1, &groups)) };
     let cubic = tried.len() - 1;
-    // What a next run will be like nobody knows: two models that err in different ways are nearer together. The bench's next
-    // ramp is this one again.
-    let own = match series.next {
-        NextRun::Another => own.drawn_to(&tried[cubic]).unwrap_or(own),
-        NextRun::Same => own,
-    };
+    // On the bench the cubic goes to no autopilot.
+    let own = if series.next == NextRun::Another { own.with_mean_cubic(&tried[cubic]) } else { own };
     let exported = own.outer.cubic_error(series);
     let is_worse = own.outer.error(series) > TELLING * exported.min(tried[cubic].outer.error(series));
     // A drift in time is no part of what is deployed, but a curve fitted as if there were none is bent by it.
@@ -116,11 +111,14 @@ impl Attempt {
         Some(Self { made: make(&|_| true)?, outer: Outer::new(series, make) })
     }
 
-    /// The mean of it and of a plain cubic by which least is left of the folds.
-    fn drawn_to(&self, plain: &Self) -> Option<Self> {
-        let shares = Shares::of(&self.outer, &plain.outer)?;
-        let made = shares.fit(&self.made, &plain.made)?;
-        Some(Self { made, outer: self.outer.mixed(&plain.outer, shares) })
+    /// With the mean of its static cubic and a plain one by which least is left of the folds.
+    fn with_mean_cubic(mut self, plain: &Self) -> Self {
+        if let (Some(own), Some(other)) = (&self.made.cubic, &plain.made.cubic) {
+            let share = mean::share(self.outer.cubic_deployed(), plain.outer.cubic_deployed());
+            self.made.cubic = mean::cubic(own, other, share);
+            self.outer = self.outer.with_mean_cubic(&plain.outer, share);
+        }
+        self
     }
 
     fn candidate(&self, series: &Series<'_>, best: &Self) -> Candidate {

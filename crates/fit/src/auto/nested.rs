@@ -4,8 +4,7 @@ use std::ops::Range;
 
 use zerorate_core::drift::{Drift, ValidRange};
 
-use super::mean::{Shares, mixed};
-use super::{in_recording, predict};
+use super::{in_recording, mean, predict};
 use crate::boot::{move_zero, take_zero_off, variance_by_the_zero};
 use crate::choose::standard_error;
 use crate::drift_fit::{Candidate, HeldOut, LogLeft, StaticCubic, finite};
@@ -31,8 +30,8 @@ pub(super) struct Outer {
     cubics: Vec<Option<Drift>>,
     /// Each of several logs as a fit of the others leaves it, as deployed and a zero taken off; nothing of one log.
     by_the_others: Vec<f64>,
-    /// With the cold and the hot end held out, what is left of them; NaN where the rest does not settle it.
-    ends: [Vec<f64>; 2],
+    /// With the cold and the hot end held out, root mean squares; NaN where the rest does not settle it.
+    ends: [f64; 2],
     /// Whether the fit that predicts a group has seen its temperature, or warmer and colder ones.
     between: Vec<bool>,
     failed: bool,
@@ -54,9 +53,9 @@ impl Outer {
             by_the_others: by_the_others(series, &make),
             ends: ends(series).map(|end| {
                 let made = make(&|group| !end.contains(&group));
-                made.map_or(vec![f64::NAN; end.len()], |made| {
+                made.map_or(f64::NAN, |made| {
                     let left = in_recording(&made.model, series);
-                    end.iter().map(|&group| left[group]).collect()
+                    ResidualStatistics::of(end.iter().map(|&group| left[group])).rms
                 })
             }),
             between: vec![false; groups],
@@ -105,35 +104,16 @@ impl Outer {
         }
     }
 
-    /// What is left of a mean of two models, of their cubics by a share of its own.
-    pub(super) fn mixed(&self, other: &Self, shares: Shares) -> Self {
-        let (of_model, of_cubic) = (
-            |own: &[f64], plain: &[f64]| mixed(own, plain, shares.model),
-            |own: &[f64], plain: &[f64]| mixed(own, plain, shares.cubic),
-        );
-        let [cold_end, hot_end] = &self.ends;
+    /// With the mean of its static cubic and another, its own share given, in the place of that cubic.
+    pub(super) fn with_mean_cubic(mut self, other: &Self, share: f64) -> Self {
+        self.cubic = mean::left(&self.cubic, &other.cubic, share);
+        self.cubic_deployed = mean::left(&self.cubic_deployed, &other.cubic_deployed, share);
         let cubics = self.cubics.iter().zip(&other.cubics);
-        Self {
-            residuals: of_model(&self.residuals, &other.residuals),
-            deployed: of_model(&self.deployed, &other.deployed),
-            warm: of_model(&self.warm, &other.warm),
-            cold: of_model(&self.cold, &other.cold),
-            cubic: of_cubic(&self.cubic, &other.cubic),
-            cubic_deployed: of_cubic(&self.cubic_deployed, &other.cubic_deployed),
-            cubics: cubics.map(|(own, plain)| shares.cubic(own.as_ref()?, plain.as_ref()?)).collect(),
-            by_the_others: of_model(&self.by_the_others, &other.by_the_others),
-            ends: [of_model(cold_end, &other.ends[0]), of_model(hot_end, &other.ends[1])],
-            between: self.between.clone(),
-            failed: self.failed || other.failed,
-        }
+        self.cubics = cubics.map(|(own, other)| mean::cubic(own.as_ref()?, other.as_ref()?, share)).collect();
+        self
     }
 
-    /// What is left as deployed, a zero taken off, of the model.
-    pub(super) fn warm(&self) -> &[f64] {
-        &self.warm
-    }
-
-    /// The same of its static cubic.
+    /// What the static cubic leaves as deployed, a zero taken off.
     pub(super) fn cubic_deployed(&self) -> &[f64] {
         &self.cubic_deployed
     }
@@ -226,19 +206,13 @@ impl Outer {
             let all = self.residuals.iter().zip(&directions);
             ResidualStatistics::of(all.filter(|(_, own)| **own == Some(wanted)).map(|(residual, _)| *residual)).rms
         };
-        // An end that was not predicted is not one of which nothing is left.
-        let end = |left: &Vec<f64>| match left.iter().any(|left| left.is_nan()) {
-            true => f64::NAN,
-            false => ResidualStatistics::of(left.iter().copied()).rms,
-        };
-        let ends = self.ends.each_ref().map(end);
         Candidate {
             model,
             in_sample_rms: in_sample,
             held_out_rms: own.in_recording,
             held_out_excess_standard_error: finite(error).filter(|error| *error > 0.0),
             deployed_rms: own.deployed_warm,
-            ends_rms: Some(ends).filter(|ends| ends.iter().all(|end| end.is_finite())),
+            ends_rms: Some(self.ends).filter(|ends| ends.iter().all(|end| end.is_finite())),
             by_direction_rms: Some([0, 1].map(|direction| finite(in_direction(direction)))),
             chosen: false,
         }
