@@ -9,6 +9,7 @@
 mod band;
 mod curve;
 mod levels;
+mod mean;
 mod nested;
 
 use std::ops::Range;
@@ -74,6 +75,8 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
         .and_then(|(evidence, found)| Attempt::new(series, |keep| evidence.fit(&found, keep)));
     let Some(own) = own else { return Ok(finish(&tried, tried.len() - 1, &groups)) };
     let cubic = tried.len() - 1;
+    // On the bench the cubic goes to no autopilot.
+    let own = if series.next == NextRun::Another { own.with_mean_cubic(&tried[cubic]) } else { own };
     let exported = own.outer.cubic_error(series);
     let is_worse = own.outer.error(series) > TELLING * exported.min(tried[cubic].outer.error(series));
     // A drift in time is no part of what is deployed, but a curve fitted as if there were none is bent by it.
@@ -106,6 +109,16 @@ impl Attempt {
     /// By `make`, which fits the groups that are kept.
     fn new(series: &Series<'_>, make: impl Fn(&dyn Fn(usize) -> bool) -> Option<ModelFit>) -> Option<Self> {
         Some(Self { made: make(&|_| true)?, outer: Outer::new(series, make) })
+    }
+
+    /// With the mean of its static cubic and a plain one by which least is left of the folds.
+    fn with_mean_cubic(mut self, plain: &Self) -> Self {
+        if let (Some(own), Some(other)) = (&self.made.cubic, &plain.made.cubic) {
+            let share = mean::share(self.outer.cubic_deployed(), plain.outer.cubic_deployed());
+            self.made.cubic = mean::cubic(own, other, share);
+            self.outer = self.outer.with_mean_cubic(&plain.outer, share);
+        }
+        self
     }
 
     fn candidate(&self, series: &Series<'_>, best: &Self) -> Candidate {

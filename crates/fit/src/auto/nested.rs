@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use zerorate_core::drift::{Drift, ValidRange};
 
-use super::{in_recording, predict};
+use super::{in_recording, mean, predict};
 use crate::boot::{move_zero, take_zero_off, variance_by_the_zero};
 use crate::choose::standard_error;
 use crate::drift_fit::{Candidate, HeldOut, LogLeft, StaticCubic, finite};
@@ -102,6 +102,20 @@ impl Outer {
         for residuals in [&mut self.warm, &mut self.cold, &mut self.cubic_deployed] {
             take_zero_off(residuals, series.time_s, used);
         }
+    }
+
+    /// With the mean of its static cubic and another, its own share given, in the place of that cubic.
+    pub(super) fn with_mean_cubic(mut self, other: &Self, share: f64) -> Self {
+        self.cubic = mean::left(&self.cubic, &other.cubic, share);
+        self.cubic_deployed = mean::left(&self.cubic_deployed, &other.cubic_deployed, share);
+        let cubics = self.cubics.iter().zip(&other.cubics);
+        self.cubics = cubics.map(|(own, other)| mean::cubic(own.as_ref()?, other.as_ref()?, share)).collect();
+        self
+    }
+
+    /// What the static cubic leaves as deployed, a zero taken off.
+    pub(super) fn cubic_deployed(&self) -> &[f64] {
+        &self.cubic_deployed
     }
 
     pub(super) fn complete(&self) -> bool {
