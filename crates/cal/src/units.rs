@@ -46,6 +46,13 @@ impl TimeUnit {
         }
     }
 
+    /// The next larger unit; `None` of seconds.
+    #[must_use]
+    pub fn larger(self) -> Option<Self> {
+        let place = Self::ALL.iter().position(|unit| *unit == self)?;
+        place.checked_sub(1).map(|larger| Self::ALL[larger])
+    }
+
     /// The one unit by which a log lasts from 100 s to 100 000 s (28 h), as a thermal log does: the units lie a factor of
     /// 1000 apart, so at most one fits. `None` where none does.
     #[must_use]

@@ -38,6 +38,9 @@ pub struct ExportedAxis {
     pub cubic: Cubic,
     /// What the cubic costs.
     pub loss: Loss,
+    /// Whether the model has a history, which no cubic holds.
+    #[serde(skip)]
+    pub has_history: bool,
 }
 
 impl fmt::Display for ExportedSensor {
@@ -159,12 +162,17 @@ impl ExportedAxis {
     pub fn of(name: &str, axis: &AxisCalibration) -> Self {
         let cubic = Cubic::of(axis);
         let (model, loss) = (axis.fit.chosen_model(), Loss::of(axis, &cubic));
-        Self { name: name.to_owned(), model, cubic, loss }
+        Self { name: name.to_owned(), model, cubic, loss, has_history: axis.fit.model.history.is_some() }
     }
 
     /// The same in another unit.
     fn times(self, factor: f64) -> Self {
         Self { cubic: self.cubic.times(factor), loss: self.loss.times(factor), ..self }
+    }
+
+    /// Of what the cubic's distance is: a history has no curve, and what it adds the cubic lacks besides.
+    fn without_history(&self) -> &'static str {
+        if self.has_history { " less its history (plays, lags)" } else { "" }
     }
 
     /// What the cubic costs, as a phrase.
@@ -200,9 +208,18 @@ impl ExportedAxis {
                 if furthest < 1e-6 * cubic {
                     return costs;
                 }
-                format!("{costs}; it is {} from the chosen curve at most", scale.told(furthest))
+                format!(
+                    "{costs}; it is {} from the chosen curve{} at most",
+                    scale.told(furthest),
+                    self.without_history()
+                )
             }
-            _ => format!("this cubic is {} from the chosen {} at most", scale.told(furthest), self.model),
+            _ => format!(
+                "this cubic is {} from the chosen {}{} at most",
+                scale.told(furthest),
+                self.model,
+                self.without_history()
+            ),
         }
     }
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 use zerorate_core::drift::Coverage;
 
 use super::sensors::sensors;
-use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, to_know};
+use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, one_line, to_know};
 use zerorate_cal::calibration::{AxisCalibration, CREATED_BY, Calibration, Origin};
 use zerorate_cal::units::TemperatureUnit;
 
@@ -71,5 +71,15 @@ pub(super) fn write_csv(calibration: &Calibration) -> Exported {
         let _ = writer.write_record(&row);
     }
     let text = writer.into_inner().ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default();
-    Exported { text, sensors: Vec::new(), notes: to_know(calibration) }
+    let mut notes = to_know(calibration);
+    let histories = calibration.axes.iter().filter(|(_, axis)| axis.fit.model.history.is_some());
+    let names: Vec<String> = histories.map(|(name, _)| one_line(name)).collect();
+    if !names.is_empty() {
+        notes.push(format!(
+            "the history (plays, lags) of {} is not in the table: these are the curves without it, and what `apply` takes off is \
+             not these curves alone",
+            names.join(", ")
+        ));
+    }
+    Exported { text, sensors: Vec::new(), notes }
 }

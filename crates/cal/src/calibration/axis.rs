@@ -57,6 +57,10 @@ impl AxisCalibration {
     /// next log is no easier. `None` where it helps, and where nobody knows. Rates are told in the unit that is asked for, if any is.
     #[must_use]
     pub fn no_gain(&self, name: &str, asked: Option<WrittenRate>) -> Option<String> {
+        self.no_gain_by_folds(name, asked).or_else(|| self.no_gain_by_logs(name, asked))
+    }
+
+    fn no_gain_by_folds(&self, name: &str, asked: Option<WrittenRate>) -> Option<String> {
         let (left, uncorrected) = (self.fit.statistics.deployed?, self.fit.statistics.uncorrected?.rms);
         let deployed = left.rms;
         // So little more may be chance; that it does not help is none.
@@ -68,10 +72,31 @@ impl AxisCalibration {
         };
         let scale = RateScale::of(self.rate_unit, &[deployed, uncorrected], asked);
         Some(format!(
-            "{name}: a device that takes this off has {} rms left of data that were not fitted, and {} without it: {what}",
+            "{name}: a device that takes {} off has {} rms left of data that were not fitted, and {} without it: {what}",
+            self.fit.chosen_model(),
             scale.told(deployed),
             scale.number(uncorrected)
         ))
+    }
+
+    /// The same by whole logs, each of them as a fit of the others leaves it: what was fitted is to the next run what the
+    /// others are to each.
+    fn no_gain_by_logs(&self, name: &str, asked: Option<WrittenRate>) -> Option<String> {
+        let logs: Vec<(f64, f64)> =
+            self.fit.statistics.by_log.iter().filter_map(|log| Some((log.by_the_others?, log.uncorrected))).collect();
+        let rms = |of: fn(&(f64, f64)) -> f64| {
+            (logs.iter().map(|log| of(log).powi(2)).sum::<f64>() / logs.len() as f64).sqrt()
+        };
+        let (left, uncorrected) = (rms(|log| log.0), rms(|log| log.1));
+        let scale = RateScale::of(self.rate_unit, &[left, uncorrected], asked);
+        (left >= uncorrected).then(|| {
+            format!(
+                "{name}: a fit of the other logs leaves {} rms of each log, and {} are left without it: it does not help on \
+                 a log that was not fitted, or not at its temperatures",
+                scale.told(left),
+                scale.number(uncorrected)
+            )
+        })
     }
 
     /// The drift's shape and size.

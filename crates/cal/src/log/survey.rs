@@ -1,5 +1,6 @@
 //! The first pass over a log: how much there is, how warm, whether time runs forwards, and whether the units can be true.
 
+use std::fmt::Write as _;
 use std::time::SystemTime;
 
 use imu_logs::wall_clock;
@@ -9,6 +10,10 @@ use super::{LogError, LogFault};
 use crate::quality::{Reason, ReasonKind};
 use crate::table::{Batch, Resolved, Table};
 use crate::units::TimeUnit;
+
+/// A log that would be shorter than this by the unit that is guessed may as well be one of some days by the next larger
+/// unit: few sensors go through their temperatures in five minutes.
+const SHORT_S: f64 = 300.0;
 
 /// What one axis has to offer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +59,8 @@ pub(super) struct Survey {
     /// The first finite time, in the column's own unit; NaN without one.
     first_time: f64,
     last_time: f64,
+    /// Rows without a time, where there is a column of times.
+    timeless_rows: u64,
     /// Seconds in one unit of the time column; NaN if not known.
     unit_s: f64,
     /// Whether a time that counts from 1970 is UTC.
@@ -71,6 +78,7 @@ impl Survey {
             rows: 0,
             first_time: f64::NAN,
             last_time: f64::NAN,
+            timeless_rows: 0,
             unit_s: f64::NAN,
             is_utc: columns.is_utc,
             notes: Vec::new(),
@@ -105,7 +113,9 @@ impl Survey {
     }
 
     fn take_time(&mut self, batch: &Batch, table: &Table, columns: &Resolved) -> Result<(), LogError> {
-        for (place, &time) in times(batch, columns).iter().enumerate().filter(|(_, time)| time.is_finite()) {
+        let times = times(batch, columns);
+        self.timeless_rows += times.iter().filter(|time| !time.is_finite()).count() as u64;
+        for (place, &time) in times.iter().enumerate().filter(|(_, time)| time.is_finite()) {
             if time < self.last_time {
                 return Err(table.source().faulty(LogFault::TimeBackwards {
                     row: batch.first_row + place as u64 + 1,
@@ -131,8 +141,16 @@ impl Survey {
         let moves = self.last_time > self.first_time;
         if !moves {
             let how = if self.first_time.is_nan() { "has no numbers" } else { "does not move" };
-            self.notes.push(format!("'{name}' {how}: taken as no time (`time` names another column)"));
+            let text = format!("'{name}' {how}: taken as no time (`time` names another column)");
+            self.reasons.push(Reason::new(ReasonKind::MissingValues, text));
             return;
+        }
+        if self.timeless_rows > 0 {
+            let text = format!(
+                "'{name}' has no number in {} of {} rows: they count where they stand between the others",
+                self.timeless_rows, self.rows
+            );
+            self.reasons.push(Reason::new(ReasonKind::MissingValues, text));
         }
         let guessed = TimeUnit::by_duration(self.last_time - self.first_time);
         match columns.time_unit.or(guessed) {
@@ -142,11 +160,20 @@ impl Survey {
                 .push(format!("'{name}' names no unit and the log's length fits none (`time_unit` says which)")),
         }
         if let (None, Some(unit)) = (columns.time_unit, guessed) {
-            let lasts = (self.last_time - self.first_time) * unit.seconds();
-            let text = format!(
-                "'{name}' names no unit: taken as {unit}, by which the log lasts {lasts:.0} s (`time_unit` says otherwise)"
+            let lasts_s = (self.last_time - self.first_time) * unit.seconds();
+            let mut text = format!(
+                "'{name}' names no unit: taken as {unit}, by which the log lasts {lasts_s:.0} s (`time_unit` says otherwise)"
             );
-            self.reasons.push(Reason::new(ReasonKind::AssumedUnit, text));
+            let larger = unit.larger().filter(|_| lasts_s < SHORT_S);
+            if let Some(larger) = larger {
+                let _ = write!(
+                    text,
+                    "; in {larger} it would be {:.0} h",
+                    lasts_s * larger.seconds() / unit.seconds() / 3600.0
+                );
+            }
+            let kind = if larger.is_some() { ReasonKind::GuessedUnit } else { ReasonKind::AssumedUnit };
+            self.reasons.push(Reason::new(kind, text));
         }
     }
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::quality::ReasonKind;
 
 /// Passes everything over.
 struct Nothing;
@@ -35,4 +36,37 @@ fn a_table_tells_when_it_began_only_by_times_of_a_known_zone() {
     // By an unset clock, and beyond all clocks.
     assert_eq!(started_s("time", ["1980-01-06T00:00:00Z", "1980-01-06T00:01:00Z"]), None);
     assert_eq!(started_s("time_s", ["1e300", "1.1e300"]), None);
+}
+
+/// What is told of a table's time, given by name and cells.
+fn of_time(name: &str, times: &[&str]) -> Vec<(ReasonKind, String)> {
+    let rows: String = times.iter().map(|time| format!("{time},20.0,0.1\n")).collect();
+    let text = format!("{name},temp_c,gyro_x_dps\n{rows}");
+    let log = LogFile::open(&Source::bytes("log.csv", text.into_bytes()), &Columns::default()).unwrap();
+    let ending = log.read(&mut Nothing).unwrap();
+    ending.reasons.into_iter().map(|reason| (reason.kind, reason.text)).collect()
+}
+
+#[test]
+fn a_time_without_a_unit_by_which_a_log_may_last_minutes_or_days_is_a_warning() {
+    let [(kind, text)] = &of_time("time", &["0", "54000", "108000"])[..] else { panic!() };
+    assert_eq!(*kind, ReasonKind::GuessedUnit);
+    assert_eq!(
+        text,
+        "'time' names no unit: taken as ms, by which the log lasts 108 s (`time_unit` says otherwise); in s it would be 30 h"
+    );
+    for times in [["0", "1800", "3600"], ["0", "900000", "3600000"], ["0", "60", "120"]] {
+        let [(kind, text)] = &of_time("time", &times)[..] else { panic!() };
+        assert!(*kind == ReasonKind::AssumedUnit && !text.contains(" h"), "{text}");
+    }
+    assert!(of_time("time_s", &["0", "54000", "108000"]).is_empty());
+}
+
+#[test]
+fn rows_without_a_time_are_counted() {
+    let [(kind, text)] = &of_time("time_s", &["0", "nan", "600", "", "1200"])[..] else { panic!() };
+    assert_eq!(*kind, ReasonKind::MissingValues);
+    assert_eq!(text, "'time_s' has no number in 2 of 5 rows: they count where they stand between the others");
+    let [(kind, text)] = &of_time("time_s", &["5", "5", "5"])[..] else { panic!() };
+    assert!(*kind == ReasonKind::MissingValues && text.contains("does not move"), "{text}");
 }

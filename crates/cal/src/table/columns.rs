@@ -177,9 +177,10 @@ impl<'a> Names<'a> {
     fn guess_time(&self, temperatures: &[usize], gyros: &[Gyro]) -> Result<Option<usize>, TableError> {
         let is_other =
             |column: usize| temperatures.contains(&column) || gyros.iter().any(|gyro| gyro.columns.contains(&column));
-        // Of `timestamp` and `timestamp_sample` the one with fewer words; a log may also have none.
+        // Of `timestamp` and `timestamp_sample` the one with fewer words, of `date` and `time` the time; a log may also have none.
         let named = self.places(is_time).into_iter().filter(|&column| !is_other(column));
-        let named = named.min_by_key(|&column| self.words[column].len());
+        let is_date = |column: usize| self.words[column].first().is_some_and(|word| word == "date");
+        let named = named.min_by_key(|&column| (self.words[column].len(), is_date(column)));
         let clock = || self.table.clocks.iter().position(Option::is_some);
         if let Some(found) = named.or_else(clock) {
             return Ok(Some(found));
@@ -242,7 +243,14 @@ impl<'a> Names<'a> {
         resolved: &mut Resolved,
     ) -> Result<ResolvedSensor, TableError> {
         let said = match asked.temperature_unit {
-            Some(given) => Some(given),
+            Some(given) => {
+                if let Some(said) = temperature_unit(&self.with_units[temperature]).filter(|said| *said != given) {
+                    let name = &self.table.names()[temperature];
+                    let text = format!("'{name}' says {said}, and is taken as {given}, as asked (`temperature_unit`)");
+                    resolved.notes.push(text);
+                }
+                Some(given)
+            }
             None => self.said(temperature, "temperature_unit", temperature_unit)?,
         };
         let is_temperature_guessed = said.is_none();

@@ -62,6 +62,21 @@ fn a_ulog_alone_gives_verdict_report_and_the_next_command_which_works() {
 }
 
 #[test]
+fn every_sensor_of_a_log_is_told_by_what_the_log_says_of_it() {
+    for (topic, name) in [("sensor_gyro", "gyro0.x"), ("sensor_accel", "accel0.x")] {
+        let folder = folder_with("flight.ulg", Log::cycle().ulg_of(topic));
+        let axis = zerorate(folder.path(), &["fit", "flight.ulg", "--json"]).json()["axes"][name].clone();
+        assert_eq!((&axis["sensor"]["instance"], &axis["sensor"]["device_id"]), (&0.into(), &2_621_448.into()));
+        let number = |value: &serde_json::Value| value.as_f64().unwrap();
+        let middle = f64::midpoint(number(&axis["temperature"][0]), number(&axis["temperature"][1]));
+        match topic {
+            "sensor_accel" => assert!((number(&axis["reference_temperature"]) - middle).abs() < 1e-9, "{axis}"),
+            _ => assert!(axis["reference_temperature"].is_null(), "{axis}"),
+        }
+    }
+}
+
+#[test]
 fn a_log_that_knows_its_date_is_told_by_it_and_another_by_its_files() {
     let whole = Log::cycle();
     // 3600 rows are half an hour.

@@ -59,15 +59,20 @@ impl Log {
 
     /// As a PX4 ULog of one gyro, its third axis half of its first. Time 0 was 14:03 UTC on 1 March 2026, as its receiver says.
     pub fn ulg(&self) -> Vec<u8> {
+        self.ulg_of("sensor_gyro")
+    }
+
+    /// The same with another topic, whose fields are alike.
+    pub fn ulg_of(&self, topic: &str) -> Vec<u8> {
         let message = |kind: u8, body: &[u8]| {
             let size = u16::try_from(body.len()).unwrap();
             [&size.to_le_bytes()[..], &[kind], body].concat()
         };
         let mut log = [&b"\x55\x4c\x6f\x67\x01\x12\x35\x01"[..], &0_u64.to_le_bytes()].concat();
         log.extend(message(b'B', &[0; 40]));
-        let fields = "sensor_gyro:uint64_t timestamp;uint32_t device_id;float x;float y;float z;float temperature;";
-        log.extend(message(b'F', fields.as_bytes()));
-        log.extend(message(b'A', &[&[0, 3, 0], &b"sensor_gyro"[..]].concat()));
+        let fields = "uint64_t timestamp;uint32_t device_id;float x;float y;float z;float temperature;";
+        log.extend(message(b'F', format!("{topic}:{fields}").as_bytes()));
+        log.extend(message(b'A', &[&[0, 3, 0], topic.as_bytes()].concat()));
         log.extend(message(b'F', b"sensor_gps:uint64_t timestamp;uint64_t time_utc_usec;"));
         log.extend(message(b'A', &[&[0, 4, 0], &b"sensor_gps"[..]].concat()));
         // `date -u -d 2026-03-01T14:03:00Z +%s`

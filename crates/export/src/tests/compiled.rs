@@ -7,9 +7,9 @@ use zerorate_core::drift::{Drift, History, Memory, Term};
 use zerorate_fit::predict::{Predictor, Start};
 
 use super::calibrations::{axis, calibration, drift, three_axes};
-use crate::{ExportOptions, Format, export};
+use crate::{ExportOptions, ExportedAxis, Format, export};
 use zerorate_cal::calibration::Calibration;
-use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::{RateScale, RateUnit};
 
 /// A program that prints, for temperatures from -40 to 100 C in steps of 0.05, the bias of every axis in floating point
 /// and in integers.
@@ -156,6 +156,19 @@ int main(void)
     return 0;
 }
 "#;
+
+#[test]
+fn a_format_without_histories_says_whose_are_missing() {
+    let table = export(&with_history(), Format::Csv, &ExportOptions::default()).unwrap();
+    let [note] = &table.notes.iter().filter(|note| note.contains("history")).collect::<Vec<_>>()[..] else {
+        panic!("{:?}", table.notes)
+    };
+    assert!(note.starts_with("the history (plays, lags) of gyro0.x, gyro0.z is not in the table"), "{note}");
+    let calibration = with_history();
+    let cost = |name: &str| ExportedAxis::of(name, &calibration.axes[name]).cost(RateScale::own(RateUnit::RadPerS));
+    assert!(cost("gyro0.x").contains(" less its history (plays, lags) at most"), "{}", cost("gyro0.x"));
+    assert!(!cost("gyro0.y").contains("history"), "{}", cost("gyro0.y"));
+}
 
 /// An axis with two plays and a lag, one with a lag alone, one without a history.
 fn with_history() -> Calibration {

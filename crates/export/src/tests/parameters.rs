@@ -226,7 +226,7 @@ fn a_cubic_that_is_better_than_the_model_is_not_told_as_a_loss() {
     let (model, cubic) = ("table:16".to_owned(), Cubic { reference: 0.0, coefficients: [0.0; 4], range: [0.0, 1.0] });
     let cost = |chosen_rms, cubic_rms| {
         let loss = Loss { chosen_rms: Some(chosen_rms), cubic_rms: Some(cubic_rms), furthest: 0.0 };
-        ExportedAxis { name: "x".to_owned(), model: model.clone(), cubic: cubic.clone(), loss }
+        ExportedAxis { name: "x".to_owned(), model: model.clone(), cubic: cubic.clone(), loss, has_history: false }
             .cost(RateScale::own(RateUnit::RadPerS))
     };
     assert_eq!(

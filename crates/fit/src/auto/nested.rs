@@ -160,13 +160,15 @@ impl Outer {
         (self.complete() && left.rms.is_finite()).then_some(left)
     }
 
-    /// What is left of each of several logs; `all` is what the fit of all leaves, as deployed.
+    /// What is left of each of several logs; `all` is what the fit of all leaves, as deployed. Nothing where one of them has
+    /// no rate that was used: then there is no level of it.
     pub(super) fn by_log(&self, series: &Series<'_>, all: &[f64]) -> Vec<LogLeft> {
-        if self.by_the_others.is_empty() {
+        let logs = series.logs();
+        let is_silent = |log: &Range<usize>| !log.clone().any(|group| series.is_used(group));
+        if self.by_the_others.is_empty() || logs.iter().any(is_silent) {
             return Vec::new();
         }
         let above = |log: &Range<usize>| level(&all[log.clone()]);
-        let logs = series.logs();
         let mean = logs.iter().map(above).sum::<f64>() / logs.len() as f64;
         let (uncorrected, left) = (zeroed(series, &predicted(series.rate, all)), zeroed(series, all));
         let of_log = |log: &Range<usize>| {

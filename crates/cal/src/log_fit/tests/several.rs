@@ -121,3 +121,44 @@ fn what_is_found_in_one_of_several_logs_is_told_by_its_name_and_its_own_rows_and
         assert!(text.contains(part), "{text}");
     }
 }
+
+#[test]
+fn a_fit_that_helps_none_of_the_logs_that_it_has_not_seen_is_told() {
+    // A drift that turns round at 20 C: each log is on one side of it, and neither knows of the other.
+    let log = |name: &str, seed: u32, side: f64| {
+        half_hour(name, seed, move |t, rate| {
+            let t = 20.0 + side * (t - 20.0).abs();
+            format!("{t},{}", 0.01 * (rate - 0.1) + 1e-3 * (t - 20.0).abs())
+        })
+    };
+    let told = |logs: &[Source]| {
+        let fit = fit_logs(logs, &FitOptions::default()).unwrap();
+        let reasons =
+            fit.judgement.reasons.into_iter().filter(|reason| reason.kind == ReasonKind::WorseThanUncorrected);
+        (reasons.map(|reason| reason.text).collect::<Vec<_>>(), fit.judgement.verdict)
+    };
+    let (texts, verdict) = told(&[log("cold.csv", 7, -1.0), log("hot.csv", 8, 1.0)]);
+    assert!(texts.len() == 1 && texts[0].contains("a fit of the other logs leaves"), "{texts:?}");
+    assert_eq!(verdict, Verdict::Warning);
+    let (texts, _) = told(&[log("first.csv", 7, 1.0), log("second.csv", 8, 1.0)]);
+    assert!(texts.is_empty(), "{texts:?}");
+}
+
+#[test]
+fn logs_of_one_unit_may_have_been_recorded_at_other_rates() {
+    // Thirty rows a second are too few for a group of ten seconds: those of the slow log take longer than a gap of the fast one.
+    let every = |name: &str, seed: u32, step: usize| {
+        let lines = lines(seed, |t, rate| format!("{t},{rate}"));
+        table(name, &lines.into_iter().step_by(step).collect::<Vec<_>>())
+    };
+    let alone = fit_logs(&[every("fast.csv", 7, 1)], &FitOptions::default()).unwrap();
+    for logs in
+        [[every("fast.csv", 7, 1), every("slow.csv", 8, 10)], [every("slow.csv", 8, 10), every("fast.csv", 7, 1)]]
+    {
+        let both = fit_logs(&logs, &FitOptions::default()).unwrap();
+        assert!(!kinds(&both).contains(&ReasonKind::Gap), "{:?}", both.judgement.reasons);
+        assert_eq!(used(&both.axes[0]), used(&alone.axes[0]) + 360);
+        let left = &both.axes[0].calibration.fit.statistics.by_log;
+        assert!(left.len() == 2 && left.iter().all(|log| log.by_all.is_finite()), "{left:?}");
+    }
+}

@@ -198,3 +198,19 @@ fn several_gyros_are_told_apart_by_their_numbers() {
     let unclear = resolve(filtered, &Columns::default()).unwrap_err().to_string();
     assert!(unclear.contains("more than one column could be the rate: say which (`rate`)"), "{unclear}");
 }
+
+#[test]
+fn a_unit_that_is_given_against_a_temperatures_name_is_told() {
+    let given = Columns { temperature_unit: Some(WrittenTemperature::Celsius), ..Columns::default() };
+    let found = resolve("time_s,temp_K,x_dps", &given).unwrap();
+    assert_eq!(found.sensors[0].written_temperature, WrittenTemperature::Celsius);
+    let [note] = &found.notes[..] else { panic!("{:?}", found.notes) };
+    assert!(note.starts_with("'temp_K' says ") && note.ends_with("as asked (`temperature_unit`)"), "{note}");
+    assert!(resolve("time_s,temp_c,x_dps", &given).unwrap().notes.is_empty());
+}
+
+#[test]
+fn beside_a_date_the_time_of_day_is_the_time() {
+    assert_eq!(resolve("date,time,temp_c,x_dps", &Columns::default()).unwrap().time, Some(1));
+    assert_eq!(resolve("date,temp_c,x_dps", &Columns::default()).unwrap().time, Some(0));
+}
