@@ -10,9 +10,9 @@
 mod bench;
 mod board;
 mod manual;
-mod self_test;
 #[allow(dead_code)] // Nor every helper.
 #[path = "../command/schema.rs"]
 mod schema;
+mod self_test;
 mod unplugged;
 mod verbs;
