@@ -20,18 +20,21 @@ pub(super) fn table(axis: &str, candidates: &[Candidate], scale: RateScale) -> M
     let held_out = || candidates.iter().filter_map(|candidate| candidate.held_out_rms);
     let decimals = 1 + decimals_for(scale.of_rate(held_out().fold(f64::INFINITY, f64::min)));
     let scaled = |value: Option<f64>| html! { (fixed_or_none(value.map(|value| scale.of_rate(value)), decimals)) };
-    let heads = ["Model", "In-sample rms", "Held-out rms", "Behind the best, ±"];
+    let heads = ["Model", "In-sample rms", "Held-out rms", "± to the best’s", "As deployed, rms"];
     let row = |candidate: &Candidate| {
         vec![
             html! { (candidate.model) @if candidate.chosen { " ✓" } },
             html! { (fixed(scale.of_rate(candidate.in_sample_rms), decimals)) },
             scaled(candidate.held_out_rms),
             scaled(candidate.held_out_excess_standard_error),
+            scaled(candidate.deployed_rms),
         ]
     };
     let caption = html! {
-        b { (axis) } ": models compared by blocked cross-validation; ✓ the one taken. ± is one standard error of how far its "
-        "held-out rms is from the best one’s. In " (scale.unit()) "."
+        b { (axis) } ": models compared by blocked cross-validation. Held out is within the recording, its drift in time taken off; ± is "
+        "one standard error of how far that is from the best one’s. As deployed is what a device has left, which knows no drift in "
+        "time and takes its zero at each fold’s start. Taken (✓) is the last one, whose curve and memories are as strong as the data "
+        "say; or a cubic, where that one leaves more than a twentieth more as deployed. In " (scale.unit()) "."
         @if all > candidates.len() { " The " (candidates.len()) " of " (all) " that predict best." }
     };
     Table { caption, heads: &heads, rows: candidates.into_iter().map(row).collect(), numbers_from: 1 }.markup()
