@@ -312,7 +312,7 @@ fn a_boards_history_stands_in_its_record() {
     let [x, y] = calibration.to_device_record().unwrap().record.axes;
     // Rounded to the device's integers: a group of 1.5 s.
     let (axis, scale) = (&calibration.axes["x"], calibration.temperature_scale.unwrap());
-    let centre = axis.trim.as_ref().unwrap().model().line.centre();
+    let centre = axis.trim.as_ref().unwrap().trim.line.centre();
     let rounded =
         HistoryNumbers::new(axis.fit.model.history.as_ref().unwrap(), axis.drift(), centre, scale, 1.5).unwrap();
     assert_eq!((x.law.history, y.law.history), (Some(rounded), None));
