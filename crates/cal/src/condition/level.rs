@@ -22,6 +22,8 @@ pub struct Levels {
     pub excluded: Vec<Excluded>,
     /// Steps taken out.
     pub steps: Vec<Step>,
+    /// Steps too small for that, which were left in.
+    pub left_in: Vec<Step>,
 }
 
 impl Levels {
@@ -48,7 +50,12 @@ pub fn level(groups: &mut [Group], tallies: &mut [Tally], unit: TemperatureUnit,
     let rows: Vec<Vec<u32>> = groups.iter().map(|group| group.axes.iter().map(|part| part.rows).collect()).collect();
     leave_out(groups, &marks);
     let margin = TEMPERATURE_JUMP * unit.min_span();
-    let mut steps: Vec<Step> = (0..axes).flat_map(|axis| take_out_steps(groups, axis, margin)).collect();
+    let (mut steps, mut left_in) = (Vec::new(), Vec::new());
+    for axis in 0..axes {
+        let found = take_out_steps(groups, axis, margin);
+        steps.extend(found.taken);
+        left_in.extend(found.left);
+    }
     join_opposite_steps(groups, &mut steps, &mut marks);
     for axis in 0..axes {
         mark_settling(groups, axis, &mut marks);
@@ -66,7 +73,7 @@ pub fn level(groups: &mut [Group], tallies: &mut [Tally], unit: TemperatureUnit,
     let mut excluded = excluded(groups, &marks);
     excluded.extend(gaps(groups));
     excluded.sort_by_key(|interval| interval.rows);
-    Levels { excluded, steps }
+    Levels { excluded, steps, left_in }
 }
 
 /// Leaves out the groups of one sensor at times at which another of the same unit was moved. Gives what was left out

@@ -26,8 +26,9 @@ const MAX_STEPS: usize = 4;
 /// temperatures: the shared chamber recording has a dozen jumps, the largest 2.5 times the fifth.
 const STANDS_OUT: f64 = 5.0;
 
-/// A step is this share of the peak to peak of the axis, at least: smaller jumps are a part's own way of drifting, and
-/// removing one would remove what is to be fitted. The largest of the shared chamber recording is 0.11.
+/// A step that is taken out is this share of the peak to peak of the axis, at least: smaller jumps may be a part's own way of
+/// drifting, and removing one would remove what is to be fitted (the largest of the shared chamber recording is 0.11). One that
+/// stands out all the same is told and left in.
 const SHARE: f64 = 0.15;
 
 /// A curve that may step must find at least this share of what the lines on either side find: across a long gap the lines are
@@ -37,29 +38,38 @@ const CONFIRMED: f64 = 0.5;
 /// The order of that curve.
 const CURVE_ORDER: usize = 3;
 
+/// The steps of one axis.
+#[derive(Debug, Default)]
+pub(super) struct Steps {
+    /// Taken out of the rates.
+    pub taken: Vec<Step>,
+    /// Too small a part of the drift for that.
+    pub left: Option<Step>,
+}
+
 /// Finds the largest step of an axis, takes it out, and looks again. `temperature_margin` is the jump of the temperature
 /// that explains a jump of the rate, as where a log was stopped and went on.
-pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_margin: f64) -> Vec<Step> {
+pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_margin: f64) -> Steps {
     let used: Vec<usize> = (0..groups.len()).filter(|&group| groups[group].axes[axis].rows > 0).collect();
-    let mut steps = Vec::new();
+    let mut steps = Steps::default();
     if used.len() < 4 * STEP_GROUPS {
         return steps;
     }
     let temperatures: Vec<f64> = used.iter().map(|&group| groups[group].temperature).collect();
-    let temperature_jumps = jumps(&used, &temperatures);
-    while steps.len() < MAX_STEPS {
+    let largest = |groups: &[Group], most: usize, share: f64, between: usize| -> Option<Step> {
         let rates: Vec<f64> = used.iter().map(|&group| groups[group].axes[axis].rate).collect();
-        let jumps = jumps(&used, &rates);
+        let jumps = jumps(&used, &rates, 0);
         let (_, sigma) = centre_and_sigma(&jumps.iter().map(|jump| jump.size).collect::<Vec<_>>());
         let (low, high) = rates
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), rate| (low.min(*rate), high.max(*rate)));
         let limit = (STEP_SIGMA * sigma.max(noise(&rates)))
-            .max(STANDS_OUT * background(&jumps, MAX_STEPS - steps.len()))
-            .max(SHARE * (high - low));
-        let largest = jumps
-            .iter()
-            .zip(&temperature_jumps)
+            .max(STANDS_OUT * background(&jumps, most))
+            .max(share * (high - low));
+        let temperature_jumps = self::jumps(&used, &temperatures, between);
+        let jump = self::jumps(&used, &rates, between)
+            .into_iter()
+            .zip(temperature_jumps)
             .filter(|(jump, temperature)| {
                 jump.size.abs() > limit
                     && jump.size.abs() > STEADY * jump.unsteadiness
@@ -69,17 +79,18 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
                     && is_confirmed(jump, &used, &temperatures, &rates)
             })
             .map(|(jump, _)| jump)
-            .max_by(|a, b| a.size.abs().total_cmp(&b.size.abs()));
-        let Some(jump) = largest else {
-            break;
-        };
-        let step = step(groups, axis, jump);
-        for group in &mut groups[jump.group..] {
-            group.axes[axis].rate -= step.size;
-        }
-        steps.push(step);
+            .max_by(|a, b| a.size.abs().total_cmp(&b.size.abs()))?;
+        Some(step(groups, axis, &jump))
+    };
+    for most in (1..=MAX_STEPS).rev() {
+        let Some(step) = largest(groups, most, SHARE, 0) else { break };
+        let after = groups.iter_mut().filter(|group| group.first_row >= step.row);
+        after.for_each(|group| group.axes[axis].rate -= step.size);
+        steps.taken.push(step);
     }
-    steps.sort_by_key(|step| step.row);
+    // A small step within a group leaves it there, and the line through that group is none.
+    steps.left = (0..=1).find_map(|between| largest(groups, MAX_STEPS, 0.0, between));
+    steps.taken.sort_by_key(|step| step.row);
     steps
 }
 
@@ -157,19 +168,19 @@ struct Jump {
     unsteadiness: f64,
 }
 
-/// The jump at each boundary with enough groups on both sides. `used` numbers the groups, so that an interval left out
-/// keeps its length.
-fn jumps(used: &[usize], values: &[f64]) -> Vec<Jump> {
+/// The jump at each boundary with enough groups on both sides, so many left out between them. `used` numbers the groups, so that
+/// an interval left out keeps its length.
+fn jumps(used: &[usize], values: &[f64], between: usize) -> Vec<Jump> {
     let points: Vec<(f64, f64)> = used.iter().map(|&group| group as f64).zip(values.iter().copied()).collect();
     points
-        .windows(2 * STEP_GROUPS)
-        .zip(used[STEP_GROUPS - 1..].windows(2))
+        .windows(2 * STEP_GROUPS + between)
+        .zip(used[STEP_GROUPS - 1..].windows(2 + between))
         .map(|(window, groups)| {
-            let (before, after) = window.split_at(STEP_GROUPS);
+            let (before, after) = (&window[..STEP_GROUPS], &window[STEP_GROUPS + between..]);
             let boundary = f64::midpoint(before[STEP_GROUPS - 1].0, after[0].0);
             let ((before, before_rms), (after, after_rms)) = (line_at(before, boundary), line_at(after, boundary));
             let unsteadiness = before_rms.max(after_rms);
-            Jump { before: groups[0], group: groups[1], size: after - before, unsteadiness }
+            Jump { before: groups[0], group: groups[1 + between], size: after - before, unsteadiness }
         })
         .collect()
 }

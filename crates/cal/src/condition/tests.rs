@@ -328,7 +328,7 @@ fn a_gap_across_which_the_curve_goes_on_is_no_step() {
         let mut gap = rates.clone();
         gap.iter_mut().for_each(|rate| rate[start..start + 1000].fill(f64::NAN));
         let (_, _, levels) = condition(&temperatures, &gap);
-        assert_eq!(levels.steps, [], "from {start}");
+        assert_eq!((levels.steps, levels.left_in), (vec![], vec![]), "from {start}");
         // A step across a short gap is found.
         let mut short = rates.clone();
         short.iter_mut().for_each(|rate| rate[start..start + 100].fill(f64::NAN));
@@ -336,4 +336,20 @@ fn a_gap_across_which_the_curve_goes_on_is_no_step() {
         let (_, _, levels) = condition(&temperatures, &short);
         assert_eq!(levels.steps.len(), 1, "from {start}");
     }
+}
+
+#[test]
+fn a_step_that_is_small_beside_the_drift_is_told_and_left_in() {
+    let (temperatures, mut rates) = cycle();
+    let (clean, _, levels) = condition(&temperatures, &rates);
+    assert_eq!((levels.steps, levels.left_in), (vec![], vec![]));
+    // An eighth of the peak to peak, thirty standard deviations of a group's mean.
+    rates[0][4000..].iter_mut().for_each(|rate| *rate += 2e-3);
+    let (groups, _, levels) = condition(&temperatures, &rates);
+    assert_eq!(levels.steps, []);
+    let [step] = &levels.left_in[..] else { panic!("{levels:?}") };
+    assert!(step.axis == 0 && (step.size - 2e-3).abs() < 3e-4, "{step:?}");
+    assert!((step.rows.0..=step.rows.1).contains(&4000), "{step:?}");
+    let last = |groups: &[Group]| groups.last().unwrap().axes[0].rate;
+    assert!((last(&groups) - last(&clean) - 2e-3).abs() < 1e-12, "it is left in");
 }

@@ -13,6 +13,10 @@ use crate::units::RateScale;
 /// A step of the temperature of this fraction of the least span is coarse.
 const COARSE: f64 = 0.02;
 
+/// What to think of a step that stands out and is small beside the drift.
+const LEFT_IN: &str = "it was left in, for a part may step by itself at some temperature; if something else changed then, the \
+                       curve is wrong by it";
+
 /// Puts what conditioning found of an axis into its judgement.
 pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, levels: &Levels, options: &FitOptions) {
     let (stream, tally) = (&sensor.stream, &sensor.tallies[axis]);
@@ -38,7 +42,9 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
         true => "it stands in what is left",
         false => "the step was taken out, and the curve holds for the level before it",
     };
-    for step in levels.steps.iter().filter(|step| step.axis == axis) {
+    let taken = levels.steps.iter().map(|step| (step, then));
+    let left_in = levels.left_in.iter().map(|step| (step, LEFT_IN));
+    for (step, then) in taken.chain(left_in).filter(|(step, _)| step.axis == axis) {
         let part = sensor.part(step.row);
         let scale = RateScale::of(stream.unit, &[step.size], options.told_in);
         let text = format!("{}: {then}", of_step(&part.step(step), &part.axis(name), scale, unit));
