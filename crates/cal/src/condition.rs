@@ -7,7 +7,6 @@
 mod gap;
 mod group;
 mod level;
-mod line;
 mod motion;
 mod settle;
 mod step;

@@ -1,7 +1,7 @@
 //! Temperatures that are not what the gyro has: frozen, or in coarse steps.
 
-use super::line::line_at;
 use super::{DropReason, Group};
+use zerorate_fit::jumps::line_at;
 use zerorate_fit::robust::median;
 
 /// Groups in which the temperature does not change at all, at least, to be frozen.
