@@ -109,6 +109,8 @@ pub enum ReasonKind {
     NoSensor,
     /// Warning: nothing says the unit of the rates, or of temperatures hotter than most gyros bear, and one was guessed.
     GuessedUnit,
+    /// Warning: the rate jumps and stays, by so little beside its drift that it may be the part's own way: it was left in.
+    Jump,
     /// Nothing says a unit, and the one that logs have was assumed: it is told, and speaks against nothing.
     AssumedUnit,
 }
@@ -136,6 +138,7 @@ impl ReasonKind {
             | Self::Spikes
             | Self::Rotation
             | Self::Step
+            | Self::Jump
             | Self::StartUp
             | Self::Gap
             | Self::FrozenTemperature

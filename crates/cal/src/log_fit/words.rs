@@ -13,8 +13,8 @@ use crate::units::RateScale;
 /// A step of the temperature of this fraction of the least span is coarse.
 const COARSE: f64 = 0.02;
 
-/// What to think of a step that stands out and is small beside the drift.
-const LEFT_IN: &str = "it was left in, for a part may step by itself at some temperature; if something else changed then, the \
+/// What to think of a jump that stands out and is small beside the drift.
+const LEFT_IN: &str = "it was left in, for a part may jump by itself at some temperature; if something else changed then, the \
                        curve is wrong by it";
 
 /// Puts what conditioning found of an axis into its judgement.
@@ -42,13 +42,13 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
         true => "it stands in what is left",
         false => "the step was taken out, and the curve holds for the level before it",
     };
-    let taken = levels.steps.iter().map(|step| (step, then));
-    let left_in = levels.left_in.iter().map(|step| (step, LEFT_IN));
-    for (step, then) in taken.chain(left_in).filter(|(step, _)| step.axis == axis) {
+    let taken = levels.steps.iter().map(|step| (step, ReasonKind::Step, "steps", then));
+    let left_in = levels.left_in.iter().map(|step| (step, ReasonKind::Jump, "jumps", LEFT_IN));
+    for (step, kind, does, then) in taken.chain(left_in).filter(|(step, ..)| step.axis == axis) {
         let part = sensor.part(step.row);
         let scale = RateScale::of(stream.unit, &[step.size], options.told_in);
-        let text = format!("{}: {then}", of_step(&part.step(step), &part.axis(name), scale, unit));
-        judgement.add(Reason::new(ReasonKind::Step, text));
+        let text = format!("{}: {then}", of_step(&part.step(step), &part.axis(name), does, scale, unit));
+        judgement.add(Reason::new(kind, text));
     }
 }
 
@@ -170,9 +170,9 @@ fn lasting(seconds: f64) -> String {
     }
 }
 
-fn of_step(step: &Step, name: &str, scale: RateScale, unit: &str) -> String {
+fn of_step(step: &Step, name: &str, does: &str, scale: RateScale, unit: &str) -> String {
     format!(
-        "{name}: the rate steps by {} somewhere {} and stays, with no temperature change to match",
+        "{name}: the rate {does} by {} somewhere {} and stays, with no temperature change to match",
         scale.told(step.size),
         place(step.time_s, step.rows, step.temperature, unit)
     )

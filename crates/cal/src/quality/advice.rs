@@ -66,8 +66,11 @@ impl ReasonKind {
                 "Say the units that the columns do not name with `temperature_unit` and `time_unit`, if they are others."
             }
             Self::Step => {
-                "Look for what changed when the rate stepped: a supply, a restart, a connector. Where it was taken out, the \
-                 curve holds for the level before it."
+                "Look for what changed when the rate stepped: a supply, a restart, a connector. The curve holds for the \
+                 level before it."
+            }
+            Self::Jump => {
+                "Log a second run and fit both: a part that jumps by itself does so again, and what changed only once does not."
             }
         }
     }
