@@ -21,7 +21,7 @@ const ROWS: &str = "100000000";
 /// Its lints, documentation and tests, cluster and all, in one profile, and always with what its tests need: then cargo
 /// chooses the same features of the engine each time, checks it once and builds it once.
 pub fn check(workspace: &Workspace) -> Result<Outcome> {
-    let of_lot = ["--package", "zerorate-lot"];
+    let of_lot = ["--release", "--package", "zerorate-lot"];
     cargo::run(workspace, &[&["clippy"], &of_lot[..], &["--all-targets", "--", "-D", "warnings"]].concat())?;
     cargo::run_documentation(workspace, &[&["doc"], &of_lot[..], &["--lib", "--examples", "--no-deps"]].concat())?;
     cargo::run(workspace, &[&["test"], &of_lot[..]].concat())

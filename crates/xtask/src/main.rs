@@ -232,6 +232,7 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("chip", "`cargo xtask chip` runs its cases alone; see chip/README.md", within(chip::check))
             .skipped_if(fast, "--fast"),
         Step::new("report", "look at target/report-screenshots", within(report::check)).skipped_if(fast, "--fast"),
-        Step::new("lot", "`cargo test -p zerorate-lot NAME` runs one", within(lot::check)).skipped_if(fast, "--fast"),
+        Step::new("lot", "`cargo test --release -p zerorate-lot NAME` runs one", within(lot::check))
+            .skipped_if(fast, "--fast"),
     ]
 }
