@@ -88,8 +88,8 @@ impl AxisCalibration {
             (logs.iter().map(|log| of(log).powi(2)).sum::<f64>() / logs.len() as f64).sqrt()
         };
         let (left, uncorrected) = (rms(|log| log.0), rms(|log| log.1));
-        let scale = RateScale::of(self.rate_unit, &[left, uncorrected], asked);
         (left >= uncorrected).then(|| {
+            let scale = RateScale::of(self.rate_unit, &[left, uncorrected], asked);
             format!(
                 "{name}: a fit of the other logs leaves {} rms of each log, and {} are left without it: it does not help on \
                  a log that was not fitted, or not at its temperatures",
