@@ -31,6 +31,8 @@ pub struct Bench {
     sequence: u16,
     /// The groups that have come and nobody has taken.
     groups: Vec<GroupReport>,
+    /// Blocks of samples that have come.
+    pub blocks: u32,
     /// Frames that could not be read since they were last looked at.
     pub damaged: u32,
     /// Commands that were sent again.
@@ -57,6 +59,7 @@ impl Bench {
             scans: Receiver::new(),
             sequence: 0,
             groups: Vec::new(),
+            blocks: 0,
             damaged: 0,
             sent_again: 0,
         })
@@ -85,15 +88,29 @@ impl Bench {
         self.machine.run_until(until)
     }
 
+    /// A request as a frame, and the number that its answer has.
+    fn command(&mut self, request: Request) -> Result<(u16, Vec<u8>)> {
+        self.sequence += 1;
+        let command = Command { sequence: self.sequence, at: None, request };
+        Ok((self.sequence, frame::encode(&command).ok().context("a frame that cannot be")?.to_vec()))
+    }
+
+    /// Asks, and does not wait for the answer.
+    ///
+    /// # Errors
+    /// There is no such frame.
+    pub fn call(&mut self, request: Request) -> Result<()> {
+        let (_, bytes) = self.command(request)?;
+        self.send(&bytes);
+        Ok(())
+    }
+
     /// Asks, and waits for the answer.
     ///
     /// # Errors
     /// None comes.
     pub fn ask(&mut self, request: Request) -> Result<Answer> {
-        self.sequence += 1;
-        let sequence = self.sequence;
-        let command = Command { sequence, at: None, request };
-        let bytes = frame::encode(&command).ok().context("a frame that cannot be")?;
+        let (sequence, bytes) = self.command(request)?;
         let until = self.now() + PATIENCE;
         while self.now() < until {
             let again = self.now() + ANSWER;
@@ -178,23 +195,18 @@ impl Bench {
     /// It does not come to hold.
     pub fn deploy_until(&mut self, record: &DeviceRecord, holds: impl Fn(&Flash) -> bool) -> Result<()> {
         let request = self.write(&encoded(record)?)?;
-        self.sequence += 1;
-        let command = Command { sequence: self.sequence, at: None, request };
-        self.send(&frame::encode(&command).ok().context("a frame that cannot be")?);
+        self.call(request)?;
         let until = self.now() + PATIENCE;
         ensure!(self.machine.run(until, |machine| holds(&machine.chip().flash))?, "the commit went another way");
         Ok(())
     }
 
-    /// Writes a record with a byte of it bent on its way; the answer to the commit.
+    /// Writes a record's bytes, whatever they are; the answer to the commit.
     ///
     /// # Errors
     /// No answer came.
-    pub fn deploy_bent(&mut self, record: &DeviceRecord) -> Result<Answer> {
-        let mut bytes = encoded(record)?;
-        let middle = bytes.len() / 2;
-        bytes[middle] ^= 1;
-        let commit = self.write(&bytes)?;
+    pub fn offer(&mut self, bytes: &[u8]) -> Result<Answer> {
+        let commit = self.write(bytes)?;
         self.ask(commit)
     }
 
@@ -257,13 +269,17 @@ impl Bench {
     /// Runs until the host has bytes, and takes them in; an answer among them.
     fn hear(&mut self, until: Ticks) -> Result<Option<(u16, Answer)>> {
         self.machine.run(until, |machine| !machine.chip().usart.heard.is_empty())?;
-        let bytes = std::mem::take(&mut self.machine.chip().usart.heard);
-        for byte in bytes {
+        let mut bytes = std::mem::take(&mut self.machine.chip().usart.heard).into_iter();
+        while let Some(byte) = bytes.next() {
             match self.receiver.push::<Upload>(byte) {
-                Some(Ok(Upload { message: Message::Answer { to, answer, .. }, .. })) => return Ok(Some((to, answer))),
+                Some(Ok(Upload { message: Message::Answer { to, answer, .. }, .. })) => {
+                    self.machine.chip().usart.heard = bytes.collect();
+                    return Ok(Some((to, answer)));
+                }
                 Some(Ok(Upload { message: Message::Group(report), .. })) => self.groups.push(report),
+                Some(Ok(Upload { message: Message::Samples(_), .. })) => self.blocks += 1,
                 Some(Err(_)) => self.damaged += 1,
-                Some(Ok(_)) | None => {}
+                None => {}
             }
         }
         Ok(None)

@@ -3,8 +3,10 @@
 mod acquisition;
 mod calibration;
 mod faults;
+mod line;
 mod power;
 mod real_time;
+mod records;
 mod restarts;
 mod same_bits;
 mod select;
@@ -26,7 +28,7 @@ use crate::paper_record;
 pub type Case = fn(&Given) -> Result<String>;
 
 /// Every case, in the order in which they are run.
-pub const ALL: [(&str, Case); 31] = [
+pub const ALL: [(&str, Case); 37] = [
     ("power comes, no record", power::without_a_record),
     ("a record committed over the line", power::commit),
     ("power comes, a record and no host", power::alone),
@@ -40,6 +42,8 @@ pub const ALL: [(&str, Case); 31] = [
     ("native board and image, a calibration in short", calibration::in_short),
     ("data ready served in vain", acquisition::served_in_vain),
     ("a set damaged on the bus", acquisition::damaged_set),
+    ("samples damaged on the bus", acquisition::damaged_samples),
+    ("a start that the port has not taken", acquisition::start_not_taken),
     ("an acquisition that forgets its work", acquisition::set_up_anew),
     ("the same, the fastest watchdog", acquisition::fast_watchdog),
     ("sets that stop coming", acquisition::no_scans),
@@ -50,14 +54,59 @@ pub const ALL: [(&str, Case); 31] = [
     ("a potentiometer that does not hear", faults::deaf_potentiometer),
     ("a temperature stuck, jumping, torn off", faults::temperature),
     ("outside the range, and a saturated reading", faults::range_and_reading),
-    ("a record damaged, in flash and on its way", faults::records),
-    ("a damaged line", faults::line),
+    ("a record damaged, in flash and on its way", records::damaged),
+    ("another unit's record", records::another_unit),
+    ("a record of an unknown version", records::unknown_version),
+    ("numbers that make no law", records::no_law),
+    ("a damaged line", line::damaged),
+    ("a slow line", line::slow),
     ("a crystal that does not start", restarts::dead_crystal),
     ("a program that hangs", restarts::hang),
     ("a program that stops itself", restarts::panic),
     ("three in a row", restarts::three_in_a_row),
     ("why it was reset", restarts::causes),
     ("power cut in a commit", power::cut_in_a_commit),
+];
+
+/// Each row of the fault table (crates/device/README.md), and the cases in which it is run.
+#[cfg(test)]
+const FAULTS: [(&str, &[&str]); 22] = [
+    ("temperature stuck", &["a temperature stuck, jumping, torn off"]),
+    ("temperature jumping", &["a temperature stuck, jumping, torn off"]),
+    ("temperature sensor torn off", &["a temperature stuck, jumping, torn off"]),
+    ("temperature outside the calibrated range", &["outside the range, and a saturated reading"]),
+    ("A/D saturated", &["outside the range, and a saturated reading"]),
+    ("acquisition overrun", &["a processor that is late"]),
+    ("SPI error, acquisition", &["a set damaged on the bus", "chip select cut, reading"]),
+    ("SPI error, samples", &["samples damaged on the bus"]),
+    (
+        "a setting or a start that the port has not taken",
+        &["a start that the port has not taken", "chip select cut, setting up"],
+    ),
+    ("SPI error, potentiometer", &["a potentiometer that does not hear"]),
+    ("dip of the analogue supply: the potentiometer is at its tap of power-up", &["a dip of the analogue supply"]),
+    ("SPI error, a scan read alone", &["the second line, chip select cut"]),
+    ("data ready served in vain", &["data ready served in vain"]),
+    ("sets stop coming", &["an acquisition that forgets its work", "the same, the fastest watchdog"]),
+    (
+        "sets still do not come, task or interrupt hangs",
+        &["sets that stop coming", "a crystal that does not start", "a program that hangs"],
+    ),
+    ("the program stops itself", &["a program that stops itself"]),
+    ("the processor's supply dips", &["why it was reset"]),
+    ("the program stops itself three times in a row, never at work for 40 groups in between", &["three in a row"]),
+    (
+        "record blank, damaged, of an unknown version, another unit's",
+        &[
+            "power comes, no record",
+            "a record damaged, in flash and on its way",
+            "a record of an unknown version",
+            "another unit's record",
+        ],
+    ),
+    ("record whose numbers make no law, or another one than its table of edges", &["numbers that make no law"]),
+    ("frame damaged, frame unknown", &["a damaged line"]),
+    ("line too slow", &["a slow line"]),
 ];
 
 /// The range of temperature readings that the record is of.
@@ -133,4 +182,20 @@ fn consecutive(groups: &[GroupReport]) -> Result<()> {
     let numbers: Vec<u32> = groups.iter().map(|group| group.group.0).collect();
     ensure!(numbers.windows(2).all(|pair| pair[1] == pair[0] + 1), "groups {numbers:?}");
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_row_of_the_fault_table_is_run_on_the_image() {
+        let text = include_str!("../../crates/device/README.md");
+        let table = text.lines().skip_while(|line| !line.starts_with("| fault | how it is seen |")).skip(2);
+        let rows = table.map_while(|line| line.strip_prefix("| ")?.split_once(" | ")).map(|(fault, _)| fault);
+        assert_eq!(rows.collect::<Vec<_>>(), FAULTS.map(|(fault, _)| fault));
+        for case in FAULTS.iter().flat_map(|(_, cases)| *cases) {
+            assert!(ALL.iter().any(|(name, _)| name == case), "no case is called {case:?}");
+        }
+    }
 }

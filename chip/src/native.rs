@@ -11,13 +11,15 @@ use zerorate_device::acquisition::Timing;
 use zerorate_device::application::{Application, Parts};
 use zerorate_device::port::PortAcquisition;
 use zerorate_device::restart::{Kept, Started};
-use zerorate_device::store::FlashStore;
+use zerorate_device::store::{FlashStore, RecordStore};
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::NoWatchdog;
 use zerorate_sim::{Flash, FlashPart, PlantDelay, PortSpi, PotentiometerSpi, Scanned, SharedPlant};
 
+use crate::chip::flash::{RECORD_BYTES, SECTOR};
 use crate::deployment::{deployment, encoded};
 use crate::lock_step::LockStep;
+use crate::paper_record;
 
 type Part = FlashPart<4096, 4>;
 type Native = Application<
@@ -38,11 +40,23 @@ fn start(plant: &SharedPlant, flash: &Part) -> Result<Native> {
         watchdog: NoWatchdog,
         kept: Kepts::default(),
         started: Started::POWER,
-        unit: UnitSerial::default(),
+        unit: UnitSerial::try_from(paper_record::UNIT).unwrap_or_default(),
         timing: Timing::PAPER,
         board: BoardNumbers::PAPER,
         health: Health::default,
     }))
+}
+
+/// What the chip's flash for records holds where a record's bytes, whatever they are, were stored in it.
+///
+/// # Errors
+/// They do not find room.
+pub fn stored(bytes: &[u8]) -> Result<Vec<u8>> {
+    let flash = FlashPart::<SECTOR, 4>::new(Flash::erased(RECORD_BYTES / SECTOR));
+    let range = 0..u32::try_from(RECORD_BYTES)?;
+    let mut store = FlashStore::new(flash.clone(), range).ok().context("a flash that is too small")?;
+    store.commit(bytes).ok().context("a record that finds no room")?;
+    Ok(flash.with(|flash| flash.bytes().to_vec()))
 }
 
 /// A board that holds a record and whose acquisition begins at the plant's present time.

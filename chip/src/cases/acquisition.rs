@@ -2,10 +2,11 @@
 
 use anyhow::{Result, ensure};
 use zerorate_core::units::Axis;
-use zerorate_core::wire::{CalibrationState, FaultCounts, ResetCause};
+use zerorate_core::wire::{Answer, CalibrationState, FaultCounts, Refusal, Request, ResetCause, SampleWindow};
 use zerorate_sim::Fault;
 
 use super::{Given, consecutive, just_before_a_set, wipers};
+use crate::chip::board::Cut;
 use crate::chip::rcc::Reset;
 use crate::chip::time::{SECOND, milliseconds};
 
@@ -33,7 +34,7 @@ pub fn damaged_set(given: &Given) -> Result<String> {
     let mut bench = given.at_work()?;
     just_before_a_set(&mut bench)?;
     // Within the burst, whose STATUS has taken six bytes.
-    bench.machine.chip().board.cut = Some(crate::chip::board::Cut { after: 8 * 20, lasts: None });
+    bench.machine.chip().board.cut = Some(Cut { after: 8 * 20, lasts: None });
     let groups = bench.groups(3)?;
     consecutive(&groups)?;
     let errors = bench.faults()?.acquisition_errors;
@@ -54,6 +55,51 @@ pub fn damaged_set(given: &Given) -> Result<String> {
         milliseconds(took),
         after[1].lost
     ))
+}
+
+/// The samples' burst cut off in its head, and read once more; then read as zeros to its end, by which the port has let the set
+/// go.
+pub fn damaged_samples(given: &Given) -> Result<String> {
+    let mut bench = given.at_work()?;
+    bench.order(Request::SetStream { groups: true, samples: SampleWindow::ALL })?;
+    bench.groups(2)?;
+    for (is_cut, errors, dropped) in [(true, 1, 0), (false, 2, 1)] {
+        let before = bench.faults()?;
+        just_before_a_set(&mut bench)?;
+        // Once the wipers are written only the samples are left to read.
+        bench.machine.chip().board.written_after.clear();
+        let until = bench.now() + SECOND / 100;
+        let written = bench.machine.run(until, |machine| machine.chip().board.written_after.len() == 2)?;
+        ensure!(written, "the wipers are not written");
+        if is_cut {
+            bench.machine.chip().board.cut = Some(Cut { after: 8 * 20, lasts: None });
+        } else {
+            bench.plant.borrow_mut().inject(Fault::MutePort { transfers: 1 });
+        }
+        bench.forget_groups();
+        consecutive(&bench.groups(3)?)?;
+        let faults = bench.faults()?;
+        let seen =
+            (faults.acquisition_errors - before.acquisition_errors, faults.dropped_uploads - before.dropped_uploads);
+        ensure!(seen == (errors, dropped) && faults.lost_sets == 0 && faults.restarts == 0, "{seen:?}, {faults:?}");
+    }
+    bench.nothing_wrong()?;
+    Ok("cut off in the head: read once more, nothing dropped; zeros: their group alone, 1 counted as dropped; no group lost".into())
+}
+
+/// A port that takes no start: the command is refused, and done when it is given again.
+pub fn start_not_taken(given: &Given) -> Result<String> {
+    let mut bench = given.at_work()?;
+    bench.order(Request::SetAcquisition { run: false })?;
+    bench.plant.borrow_mut().inject(Fault::MutePort { transfers: 1 });
+    let answer = bench.ask(Request::SetAcquisition { run: true })?;
+    ensure!(answer == Answer::Refused(Refusal::AcquisitionFailed), "{answer:?}");
+    ensure!(!bench.identify()?.running, "it says that it runs");
+    bench.order(Request::SetAcquisition { run: true })?;
+    bench.forget_groups();
+    consecutive(&bench.groups(3)?)?;
+    bench.nothing_wrong()?;
+    Ok("refused with AcquisitionFailed, and not running; the next command starts it".into())
 }
 
 /// The port begins anew by itself: it is set up within two group periods, and the groups go on.

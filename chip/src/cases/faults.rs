@@ -1,15 +1,13 @@
-//! The rest of the fault table (crates/device/README.md).
+//! Faults of the temperature, the reading and the potentiometer.
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use zerorate_core::compensate::Mode;
 use zerorate_core::drift::Coverage;
 use zerorate_core::units::{Axis, Celsius, Taps};
-use zerorate_core::wire::frame;
-use zerorate_core::wire::{Answer, CalibrationState, GroupReport, Refusal, Request, ResetCause, TemperatureCheck};
+use zerorate_core::wire::{GroupReport, Request, TemperatureCheck};
 use zerorate_sim::Fault;
 
-use super::{Given, paper, wipers};
-use crate::bench::Bench;
+use super::{Given, wipers};
 use crate::chip::time::{MILLISECOND, SECOND, milliseconds};
 use crate::paper_record;
 
@@ -138,50 +136,4 @@ pub fn range_and_reading(given: &Given) -> Result<String> {
     ensure!(faults.out_of_range > 0 && faults.saturated > 0, "{faults:?}");
     bench.nothing_wrong()?;
     Ok(format!("clamped and said, marked; counted {} and {}", faults.out_of_range, faults.saturated))
-}
-
-/// Records that cannot be used, in flash and over the line.
-pub fn records(given: &Given) -> Result<String> {
-    let mut damaged = given.records.clone();
-    // Somewhere within the record's pieces: it has some 2 KiB at the beginning of a sector.
-    let first = damaged.iter().rposition(|&byte| byte != 0xFF).unwrap_or(0);
-    let place = first / (128 * 1024) * (128 * 1024) + 400;
-    damaged[place] ^= 0x10;
-    let mut bench = Bench::new(&given.image, paper(), Some(&damaged))?;
-    bench.pass(SECOND / 10)?;
-    let identity = bench.identify()?;
-    ensure!(identity.calibration == CalibrationState::Damaged && !identity.running, "{identity:?}");
-    ensure!(identity.reset == ResetCause::Power && wipers(&bench) == [511; 2], "{identity:?}");
-    bench.deploy(&given.record)?;
-    ensure!(bench.identify()?.calibration == CalibrationState::InUse);
-
-    // A part of it bent on its way: the commit is refused, and the record before stays.
-    let refused = bench.deploy_bent(&given.record)?;
-    ensure!(matches!(refused, Answer::Refused(Refusal::Record(_))), "{refused:?}");
-    ensure!(bench.identify()?.calibration == CalibrationState::InUse);
-    bench.nothing_wrong()?;
-    Ok("a bit of the flash: Damaged, at the middle taps, and it takes another; bent on its way: refused, the one before stays".into())
-}
-
-/// Noise and half frames on the line.
-pub fn line(given: &Given) -> Result<String> {
-    let mut bench = given.at_work()?;
-    let noise: Vec<u8> = (0..200_u8).map(|byte| byte.wrapping_mul(73) | 1).chain([0]).collect();
-    for _ in 0..10 {
-        bench.send(&noise);
-        bench.pass(SECOND / 10)?;
-    }
-    // Whole, and nothing of this version.
-    bench.send(&frame::encode(&[0xFF_u8; 20]).ok().context("a frame that cannot be")?);
-    bench.pass(SECOND / 10)?;
-    let identity = bench.identify()?;
-    let faults = bench.faults()?;
-    ensure!(faults.unknown_frames == 1, "{faults:?}");
-    ensure!(identity.running && faults.damaged_frames >= 10 && faults.restarts == 0, "{faults:?}");
-    super::consecutive(&bench.groups(4)?)?;
-    bench.nothing_wrong()?;
-    Ok(format!(
-        "{} frames that cannot be read and {} that says nothing: counted, not acted on; groups go on",
-        faults.damaged_frames, faults.unknown_frames
-    ))
 }

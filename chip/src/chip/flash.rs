@@ -9,7 +9,8 @@ use super::time::{MICROSECOND, MILLISECOND, Ticks};
 pub const RECORDS: u32 = 0x0800_4000;
 /// Their bytes.
 pub const RECORD_BYTES: usize = 2 * SECTOR;
-const SECTOR: usize = 16 * 1024;
+/// A bank of them.
+pub const SECTOR: usize = 16 * 1024;
 const FIRST_SECTOR: u32 = 1;
 
 /// To erase a sector of 16 KiB, 8, 16 and 32 bits at a time: typical, and at most (data sheet, table 46).

@@ -28,8 +28,11 @@ pub fn model(valid: [f64; 2], measured: Option<TapEffects>, dead_band: f64) -> A
     axis
 }
 
-/// The same on both axes, as unit ZR-1.
+/// The unit that the record is of.
+pub const UNIT: &str = "ZR-1";
+
+/// The same on both axes.
 pub fn record(valid: [f64; 2], measured: Option<TapEffects>, dead_band: f64) -> DeviceRecord {
     let axis = model(valid, measured, dead_band);
-    DeviceRecord::new(UnitSerial::try_from("ZR-1").unwrap(), SCALE, BoardNumbers::PAPER, &[axis.clone(), axis]).unwrap()
+    DeviceRecord::new(UnitSerial::try_from(UNIT).unwrap(), SCALE, BoardNumbers::PAPER, &[axis.clone(), axis]).unwrap()
 }
