@@ -323,7 +323,7 @@ impl Default for Board {
             // 250 uV a count over the gain of 1.599.
             input_volts_per_count: 250e-6 / 1.599,
             low_pass_hz: 40.0,
-            wiper_delay_us: 100.0,
+            wiper_delay_us: 170.0,
         }
     }
 }

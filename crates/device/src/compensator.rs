@@ -163,11 +163,22 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             self.sets = self.sets.wrapping_add(1);
             let before = with_samples.then(|| sample_corrections(&self.axes));
             let report = self.close_group();
-            match before.filter(|_| if came { self.take_scans() } else { self.read_scans() }) {
-                None => self.outbox.group(report),
-                Some(before) => self.outbox.group_and_samples(report, before, self.set.scans.len()),
+            match before {
+                None => {
+                    self.outbox.group(report);
+                    self.run_commands();
+                }
+                Some(before) => {
+                    // A wiper that was commanded waits no more than the law's for samples, which take 6 ms on the bus.
+                    self.run_commands();
+                    let are_there = if came { self.take_scans() } else { self.read_scans() };
+                    if are_there {
+                        self.outbox.group_and_samples(report, before, self.set.scans.len());
+                    } else {
+                        self.outbox.group(report);
+                    }
+                }
             }
-            self.run_commands();
             self.scans.group_begins(self.set.number, sample_corrections(&self.axes));
         }
     }

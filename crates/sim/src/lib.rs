@@ -35,7 +35,7 @@ pub use parameters::PlantParameters;
 pub use plant::{Plant, Scanned, SharedPlant};
 pub use potentiometer::{Potentiometer, PotentiometerParameters};
 pub use sensor::SensorParameters;
-pub use spi::{BusFault, ConverterSpi, Pins, PlantDelay, PortSpi, PotentiometerSpi};
+pub use spi::{BusFault, ConverterSpi, Pins, PlantDelay, PortSpi, PotentiometerSpi, SPI_BYTE_NS};
 pub use supply::SupplyParameters;
 pub use thermal::ThermalParameters;
 pub use truth::{AxisTruth, Truth};

@@ -29,8 +29,9 @@ pub struct PlantParameters {
     /// The board's time constant behind the chamber's air, in seconds: circuit, potentiometer and reference are on it.
     /// Default 150, as the gyro's package.
     pub board_time_constant_s: f64,
-    /// From a set's last scan to the effect of a wiper written because of it, in microseconds. Default 100: reading the
-    /// sums, the law and 24 clocks at a few megahertz. SPI transfers take no other time on the bench.
+    /// From a set's last scan to the effect of a wiper written because of it, in microseconds, at least: it moves no sooner than
+    /// its frame has ended, but a processor takes time beside its buses, and on the bench it takes none. Default 170, as the image
+    /// for the STM32F405 writes its second wiper (chip/README.md); 119 of it are bytes on the buses.
     pub wiper_latency_us: u32,
     /// From scan to scan in microseconds when the processor drives the A/D. Default 3000 (paper, 2.1: 40 groups of 500 a
     /// minute). The acquisition port has a register for it.
@@ -71,7 +72,7 @@ impl PlantParameters {
             converter: ConverterParameters::default(),
             supply: SupplyParameters::default(),
             board_time_constant_s: 150.0,
-            wiper_latency_us: 100,
+            wiper_latency_us: 170,
             direct_scan_period_us: 3000,
         }
     }

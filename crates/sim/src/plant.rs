@@ -1,8 +1,7 @@
 //! The bench as one thing: everything connected, on one timeline.
 //!
-//! Time moves only when it is asked to: by a set or a scan, by [`Plant::wait`], or by a delay of the processor
-//! ([`crate::PlantDelay`]). While the acquisition port runs, its scans happen on time whatever moves it. SPI transfers
-//! take no time.
+//! Time moves only when it is asked to: by a set or a scan, by [`Plant::wait`], by a byte on a bus ([`crate::SPI_BYTE_NS`]) or by
+//! a delay of the processor ([`crate::PlantDelay`]). While the acquisition port runs, its scans happen on time whatever moves it.
 
 mod timeline;
 

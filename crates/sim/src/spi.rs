@@ -1,4 +1,5 @@
-//! The board's buses as a processor sees them: `embedded-hal` handles on a shared plant.
+//! The board's buses as a processor sees them: `embedded-hal` handles on a shared plant. A byte takes its clock's time, and the
+//! port scans on meanwhile.
 
 use std::rc::Rc;
 
@@ -7,6 +8,13 @@ use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
 
 use crate::fault::Bus;
 use crate::plant::{Plant, SharedPlant};
+
+/// The clock of each bus, Hz: what the firmware for the STM32F405 divides its own clocks to. The acquisition port takes up to
+/// 10 MHz, the MAX5494 up to 7.
+const CLOCK_HZ: u64 = 5_250_000;
+
+/// What a byte takes on a bus, in nanoseconds: eight clocks, rounded.
+pub const SPI_BYTE_NS: u64 = (8 * 1_000_000_000 + CLOCK_HZ / 2) / CLOCK_HZ;
 
 /// A transfer that failed, because a [`crate::Fault`] was injected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,7 +72,7 @@ enum Selected {
     Deaf,
 }
 
-/// A part's pins. A part that a fault keeps from hearing does nothing, and its line back stays low: whoever clocks it has no
+/// A part's pins, clocked in whoever clocks them's own time. A part that a fault keeps from hearing does nothing, and its line back stays low: whoever clocks it has no
 /// other sign of it.
 #[derive(Debug)]
 pub struct Pins {
@@ -119,7 +127,9 @@ fn transact<S: Slave>(shared: &SharedPlant, operations: &mut [Operation<'_, u8>]
         return Err(BusFault);
     }
     let is_mute = plant.transfer_is_mute(S::BUS);
+    // What the part does it does with a byte's last clock.
     let exchange = |plant: &mut Plant, byte| {
+        plant.pass_ns(SPI_BYTE_NS);
         let word = eight_clocks(byte, |bit| S::clock(plant, bit));
         if is_mute { 0 } else { word }
     };

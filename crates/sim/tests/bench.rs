@@ -7,9 +7,11 @@ mod support;
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::{Error, ErrorKind, Operation, SpiDevice};
-use support::{group, run, running, samples, tap, write_tap};
+use support::{group, read_samples, run, running, samples, tap, write_tap};
 use zerorate_core::units::{Axis, Celsius, DegreesPerSecond, Seconds, Volts};
-use zerorate_sim::{BusFault, ConverterSpi, Fault, Plant, PlantDelay, PlantParameters, PortSpi, SharedPlant};
+use zerorate_sim::{
+    BusFault, ConverterSpi, Fault, Plant, PlantDelay, PlantParameters, PortSpi, SPI_BYTE_NS, SharedPlant,
+};
 
 /// The paper's plant without any noise.
 fn silent() -> PlantParameters {
@@ -43,19 +45,26 @@ fn a_processor_that_drives_the_converter_sees_the_port_s_samples() {
     let (direct, mut idle, mut direct_wiper) = running(PlantParameters::typical(5), 5);
     run(&mut idle, false);
     let mut converter = ConverterSpi::new(&direct);
+    // Both scan from one instant on, more than a period after all before.
+    run(&mut port, false);
+    through_port.borrow_mut().wait(Seconds(0.01));
+    run(&mut port, true);
+    let ahead = through_port.borrow().time() - direct.borrow().time();
+    direct.borrow_mut().wait(ahead);
     for plant in [&through_port, &direct] {
         plant.borrow_mut().chamber_set_point(Celsius(60.0)).unwrap();
     }
     for set in 0..3 {
-        let (truth, of_port) = samples(&through_port, &mut port);
+        let truth = through_port.borrow_mut().run_set().unwrap();
+        // Before the samples are read, which takes two scans.
+        write_tap(&mut port_wiper, Axis::Y, 505 + set);
+        let of_port = read_samples(&mut port, 500);
         for (index, scan) in of_port.iter().enumerate() {
             direct.borrow_mut().next_scan();
             assert_eq!(convert(&mut converter), *scan, "set {set}, scan {index}");
         }
         assert_eq!(direct.borrow_mut().take_truth(), Some(truth));
-        for wiper in [&mut port_wiper, &mut direct_wiper] {
-            write_tap(wiper, Axis::Y, 505 + set);
-        }
+        write_tap(&mut direct_wiper, Axis::Y, 505 + set);
     }
 }
 
@@ -85,13 +94,13 @@ fn a_reading_is_drift_and_wiper_and_rotation_and_noise() {
 #[test]
 fn a_step_of_the_wiper_settles_with_the_low_pass_from_the_latency_on() {
     let (plant, mut port, mut potentiometer) = running(silent(), 1);
-    let before = samples(&plant, &mut port).1[499][1];
+    let before = group(&plant, &mut port)[0].reading;
     write_tap(&mut potentiometer, Axis::X, 551);
     let step = plant.borrow().true_tap_counts(Axis::X, tap(551));
     let (truth, scans) = samples(&plant, &mut port);
-    let settled = |scan: f64| 1.0 - (-(scan * 3e-3 - 100e-6) * 2.0 * core::f64::consts::PI * 40.0).exp();
+    let settled = |scan: f64| 1.0 - (-(scan * 3e-3 - 170e-6) * 2.0 * core::f64::consts::PI * 40.0).exp();
     for (k, scan) in (1_u32..=10).zip(&scans) {
-        let expected = f64::from(before) + step * settled(f64::from(k));
+        let expected = before + step * settled(f64::from(k));
         assert!((f64::from(scan[1]) - expected).abs() < 1.1, "scan {k}: {} for {expected}", scan[1]);
     }
     let mean = (1..=500).map(|k| settled(f64::from(k))).sum::<f64>() / 500.0;
@@ -143,8 +152,25 @@ fn a_parameter_of_one_source_leaves_the_other_sources_numbers_alone() {
 }
 
 #[test]
+fn bytes_take_the_time_of_their_clock_and_scans_come_within_a_transfer() {
+    let (plant, mut port, mut potentiometer) = running(PlantParameters::paper(), 1);
+    let began = plant.borrow().next_scan_ns().unwrap() - 3_000_000;
+    // Sixteen bytes have started it: 8 x 16 clocks of 5.25 MHz.
+    assert!(began.abs_diff(128 * 1_000_000_000 / 5_250_000) < 16, "{began} ns");
+    plant.borrow_mut().run_set();
+    let scans = read_samples(&mut port, 500);
+    assert_eq!(plant.borrow().next_scan_ns(), Some(began + 503 * 3_000_000), "two scans came while 6.2 ms were read");
+    assert_eq!(scans.len(), 500);
+    write_tap(&mut potentiometer, Axis::X, 500);
+    let took = (66 + 4000 + 3) * SPI_BYTE_NS;
+    let at_ns = (plant.borrow().time().0 * 1e9).round();
+    assert!((at_ns - (began + 1_500_000_000 + took) as f64).abs() < 1.0, "{at_ns}");
+}
+
+#[test]
 fn a_driver_s_delay_outlasts_a_store_while_the_port_scans_on_time() {
     let (plant, mut port, mut potentiometer) = running(PlantParameters::paper(), 1);
+    let started = plant.borrow().time().0;
     group(&plant, &mut port);
     potentiometer.write(&[0x23]).unwrap();
     write_tap(&mut potentiometer, Axis::X, 600);
@@ -154,8 +180,9 @@ fn a_driver_s_delay_outlasts_a_store_while_the_port_scans_on_time() {
     assert_eq!(plant.borrow().potentiometer().wiper(Axis::X), tap(600));
     assert_eq!(plant.borrow().potentiometer().stored(Axis::X), tap(511));
     let second = group(&plant, &mut port);
-    assert!((plant.borrow().time().0 - 3.0).abs() < 1e-9, "the second set ends where it would have");
-    // Four scans had passed, the last one just then, and 496 saw the new tap.
+    let read = 66.0 * SPI_BYTE_NS as f64 * 1e-9;
+    assert!((plant.borrow().time().0 - started - 3.0 - read).abs() < 1e-9, "the second set ends where it would have");
+    // Four scans had passed, the last one a moment ago, and 496 saw the new tap.
     assert!((second[0].wiper / (31.26 * 89.0) - 496.0 / 500.0).abs() < 0.05);
 }
 

@@ -46,13 +46,19 @@ pub struct Group {
 /// Runs a set and reads its samples: scan by scan, four channels each.
 pub fn samples(plant: &SharedPlant, port: &mut PortSpi) -> (Truth, Vec<[u16; 4]>) {
     let truth = plant.borrow_mut().run_set().unwrap();
-    let mut burst = vec![0; 2 + 64 + 8 * truth.scans as usize];
+    let scans = read_samples(port, truth.scans);
+    (truth, scans)
+}
+
+/// Reads the samples of the set that waits, of so many scans.
+pub fn read_samples(port: &mut PortSpi, scans: u32) -> Vec<[u16; 4]> {
+    let mut burst = vec![0; 2 + 64 + 8 * scans as usize];
     burst[0] = 0x10;
     port.transfer_in_place(&mut burst).unwrap();
     let scans = burst[66..]
         .chunks_exact(8)
         .map(|scan| core::array::from_fn(|channel| u16::from_be_bytes([scan[2 * channel], scan[2 * channel + 1]])));
-    (truth, scans.collect())
+    scans.collect()
 }
 
 /// Runs a set and reads its means.
