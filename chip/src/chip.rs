@@ -330,6 +330,9 @@ impl Chip {
             return 0;
         };
         self.wait(waits);
+        // A delay is of whole microseconds; the program sets its counter to a cycle of it more or less.
+        let delayed = (self.system.take_delayed() + time::MICROSECOND / 2) / time::MICROSECOND;
+        self.board.took_ns(1000 * delayed);
         word
     }
 

@@ -1,5 +1,6 @@
-//! A board and its plant in turns: the plant's time stands while the board works, and a set comes when the board is idle. So
-//! nothing depends on how long a board takes, and two boards see the same plant at the same moment.
+//! A board and its plant in turns: the plant's time stands while the board works, but for bytes on the buses and for delays, and
+//! a set comes when the board is idle. So nothing depends on how long a processor takes, and two boards see the same plant at
+//! the same moment.
 
 use anyhow::{Context, Result, ensure};
 use zerorate_core::wire::Upload;

@@ -1,6 +1,6 @@
 //! The same application on this machine, about a plant of its own: what the image's groups are held against.
 //!
-//! As on `zerorate-bench`'s native device, time passes only while nobody has anything to do, and buses take none.
+//! As on `zerorate-bench`'s native device, a processor takes no time; buses and delays take theirs.
 
 use anyhow::{Context, Result, ensure};
 use zerorate_core::board::BoardNumbers;
@@ -16,6 +16,7 @@ use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::NoWatchdog;
 use zerorate_sim::{Flash, FlashPart, PlantDelay, PortSpi, PotentiometerSpi, Scanned, SharedPlant};
 
+use crate::chip::board::SCAN_NS;
 use crate::chip::flash::{RECORD_BYTES, SECTOR};
 use crate::deployment::{deployment, encoded};
 use crate::lock_step::LockStep;
@@ -59,18 +60,21 @@ pub fn stored(bytes: &[u8]) -> Result<Vec<u8>> {
     Ok(flash.with(|flash| flash.bytes().to_vec()))
 }
 
-/// A board that holds a record and whose acquisition begins at the plant's present time.
+/// A board that holds a record and whose port starts at an instant of the plant's time.
 ///
 /// # Errors
 /// The record was not taken.
-pub fn at_work(plant: &SharedPlant, record: &DeviceRecord) -> Result<NativeBoard> {
+pub fn at_work(plant: &SharedPlant, record: &DeviceRecord, started_ns: u64) -> Result<NativeBoard> {
     let flash = Part::new(Flash::erased(4));
-    // On a plant of its own: the wipers are written when a board starts.
-    let elsewhere = zerorate_sim::Plant::new(zerorate_sim::PlantParameters::paper(), 0).share();
-    let mut writer = NativeBoard::with(elsewhere, flash.clone())?;
+    // On plants of its own: a board that starts writes the wipers, and sets the port up before it starts it.
+    let elsewhere = || zerorate_sim::Plant::new(zerorate_sim::PlantParameters::paper(), 0).share();
+    let mut writer = NativeBoard::with(elsewhere(), flash.clone())?;
     let requests = deployment(&encoded(record)?)?;
     writer.hear_all(&requests)?;
     ensure!(writer.said().len() == requests.len(), "the native board did not take the record");
+    let starts = NativeBoard::with(elsewhere(), flash.clone())?.plant.borrow().next_scan_ns();
+    let takes_ns = starts.context("the native board does not begin by itself")? - SCAN_NS;
+    plant.borrow_mut().pass_until_ns(started_ns - takes_ns);
     NativeBoard::with(SharedPlant::clone(plant), flash)
 }
 
@@ -78,8 +82,8 @@ pub fn at_work(plant: &SharedPlant, record: &DeviceRecord) -> Result<NativeBoard
 ///
 /// # Errors
 /// The record was not taken.
-pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, n: usize) -> Result<Vec<GroupReport>> {
-    let mut board = at_work(plant, record)?;
+pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, started_ns: u64, n: usize) -> Result<Vec<GroupReport>> {
+    let mut board = at_work(plant, record, started_ns)?;
     board.hear_all(&[Request::SetStream { groups: true, samples: SampleWindow::NONE }])?;
     let mut groups = Vec::new();
     while groups.len() < n {

@@ -54,6 +54,9 @@ impl Procedure<'_> {
             }
         }
         self.board.plant().borrow_mut().connect_gyro();
+        // In the middle of the acquisition, too: its scans go on while the part stores.
+        self.order(Request::StorePowerUpTap)?;
+        self.groups(1)?;
         self.order(Request::SetAcquisition { run: false })
     }
 
@@ -70,6 +73,7 @@ impl Procedure<'_> {
 
     fn all(&mut self, record: &[Request]) -> Result<()> {
         self.order(Request::Identity)?;
+        self.order(Request::StorePowerUpTap)?;
         self.trim_experiment()?;
         self.ramp()?;
         record.iter().try_for_each(|request| self.order(request.clone()))?;
@@ -122,7 +126,7 @@ pub fn in_short(given: &Given) -> Result<String> {
         }
     }
     ensure!(
-        groups == SUPPLIES_V.len() * TAPS.len() * 2 + 4 * RAMP_GROUPS + 20 && moves > 10,
+        groups == SUPPLIES_V.len() * TAPS.len() * 2 + 1 + 4 * RAMP_GROUPS + 20 && moves > 10,
         "{groups} groups, {moves} moves"
     );
     Ok(format!(

@@ -20,8 +20,8 @@ use crate::{native, paper_record};
 
 /// From scan to scan.
 const SAMPLE_PERIOD: Ticks = 3 * MILLISECOND;
-/// From a set's last scan to where the wipers move electrically, on both plants: on the image's own they do 0.2 ms after it, and
-/// on the native board writing takes no time.
+/// From a set's last scan to where the wipers move electrically, on both plants: on the image's own they do 0.2 ms after it, on
+/// the native board 0.1.
 const LATENCY_US: u32 = 300;
 /// What the circuits are centred on.
 const CENTRE_COUNTS: f64 = 8200.0;
@@ -147,8 +147,7 @@ pub fn every_scan(given: &Given) -> Result<String> {
     bench.machine.chip().board.scan_ready_connected = true;
     let started_ns = start_of_port(&mut bench)?;
     let native_plant = native_plant.share();
-    native_plant.borrow_mut().pass_until_ns(started_ns);
-    let mut native = native::at_work(&native_plant, &record)?;
+    let mut native = native::at_work(&native_plant, &record, started_ns)?;
 
     let (began, from) = (Instant::now(), bench.now());
     let (mut scans, mut longest, mut after) = (0_u32, 0, AfterChanges::default());

@@ -6,15 +6,14 @@ use zerorate_sim::{Plant, PlantParameters, PotentiometerParameters, SharedPlant}
 
 use super::Given;
 use crate::bench::Bench;
+use crate::chip::board::SCAN_NS;
 use crate::chip::time::{MILLISECOND, SECOND};
 use crate::native;
 
 const GROUPS: usize = 1000;
-/// From a set's last scan to where the wipers move electrically, on both plants: longer than the image takes to write them,
-/// for on the native board that takes no time.
+/// From a set's last scan to where the wipers move electrically, on both plants: longer than the image takes to write them. The
+/// native board is faster, for of its time there is only that of the buses.
 const LATENCY_US: u32 = 2900;
-/// From the port's start to its first scan.
-const SCAN_NS: u64 = 3_000_000;
 
 /// A plant on its way to -40 C, its wipers in the middle when its power comes.
 fn plant() -> Result<Plant> {
@@ -48,8 +47,7 @@ pub fn groups(given: &Given) -> Result<String> {
     let image = bench.groups(GROUPS)?;
 
     let plant = plant()?.share();
-    plant.borrow_mut().pass_until_ns(started_ns);
-    let native = native::first_groups(&plant, &given.record, GROUPS)?;
+    let native = native::first_groups(&plant, &given.record, started_ns, GROUPS)?;
     if let Some((image, native)) = image.iter().zip(&native).find(|(image, native)| image != native) {
         anyhow::bail!("image {image:?}\n    native {native:?}");
     }

@@ -1,6 +1,6 @@
 //! The board about the chip: the parts on its pins, on the plant's time.
 
-use zerorate_sim::{Pins, PortSpi, PotentiometerSpi, SharedPlant};
+use zerorate_sim::{Pins, PortSpi, PotentiometerSpi, SPI_BYTE_NS, SharedPlant};
 
 use super::time::{NEVER, Ticks, nanoseconds, ticks_of_ns};
 
@@ -26,7 +26,7 @@ pub struct Cut {
 pub type Sums = [u64; 4];
 
 /// Nanoseconds from scan to scan.
-const SCAN_NS: u64 = 3_000_000;
+pub const SCAN_NS: u64 = 3_000_000;
 
 /// The plant's parts as the chip's pins reach them.
 pub struct Board {
@@ -34,7 +34,8 @@ pub struct Board {
     pub plant: SharedPlant,
     port: Pins,
     potentiometer: Pins,
-    /// The plant's time stands, and is moved by somebody else.
+    /// The plant's time stands and is moved by somebody else, but for what the program does that takes time on the native board
+    /// as well: bytes on the buses and delays.
     pub plant_stands: bool,
     data_ready: bool,
     /// When data ready last rose: the set's last scan.
@@ -171,9 +172,17 @@ impl Board {
         self.pins(bus).select();
     }
 
+    /// What takes so long was done; where the plant's time does not stand it has passed.
+    pub fn took_ns(&mut self, ns: u64) {
+        if self.plant_stands {
+            self.plant.borrow_mut().pass_ns(ns);
+        }
+    }
+
     /// A byte is clocked.
     pub fn exchange(&mut self, bus: Bus, byte: u8) -> u8 {
         self.clocked += 1;
+        self.took_ns(SPI_BYTE_NS);
         (0..8).rev().fold(0, |answer, place| {
             if bus == Bus::Port {
                 self.disturb();

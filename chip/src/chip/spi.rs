@@ -1,6 +1,8 @@
 //! An SPI master (RM0090 rev 19, chapter 28): a shift register, one byte before it and one behind.
 
-use super::time::Ticks;
+use zerorate_sim::SPI_BYTE_NS;
+
+use super::time::{Ticks, nanoseconds};
 
 const CR1: u32 = 0x00;
 const SR: u32 = 0x08;
@@ -93,6 +95,9 @@ impl Spi {
         }
         self.asked = false;
         self.byte_ticks = 8 * bus_ticks * (2 << (cr1 >> 3 & 7));
+        if nanoseconds(self.byte_ticks).abs_diff(SPI_BYTE_NS) > 1 {
+            return Err("a byte at another clock than the simulated buses have everywhere else");
+        }
         let byte = (word & 0xFF) as u8;
         if self.shifting.is_none() {
             self.shifting = Some((now + self.byte_ticks, byte));

@@ -41,9 +41,11 @@ pub enum Fault {
 pub struct System {
     csr: u32,
     reload: u32,
-    /// When the counter last began at its reload value, and whether COUNTFLAG was read since.
+    /// When the counter is at its end next, and how long it takes.
     wraps_at: Ticks,
     period: Ticks,
+    /// What has been waited for it since this was last asked.
+    delayed: Ticks,
     vectors: u32,
     cpacr: u32,
     demcr: u32,
@@ -87,6 +89,7 @@ impl System {
                     return Some((self.csr, Some(self.wraps_at)));
                 }
                 self.wraps_at += self.period * ((now - self.wraps_at) / self.period + 1);
+                self.delayed += self.period;
                 self.csr | COUNT_FLAG
             }
             SYST_RVR => self.reload,
@@ -107,6 +110,11 @@ impl System {
             _ => return None,
         };
         Some((word, None))
+    }
+
+    /// How long the program has waited for the counter since this was last asked: its delays.
+    pub const fn take_delayed(&mut self) -> Ticks {
+        std::mem::replace(&mut self.delayed, 0)
     }
 
     /// A word of the trace unit: its control, and the cycles counted, which stand still until both are told to run.

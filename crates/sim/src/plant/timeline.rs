@@ -39,7 +39,7 @@ impl Plant {
     }
 
     /// Lets time pass by whole nanoseconds.
-    pub(crate) fn pass_ns(&mut self, time_ns: u64) {
+    pub fn pass_ns(&mut self, time_ns: u64) {
         let until_ns = self.now_ns + time_ns;
         while self.port_scans() && self.port_scan_ns <= until_ns {
             _ = self.port_scan();
