@@ -58,7 +58,7 @@ pub struct Chip {
     pub usart: Usart,
     /// The second line.
     pub scan_line: Usart,
-    timer: Timer,
+    pub timer: Timer,
     pub flash: Flash,
     pub watchdog: IndependentWatchdog,
     pub nvic: Nvic,
@@ -118,7 +118,9 @@ impl Chip {
         self.shift(1);
         self.usart.advance(self.clock);
         self.scan_line.advance(self.clock);
-        self.timer.advance(self.clock);
+        if !self.board.plant_stands {
+            self.timer.advance(self.clock);
+        }
         self.pass(self.clock);
         let asks = [
             (nvic::PVD, self.exti.asks(exti::PVD)),
@@ -147,7 +149,9 @@ impl Chip {
     /// When something happens by itself next.
     pub fn due(&self) -> Ticks {
         let lines = self.usart.due().min(self.scan_line.due());
-        [lines, self.timer.due(), self.board.due(), self.watchdog.due()].into_iter().min().unwrap_or(NEVER)
+        // Where the plant's time stands seconds are given, too.
+        let tick = if self.board.plant_stands { NEVER } else { self.timer.due() };
+        [lines, tick, self.board.due(), self.watchdog.due()].into_iter().min().unwrap_or(NEVER)
     }
 
     fn pass(&mut self, to: Ticks) {

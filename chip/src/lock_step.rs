@@ -1,54 +1,22 @@
-//! A board and its plant in turns: the plant's time stands while the board works, but for bytes on the buses and for delays, and
-//! a set comes when the board is idle. So nothing depends on how long a processor takes, and two boards see the same plant at
-//! the same moment.
+//! The chip as a board that goes step by step with its plant: the plant's time stands while the processor works, but for bytes on
+//! the buses and for delays, and sets and seconds come when it is idle. So nothing depends on how long a processor takes.
 
-use anyhow::{Context, Result, ensure};
-use zerorate_core::wire::Upload;
-use zerorate_core::wire::frame::Receiver;
+use anyhow::{Result, ensure};
+use zerorate_bench::stepped::SteppedBoard;
 use zerorate_sim::{Plant, SharedPlant};
 
 use crate::chip::board::Board;
 use crate::chip::memory::Image;
-use crate::chip::time::{MILLISECOND, SECOND, Ticks};
+use crate::chip::time::{SECOND, Ticks};
 use crate::machine::Machine;
 
-/// A group's time.
-const GROUP: Ticks = 1500 * MILLISECOND;
 /// Longer than any command, a commit among them.
 const PATIENCE: Ticks = 10 * SECOND;
-
-/// A board that a procedure works with.
-pub trait LockStep {
-    /// Its plant.
-    fn plant(&self) -> SharedPlant;
-
-    /// Sends a frame, and lets the board act on it.
-    ///
-    /// # Errors
-    /// It does not come to an end.
-    fn send(&mut self, frame: &[u8]) -> Result<()>;
-
-    /// Lets a set become full, and the board act on it.
-    ///
-    /// # Errors
-    /// None becomes full, or it does not come to an end.
-    fn set(&mut self) -> Result<()>;
-
-    /// Power goes, and comes again.
-    ///
-    /// # Errors
-    /// The board does not start.
-    fn power_cycle(&mut self) -> Result<()>;
-
-    /// What it has said since this was last asked.
-    fn said(&mut self) -> Vec<Upload>;
-}
 
 /// The chip in turns with its plant.
 pub struct ChipBoard {
     machine: Machine,
     plant: SharedPlant,
-    receiver: Receiver,
 }
 
 impl ChipBoard {
@@ -60,50 +28,57 @@ impl ChipBoard {
         let plant = plant.share();
         let mut board = Board::new(&plant);
         board.plant_stands = true;
-        let mut board = Self { machine: Machine::new(image, board)?, plant, receiver: Receiver::new() };
+        let mut board = Self { machine: Machine::new(image, board)?, plant };
         board.until_idle()?;
         Ok(board)
     }
-
-    fn until_idle(&mut self) -> Result<()> {
-        let until = self.machine.chip().clock + PATIENCE;
-        ensure!(self.machine.run(until, Machine::is_idle)?, "the chip does not come to rest");
-        Ok(())
-    }
-
-    /// What the program did that the chip would not have taken.
-    pub fn wrong(&mut self) -> &[String] {
-        &self.machine.chip().wrong
-    }
 }
 
-impl LockStep for ChipBoard {
-    fn plant(&self) -> SharedPlant {
-        SharedPlant::clone(&self.plant)
-    }
+impl SteppedBoard for ChipBoard {
+    type Error = anyhow::Error;
 
-    fn send(&mut self, frame: &[u8]) -> Result<()> {
-        let chip = self.machine.chip();
-        chip.usart.send(frame, chip.clock);
-        self.until_idle()
-    }
-
-    fn set(&mut self) -> Result<()> {
-        let full = self.machine.chip().clock + GROUP;
-        self.machine.run_until(full)?;
-        self.plant.borrow_mut().run_set().context("the chip's acquisition stands still")?;
-        self.until_idle()
+    fn plant(&self) -> &SharedPlant {
+        &self.plant
     }
 
     fn power_cycle(&mut self) -> Result<()> {
         self.plant.borrow_mut().power_cycle();
-        self.receiver = Receiver::new();
+        self.machine.chip().usart.heard.clear();
         self.machine.power_on()?;
         self.until_idle()
     }
 
-    fn said(&mut self) -> Vec<Upload> {
-        let bytes = std::mem::take(&mut self.machine.chip().usart.heard);
-        bytes.into_iter().filter_map(|byte| self.receiver.push::<Upload>(byte)?.ok()).collect()
+    fn send(&mut self, bytes: &[u8]) -> Result<()> {
+        let chip = self.machine.chip();
+        chip.usart.send(bytes, chip.clock);
+        Ok(())
+    }
+
+    /// What the program did that the chip would not have taken ends it, too.
+    fn until_idle(&mut self) -> Result<()> {
+        let until = self.machine.chip().clock + PATIENCE;
+        ensure!(self.machine.run(until, Machine::is_idle)?, "the chip does not come to rest");
+        let wrong = &self.machine.chip().wrong;
+        ensure!(wrong.is_empty(), "the program: {}", wrong.join("; "));
+        Ok(())
+    }
+
+    fn until_heard(&mut self) -> Result<bool> {
+        self.until_idle()?;
+        Ok(!self.machine.chip().usart.heard.is_empty())
+    }
+
+    fn take_heard(&mut self, into: &mut Vec<u8>) {
+        into.append(&mut self.machine.chip().usart.heard);
+    }
+
+    /// The chip sees the line itself.
+    fn give_set(&mut self) -> Result<()> {
+        self.until_idle()
+    }
+
+    fn give_second(&mut self) -> Result<()> {
+        self.machine.chip().timer.overflow();
+        self.until_idle()
     }
 }

@@ -19,7 +19,6 @@ use zerorate_sim::{Flash, FlashPart, PlantDelay, PortSpi, PotentiometerSpi, Scan
 use crate::chip::board::SCAN_NS;
 use crate::chip::flash::{RECORD_BYTES, SECTOR};
 use crate::deployment::{deployment, encoded};
-use crate::lock_step::LockStep;
 use crate::paper_record;
 
 type Part = FlashPart<4096, 4>;
@@ -71,7 +70,7 @@ pub fn at_work(plant: &SharedPlant, record: &DeviceRecord, started_ns: u64) -> R
     let mut writer = NativeBoard::with(elsewhere(), flash.clone())?;
     let requests = deployment(&encoded(record)?)?;
     writer.hear_all(&requests)?;
-    ensure!(writer.said().len() == requests.len(), "the native board did not take the record");
+    ensure!(writer.said.len() == requests.len(), "the native board did not take the record");
     let starts = NativeBoard::with(elsewhere(), flash.clone())?.plant.borrow().next_scan_ns();
     let takes_ns = starts.context("the native board does not begin by itself")? - SCAN_NS;
     plant.borrow_mut().pass_until_ns(started_ns - takes_ns);
@@ -88,7 +87,7 @@ pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, started_ns: u64,
     let mut groups = Vec::new();
     while groups.len() < n {
         board.set()?;
-        groups.extend(board.said().into_iter().filter_map(|upload| match upload.message {
+        groups.extend(std::mem::take(&mut board.said).into_iter().filter_map(|upload| match upload.message {
             Message::Group(report) => Some(report),
             _ => None,
         }));
@@ -99,25 +98,16 @@ pub fn first_groups(plant: &SharedPlant, record: &DeviceRecord, started_ns: u64,
 /// A native board that a procedure works with.
 pub struct NativeBoard {
     plant: SharedPlant,
-    flash: Part,
     native: Native,
     receiver: Receiver,
     said: Vec<Upload>,
 }
 
 impl NativeBoard {
-    /// A blank board about a plant.
-    ///
-    /// # Errors
-    /// There is none.
-    pub fn new(plant: SharedPlant) -> Result<Self> {
-        Self::with(plant, Part::new(Flash::erased(4)))
-    }
-
     /// A board about a plant, with what its flash holds.
     fn with(plant: SharedPlant, flash: Part) -> Result<Self> {
         let native = start(&plant, &flash)?;
-        Ok(Self { plant, flash, native, receiver: Receiver::new(), said: Vec::new() })
+        Ok(Self { plant, native, receiver: Receiver::new(), said: Vec::new() })
     }
 
     /// The next scan, corrected; the group that it closes is closed.
@@ -132,6 +122,14 @@ impl NativeBoard {
             self.hear(&[]);
         }
         report.context("the native board has no scan")
+    }
+
+    /// Lets a set become full, and the board act on it.
+    fn set(&mut self) -> Result<()> {
+        self.plant.borrow_mut().run_set().context("the native board's acquisition stands still")?;
+        self.native.compensator.service();
+        self.hear(&[]);
+        Ok(())
     }
 
     /// Hears requests one after the other.
@@ -149,34 +147,5 @@ impl NativeBoard {
             said.extend(sent.iter().filter_map(|&byte| receiver.push::<Upload>(byte)?.ok()));
             true
         });
-    }
-}
-
-impl LockStep for NativeBoard {
-    fn plant(&self) -> SharedPlant {
-        SharedPlant::clone(&self.plant)
-    }
-
-    fn send(&mut self, frame: &[u8]) -> Result<()> {
-        self.hear(frame);
-        Ok(())
-    }
-
-    fn set(&mut self) -> Result<()> {
-        self.plant.borrow_mut().run_set().context("the native board's acquisition stands still")?;
-        self.native.compensator.service();
-        self.hear(&[]);
-        Ok(())
-    }
-
-    fn power_cycle(&mut self) -> Result<()> {
-        self.plant.borrow_mut().power_cycle();
-        self.native = start(&self.plant, &self.flash)?;
-        self.receiver = Receiver::new();
-        Ok(())
-    }
-
-    fn said(&mut self) -> Vec<Upload> {
-        std::mem::take(&mut self.said)
     }
 }

@@ -1,136 +1,74 @@
-//! A calibration in short, by the commands that `calibrate` gives, on the image and on the native board: the trim experiment on
-//! the supply, the cold end and the ramp, the record, the ramp again in each mode, power off and on.
+//! A calibration in short by the very procedures of the command `calibrate`, on the image and on the native board.
+
+use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use zerorate_core::compensate::Mode;
-use zerorate_core::units::{Axis, Celsius, Seconds, Taps, Volts};
-use zerorate_core::wire::frame;
-use zerorate_core::wire::{Command, Message, Request, SampleWindow, Upload};
+use zerorate_bench::calibrate::calibrate;
+use zerorate_bench::calibrated::Unit;
+use zerorate_bench::checkpoint::Keep;
+use zerorate_bench::instruments::Bench;
+use zerorate_bench::plants::PlantKind;
+use zerorate_bench::run::Silent;
+use zerorate_bench::setup::SetUp;
+use zerorate_bench::{simulated, stepped};
+use zerorate_cal::recording::{GroupRow, Recording};
 
 use super::{Given, paper};
-use crate::deployment::{deployment, encoded};
-use crate::lock_step::{ChipBoard, LockStep};
-use crate::native::NativeBoard;
+use crate::lock_step::ChipBoard;
+use crate::paper_record::UNIT;
 
-const SUPPLIES_V: [f64; 3] = [2.45, 2.5, 2.55];
-const TAPS: [u16; 4] = [511, 500, 522, 512];
-const RAMP_GROUPS: usize = 150;
+/// Every recording of a run, by its name.
+type Recordings = Vec<(String, Vec<GroupRow>)>;
 
-/// A procedure on a board.
-struct Procedure<'a> {
-    board: &'a mut dyn LockStep,
-    sequence: u16,
-    said: Vec<Upload>,
+/// The paper's set-up in short: a ramp from the cold end on, with the way back.
+fn set_up() -> SetUp {
+    let mut setup = SetUp::paper();
+    setup.chamber.ramp_groups = 400;
+    setup.chamber.soak_groups = 4;
+    setup.chamber.soaks_c = vec![-40.0];
+    setup.trim.points = 5;
+    setup.trim.groups_per_point = 2;
+    setup
 }
 
-impl Procedure<'_> {
-    fn order(&mut self, request: Request) -> Result<()> {
-        self.sequence += 1;
-        let command = Command { sequence: self.sequence, at: None, request };
-        let bytes = frame::encode(&command).ok().context("a frame that cannot be")?;
-        self.board.send(&bytes)?;
-        self.said.extend(self.board.said());
-        Ok(())
-    }
-
-    fn groups(&mut self, n: usize) -> Result<()> {
-        for _ in 0..n {
-            self.board.set()?;
-            self.said.extend(self.board.said());
+fn run(mut bench: Bench, setup: &SetUp, out: &Path) -> Result<(serde_json::Value, Recordings)> {
+    let unit = Unit::new(UNIT, Some((PlantKind::Paper, 1)))?;
+    let summary = calibrate(&mut bench, setup, unit, out, &mut Silent, Keep::Nothing)?;
+    let mut recordings = Vec::new();
+    for entry in std::fs::read_dir(out)? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "parquet") {
+            let name = path.file_name().context("a file without a name")?.display().to_string();
+            recordings.push((name, Recording::read(&(&path).into())?.rows));
         }
-        Ok(())
     }
-
-    fn trim_experiment(&mut self) -> Result<()> {
-        self.order(Request::SetStream { groups: true, samples: SampleWindow::ALL })?;
-        self.order(Request::SetAcquisition { run: true })?;
-        for volts in SUPPLIES_V {
-            self.board.plant().borrow_mut().connect_supply(Volts(volts));
-            for tap in TAPS.into_iter().filter_map(Taps::new) {
-                for axis in Axis::BOTH {
-                    self.order(Request::SetTap { axis, tap })?;
-                }
-                self.groups(2)?;
-            }
-        }
-        self.board.plant().borrow_mut().connect_gyro();
-        // In the middle of the acquisition, too: its scans go on while the part stores.
-        self.order(Request::StorePowerUpTap)?;
-        self.groups(1)?;
-        self.order(Request::SetAcquisition { run: false })
-    }
-
-    /// An hour at the cold end, then a part of the ramp.
-    fn ramp(&mut self) -> Result<()> {
-        self.board.plant().borrow_mut().chamber_set_point(Celsius(-40.0))?;
-        self.board.plant().borrow_mut().wait(Seconds(3600.0));
-        self.order(Request::SetStream { groups: true, samples: SampleWindow::NONE })?;
-        self.order(Request::SetAcquisition { run: true })?;
-        self.board.plant().borrow_mut().chamber_set_point(Celsius(60.0))?;
-        self.groups(RAMP_GROUPS)?;
-        self.order(Request::SetAcquisition { run: false })
-    }
-
-    fn all(&mut self, record: &[Request]) -> Result<()> {
-        self.order(Request::Identity)?;
-        self.order(Request::StorePowerUpTap)?;
-        self.trim_experiment()?;
-        self.ramp()?;
-        record.iter().try_for_each(|request| self.order(request.clone()))?;
-        for mode in [Mode::Trim, Mode::Digital, Mode::Hybrid] {
-            for axis in Axis::BOTH {
-                self.order(Request::SetMode { axis, mode })?;
-            }
-            self.ramp()?;
-        }
-        self.order(Request::Faults)?;
-        self.board.power_cycle()?;
-        self.order(Request::Identity)?;
-        self.order(Request::SetStream { groups: true, samples: SampleWindow::NONE })?;
-        self.groups(20)?;
-        self.order(Request::Faults)
-    }
+    recordings.sort_by(|a, b| a.0.cmp(&b.0));
+    let summary = serde_json::to_value(summary)?;
+    Ok((serde_json::json!([summary["axes"], summary["tests"]]), recordings))
 }
 
-fn run(board: &mut dyn LockStep, record: &[Request]) -> Result<Vec<Upload>> {
-    let mut procedure = Procedure { board, sequence: 0, said: Vec::new() };
-    procedure.all(record)?;
-    Ok(procedure.said)
-}
-
-/// All that both boards say in it.
+/// Every number of every recording, and what is concluded from them.
 pub fn in_short(given: &Given) -> Result<String> {
-    let record = deployment(&encoded(&given.record)?)?;
-    let native = run(&mut NativeBoard::new(paper().share())?, &record)?;
-    let mut chip = ChipBoard::new(&given.image, paper())?;
-    let image = run(&mut chip, &record)?;
-    ensure!(chip.wrong().is_empty(), "the program: {}", chip.wrong().join("; "));
-    if let Some((image, native)) = image.iter().zip(&native).find(|(image, native)| image != native) {
-        anyhow::bail!("image {image:?}\n    native {native:?}");
-    }
-    ensure!(
-        image.len() == native.len(),
-        "{} messages of the image's, {} of the native board's",
-        image.len(),
-        native.len()
-    );
-    let (mut groups, mut samples, mut moves) = (0, 0, 0);
-    for upload in &image {
-        match &upload.message {
-            Message::Group(report) => {
-                groups += 1;
-                moves += report.axes.iter().filter(|axis| axis.moved_to.is_some()).count();
-            }
-            Message::Samples(block) => samples += block.samples.len(),
-            Message::Answer { .. } => {}
+    let setup = set_up();
+    let folder = tempfile::tempdir()?;
+    let serial = given.record.unit.clone();
+    let native = run(simulated::bench(paper(), &setup, &serial), &setup, &folder.path().join("native"))?;
+    let chip = ChipBoard::new(&given.image, paper())?;
+    let image = run(stepped::bench(chip, &setup), &setup, &folder.path().join("image"))?;
+    let (mut groups, mut moves) = (0, 0);
+    for ((name, native), (_, image)) in native.1.iter().zip(&image.1) {
+        for (native, image) in native.iter().zip(image) {
+            // Each number written so that no two are written alike: of floats the shortest text that reads back.
+            let (native, image) = (format!("{native:?}"), format!("{image:?}"));
+            ensure!(native == image, "{name}\n    image {image}\n    native {native}");
         }
+        ensure!(native.len() == image.len(), "{name}: {} rows and {}", native.len(), image.len());
+        groups += native.len() / 2;
+        moves += native.windows(3).filter(|rows| rows[0].tap != rows[2].tap).count();
     }
-    ensure!(
-        groups == SUPPLIES_V.len() * TAPS.len() * 2 + 1 + 4 * RAMP_GROUPS + 20 && moves > 10,
-        "{groups} groups, {moves} moves"
-    );
+    ensure!(native.0 == image.0, "other conclusions: {}\n    and {}", native.0, image.0);
+    ensure!(native.1.len() == 5 && image.1.len() == 5 && groups > 1000 && moves > 10, "{groups} groups, {moves} moves");
     Ok(format!(
-        "{} messages are the same bit for bit: {groups} groups with their sums and taps ({moves} moves), {samples} samples",
-        image.len()
+        "`calibrate`: {groups} groups in 5 recordings, {moves} changes of a tap, and all that is concluded, the same bit for bit"
     ))
 }

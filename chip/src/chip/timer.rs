@@ -63,6 +63,11 @@ impl Timer {
         self.update_at = now + self.period;
     }
 
+    /// It overflows by somebody else's time.
+    pub fn overflow(&mut self) {
+        self.words[SR as usize / 4] |= UIF;
+    }
+
     pub fn advance(&mut self, now: Ticks) {
         while self.update_at <= now {
             self.words[SR as usize / 4] |= UIF;

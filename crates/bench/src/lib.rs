@@ -32,6 +32,7 @@ pub mod scan_line;
 pub mod setup;
 pub mod simulated;
 pub mod soak_comparison;
+pub mod stepped;
 pub mod steps;
 pub mod study;
 pub mod summary;

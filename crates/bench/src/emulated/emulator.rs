@@ -15,7 +15,6 @@ use tempfile::TempDir;
 use zerorate_lockstep::{Answer, Poll, Request};
 
 use super::bus::Buses;
-use crate::link::LinkError;
 
 /// The channel's two lines, and UART0's: to the board and from it, as QEMU names them.
 const FIFOS: [&str; 4] = ["requests", "answers", "uart0.in", "uart0.out"];
@@ -65,12 +64,6 @@ pub enum EmulatorError {
         "the firmware is not of this program's version (it sent what is no request): build it anew with `cargo xtask firmware`"
     )]
     OtherVersion,
-}
-
-impl From<EmulatorError> for LinkError {
-    fn from(error: EmulatorError) -> Self {
-        Self::Gone(io::Error::other(error))
-    }
 }
 
 /// What the board did.
