@@ -35,7 +35,7 @@ use crate::units::TemperatureUnit;
 
 /// The version of the file that this code writes. It reads 1 as well, which has no history, drift in time, static cubic
 /// or band.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// The oldest version that this code reads.
 pub const OLDEST_SCHEMA: u32 = 1;

@@ -21,8 +21,8 @@ pub use model::{AxisModel, HistoryModel};
 /// The version of the body that this code reads and writes.
 ///
 /// 1: static laws. 2: each axis may carry a history with its group period. 3: laws in integers, no models in f64.
-/// 4: readings from the one aimed at; what the board is made of.
-pub const RECORD_VERSION: u16 = 4;
+/// 4: readings from the one aimed at; what the board is made of. 5: a term of a history says how much of what drifts is behind.
+pub const RECORD_VERSION: u16 = 5;
 /// More bytes than any record takes.
 pub const MAX_RECORD_BYTES: usize = 6144;
 

@@ -71,7 +71,7 @@ fn curve(curve: &Curve) -> String {
 
 fn term(term: &Term) -> String {
     let is_play = i32::from(term.is_play);
-    format!("{{{is_play}, {}, {}, {}}}", real(term.size), real(term.weight), real(term.share))
+    format!("{{{is_play}, {}, {}, {}, {}}}", real(term.size), real(term.weight), real(term.behind), real(term.share))
 }
 
 fn float_axis(text: &mut String, axis: &Axis) {
@@ -82,7 +82,7 @@ fn float_axis(text: &mut String, axis: &Axis) {
         text,
         &format!(
             "     {{{}}}}},",
-            if axis.terms.is_empty() { "{0, 0, 0, 0}".to_owned() } else { list(&axis.terms, term) }
+            if axis.terms.is_empty() { "{0, 0, 0, 0, 0}".to_owned() } else { list(&axis.terms, term) }
         ),
     );
 }
@@ -94,13 +94,13 @@ fn int_curve(curve: &IntCurve) -> String {
 }
 
 fn int_term(term: &IntTerm) -> String {
-    let IntTerm { is_play, size, kept, follows, weight, share } = term;
-    format!("{{{}, INT64_C({size}), {kept}, {follows}, {weight}, {share}}}", i32::from(*is_play))
+    let IntTerm { is_play, size, kept, follows, weight, behind, share } = term;
+    format!("{{{}, INT64_C({size}), {kept}, {follows}, {weight}, {behind}, {share}}}", i32::from(*is_play))
 }
 
 fn int_axis(text: &mut String, axis: &IntAxis) {
     put(text, &format!("    {{{}, {}, {},", axis.least, axis.most, int_curve(&axis.fixed)));
     put(text, &format!("     {}, {}, {},", axis.terms.len(), axis.weight_bits, int_curve(&axis.known)));
-    let terms = if axis.terms.is_empty() { "{0, 0, 0, 0, 0, 0}".to_owned() } else { list(&axis.terms, int_term) };
+    let terms = if axis.terms.is_empty() { "{0, 0, 0, 0, 0, 0, 0}".to_owned() } else { list(&axis.terms, int_term) };
     put(text, &format!("     {{{terms}}}}},"));
 }

@@ -11,6 +11,9 @@ pub(super) const STEP_MS: u32 = 1000;
 /// Temperatures of the integers are in this part of a degree (or of a count).
 const TEMPERATURE_ONE: f64 = 65_536.0;
 
+/// 1 of what is behind, in integers.
+const BEHIND_ONE: f64 = 1_048_576.0;
+
 /// Integers are kept below this, so that products with 1 in the scaled variable (2^30) fit in 63 bits with room for sums.
 const LARGEST: f64 = 536_870_912.0; // 2^29
 
@@ -32,6 +35,7 @@ pub(super) struct Term {
     pub is_play: bool,
     pub size: f64,
     pub weight: f64,
+    pub behind: f64,
     pub share: f64,
 }
 
@@ -65,6 +69,7 @@ pub(super) struct IntTerm {
     pub kept: i64,
     pub follows: i64,
     pub weight: i64,
+    pub behind: i64,
     pub share: i64,
 }
 
@@ -121,7 +126,7 @@ impl Term {
             Memory::Play { half_width } => (true, half_width),
             Memory::Lag { time_constant_s } => (false, time_constant_s),
         };
-        Self { is_play, size, weight: term.weight, share: term.share }
+        Self { is_play, size, weight: term.weight, behind: term.behind, share: term.share }
     }
 }
 
@@ -175,6 +180,9 @@ impl Axis {
         if !(unit.is_finite() && unit > 0.0) {
             return Err(refused(format!("its largest number is {largest}")));
         }
+        if let Some(term) = self.terms.iter().find(|term| term.behind.abs() * BEHIND_ONE > LARGEST) {
+            return Err(refused(format!("a memory that is {} behind has no room", term.behind)));
+        }
         let (weight_bits, terms) = self.integer_terms(unit, span);
         Ok(IntAxis {
             unit,
@@ -201,6 +209,7 @@ impl Axis {
             let common = IntTerm {
                 is_play: term.is_play,
                 weight: whole(term.weight / unit * f64::from(1_u32 << weight_bits)),
+                behind: whole(term.behind * BEHIND_ONE),
                 share: whole(term.share * 2_f64.powi(30)),
                 ..IntTerm::default()
             };

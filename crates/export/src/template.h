@@ -19,10 +19,11 @@ typedef struct {
     zr_real values[ZR_VALUES];
 } zr_curve;
 
-/* A memory m of the temperature, which adds weight * (m - T): a play of half-width size, or a lag of time constant size. */
+/* A memory m of the temperature: a play of half-width size, or a lag of time constant size. It adds weight * (m - T), and
+   the curve is taken at T + behind * (m - T), of several memories their sum. */
 typedef struct {
     int is_play;
-    zr_real size, weight, share;
+    zr_real size, weight, behind, share;
 } zr_term;
 
 /* One axis. `fixed` is the curve where nothing of the history is known; with `terms` above 0, `known` is the one where
@@ -127,13 +128,15 @@ static inline zr_real zr_known_share(const zr_axis *axis, const zr_state *state)
 /* The bias of an axis by what zr_advance took in last. */
 static inline zr_real zr_bias_with_history(const zr_axis *axis, const zr_state *state)
 {
-    zr_real bias;
+    zr_real added = 0, behind = 0;
     if (axis->terms == 0)
         return zr_curve_at(&axis->fixed, state->last);
-    bias = zr_curve_at(&axis->known, state->last);
-    for (int i = 0; i < axis->terms; i++)
-        bias += axis->term[i].weight * state->ahead[i];
-    return bias;
+    for (int i = 0; i < axis->terms; i++) {
+        added += axis->term[i].weight * state->ahead[i];
+        behind += axis->term[i].behind * state->ahead[i];
+    }
+    /* What drifts was never colder or hotter than what was seen. */
+    return zr_curve_at(&axis->known, zr_clamp(state->last + behind, state->least, state->most)) + added;
 }
 
 #endif /* ZERORATE_NO_FLOAT */
@@ -151,11 +154,11 @@ typedef struct {
 } zr_int_curve;
 
 /* `size` of a play in 2^-20 of a degree; `kept` and `follows` of a lag over one step; `weight` in the axis's unit a degree
-   times 2^weight_bits; share in 2^-30. */
+   times 2^weight_bits; behind in 2^-20; share in 2^-30. */
 typedef struct {
     int32_t is_play;
     int64_t size;
-    int32_t kept, follows, weight, share;
+    int32_t kept, follows, weight, behind, share;
 } zr_int_term;
 
 typedef struct {
@@ -271,9 +274,15 @@ static inline int32_t zr_int_bias_with_history(const zr_int_axis *axis, const zr
 {
     if (axis->terms == 0)
         return zr_int_curve_at(&axis->fixed, state->last);
-    int64_t bias = zr_int_curve_at(&axis->known, state->last), added = 0;
-    for (int32_t i = 0; i < axis->terms; i++)
+    int64_t added = 0, behind = 0;
+    for (int32_t i = 0; i < axis->terms; i++) {
         added += zr_shift(state->ahead[i] * axis->term[i].weight, 20);
+        behind += zr_shift(state->ahead[i] * axis->term[i].behind, 24);
+    }
+    /* What drifts was never colder or hotter than what was seen. */
+    behind += state->last;
+    behind = behind < state->least ? state->least : (behind > state->most ? state->most : behind);
+    int64_t bias = zr_int_curve_at(&axis->known, (int32_t)behind);
     bias += axis->weight_bits ? zr_shift(added, (int)axis->weight_bits) : added;
     return (int32_t)bias;
 }

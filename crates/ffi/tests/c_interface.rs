@@ -83,8 +83,8 @@ fn record_with_history() -> DeviceRecord {
     let mut models = models();
     let axis = &mut models[0];
     let terms = [
-        Term { memory: Memory::Play { half_width: 300.0 }, weight: 0.03, share: 0.6 },
-        Term { memory: Memory::Lag { time_constant_s: 400.0 }, weight: -0.02, share: 0.4 },
+        Term { memory: Memory::Play { half_width: 300.0 }, weight: 0.03, behind: 0.0, share: 0.6 },
+        Term { memory: Memory::Lag { time_constant_s: 400.0 }, weight: -0.02, behind: 0.4, share: 0.4 },
     ];
     let history = History::new(axis.drift.shape.clone(), &terms).unwrap();
     axis.history = Some(HistoryModel { history, group_period_s: 5.0 });

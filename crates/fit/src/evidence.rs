@@ -1,5 +1,8 @@
 //! One model whose strength the data settle: a curve, memories, and what belongs to the recording alone.
 //!
+//! A part of what drifts may be at another temperature than its sensor, behind it ([`columns::Before`]): what that adds is the
+//! curve there less the curve here, so the curve is found first, and then anew with those columns.
+//!
 //! A group's rate is a sum of columns ([`columns`]) plus noise that is white and besides wanders ([`noise`]). Level and slope
 //! are free; the coefficients of every other kind are drawn from a normal distribution about zero with a spread of their
 //! kind. The spreads, and those of the noise, are the ones that make the data likeliest ([`marginal`], [`search`]), weak priors
@@ -19,7 +22,7 @@ use crate::model_fit::ModelFit;
 use crate::robust::HUBER;
 use crate::series::Series;
 use averages::Averages;
-use columns::{Columns, Slow};
+use columns::{Before, Columns, Slow};
 use marginal::Evaluated;
 use noise::Whitened;
 pub(crate) use search::Found;
@@ -43,14 +46,19 @@ impl<'a> Evidence<'a> {
     /// with a straight drift in time where there is strong evidence of one.
     pub(crate) fn likeliest(series: &'a Series<'a>, measured: ValidRange, valid: ValidRange) -> Option<(Self, Found)> {
         let fitted = |slow: Slow| {
-            let evidence = Self { series, columns: Columns::new(series, measured, valid, slow)? };
-            let (_, found, evaluated) = evidence.search(None, |_| true)?;
-            let surprise = evaluated.surprise(&found.spreads)?;
-            Some((evidence, found, surprise))
+            let columns = |before: Option<Before>| Columns::new(series, measured, valid, slow, before);
+            let searched = |before, near| Searched::of(Self { series, columns: columns(before)? }, near);
+            let together = searched(None, None)?;
+            if !together.evidence.columns.has_lags() {
+                return Some(together);
+            }
+            // With new columns the likeliest spreads may be quite others; with a better curve they are no longer.
+            let behind = searched(Some(together.curve()?), None)?;
+            searched(Some(behind.curve()?), Some(&behind.found))
         };
         let (dying, straight) = (fitted(Slow::Dying)?, fitted(Slow::Straight));
-        let (evidence, found, _) = straight.filter(|straight| straight.2 < dying.2 - STRONG).unwrap_or(dying);
-        Some((evidence, found))
+        let likelier = straight.filter(|straight| straight.surprise < dying.surprise - STRONG).unwrap_or(dying);
+        Some((likelier.evidence, likelier.found))
     }
 
     /// Fits the groups that `keep` keeps, from what was `found` of all on. `None` where there is nothing to be fitted.
@@ -92,6 +100,29 @@ impl<'a> Evidence<'a> {
             averages.variance[place] = variance;
         }
         changed
+    }
+}
+
+/// Columns, and the likeliest of them by all rows.
+struct Searched<'a> {
+    evidence: Evidence<'a>,
+    averages: Averages,
+    found: Found,
+    evaluated: Evaluated,
+    surprise: f64,
+}
+
+impl<'a> Searched<'a> {
+    fn of(evidence: Evidence<'a>, near: Option<&Found>) -> Option<Self> {
+        let (averages, found, evaluated) = evidence.search(near, |_| true)?;
+        let surprise = evaluated.surprise(&found.spreads)?;
+        Some(Self { evidence, averages, found, evaluated, surprise })
+    }
+
+    /// The curve by which another search tells parts that are behind.
+    fn curve(&self) -> Option<Before> {
+        let made = deployed::model(&self.evidence.columns, &self.averages, &self.evaluated)?;
+        Some(Before { curve: made.model.drift.shape, spread: self.averages.spread })
     }
 }
 

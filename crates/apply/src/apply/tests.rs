@@ -77,7 +77,7 @@ fn a_log_that_cannot_be_read_names_its_line_or_column() {
 /// A play of 2 degrees beside the drift, and a drift in time of 0.001 a second about 100 s.
 fn with_history(column: &str) -> AppliedModel {
     let mut own = model(column);
-    let term = Term { memory: Memory::Play { half_width: 2.0 }, weight: 0.5, share: 1.0 };
+    let term = Term { memory: Memory::Play { half_width: 2.0 }, weight: 0.5, behind: 0.0, share: 1.0 };
     own.model.history = History::new(own.model.drift.shape.clone(), &[term]);
     own.model.time_drift = Some(TimeDrift::straight(1e-3, 100.0));
     own

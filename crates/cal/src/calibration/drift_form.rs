@@ -118,13 +118,16 @@ pub(super) struct HistoryForm {
     terms: Vec<TermForm>,
 }
 
-/// One term: `weight (m - T)`.
+/// One term: `weight (m - T)`, and the curve taken at `T + behind (m - T)`.
 #[derive(Clone, Serialize, Deserialize)]
 struct TermForm {
     #[serde(flatten)]
     memory: MemoryForm,
     /// Rate units per unit of temperature.
     weight: f64,
+    /// How much of what drifts is where the memory is; none before schema 3.
+    #[serde(default)]
+    behind: f64,
     /// How much of the history rests on it; all terms together 1.
     share: f64,
 }
@@ -147,6 +150,7 @@ impl HistoryForm {
                 Memory::Lag { time_constant_s } => MemoryForm::Lag { time_constant_s },
             },
             weight: term.weight,
+            behind: term.behind,
             share: term.share,
         };
         Self { curve: DriftForm::from(&curve), terms: history.terms().iter().map(term).collect() }
@@ -159,12 +163,13 @@ impl HistoryForm {
                 MemoryForm::Lag { time_constant_s } => Memory::Lag { time_constant_s },
             },
             weight: form.weight,
+            behind: form.behind,
             share: form.share,
         };
         let terms: Vec<Term> = self.terms.iter().map(term).collect();
         History::new(self.curve.checked()?.shape, &terms).ok_or_else(|| {
-            "a history has 1 to 6 terms, each with a half_width or time_constant_s above zero and a finite weight, and \
-             shares that add up to 1"
+            "a history has 1 to 6 terms, each with a half_width or time_constant_s above zero a finite weight and \
+             behind, and shares that add up to 1"
                 .to_owned()
         })
     }

@@ -107,7 +107,7 @@ fn a_calibration_that_was_written_and_read_is_the_same_and_makes_the_same_record
 #[test]
 fn the_file_names_its_units() {
     let json: serde_json::Value = serde_json::from_str(&board().to_json().unwrap()).unwrap();
-    assert_eq!((&json["schema"], &json["kind"]), (&2.into(), &"analogue-board".into()));
+    assert_eq!((&json["schema"], &json["kind"]), (&3.into(), &"analogue-board".into()));
     assert_eq!((&json["temperature_unit"], &json["temperature_scale"]["step"]), (&"counts".into(), &0.25.into()));
     let x = &json["axes"]["x"];
     assert_eq!((&x["model"], &x["rate_unit"]), (&"poly:2".into(), &"counts".into()));
@@ -298,8 +298,8 @@ proptest! {
 fn with_history(axis: &mut AxisCalibration) {
     use zerorate_core::drift::{History, Memory, Term};
     let terms = [
-        Term { memory: Memory::Play { half_width: 123.4 }, weight: 0.0117, share: 0.6 },
-        Term { memory: Memory::Lag { time_constant_s: 240.0 }, weight: -0.3, share: 0.4 },
+        Term { memory: Memory::Play { half_width: 123.4 }, weight: 0.0117, behind: 0.0, share: 0.6 },
+        Term { memory: Memory::Lag { time_constant_s: 240.0 }, weight: -0.3, behind: 0.25, share: 0.4 },
     ];
     axis.fit.model.history = History::new(axis.drift().shape.clone(), &terms);
 }
@@ -365,6 +365,6 @@ fn a_file_with_earlier_names_is_still_read() {
 #[test]
 fn the_first_schema_is_still_read() {
     let calibration = board();
-    let text = calibration.to_json().unwrap().replacen("\"schema\": 2", "\"schema\": 1", 1);
+    let text = calibration.to_json().unwrap().replacen("\"schema\": 3", "\"schema\": 1", 1);
     assert_eq!(Calibration::from_json(&text).unwrap(), calibration);
 }

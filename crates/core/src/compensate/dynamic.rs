@@ -114,17 +114,28 @@ impl FixedHistory {
         let Some(seen) = &state.seen else {
             return (fixed, Knowledge::Uncertain);
         };
-        let added: i64 = self
-            .terms
-            .iter()
-            .zip(&seen.memories)
-            .map(|(term, memory)| i64::from(term.weight) * i64::from(memory.ahead))
-            .fold(0, i64::saturating_add);
-        let curve = i64::from(self.curve.evaluate(TemperatureCode(seen.last)).0);
+        let sum = |of: fn(&TermNumbers) -> i32| -> i64 {
+            let terms = self.terms.iter().zip(&seen.memories);
+            terms.map(|(term, memory)| i64::from(of(term)) * i64::from(memory.ahead)).fold(0, i64::saturating_add)
+        };
         let known = self.known_share(seen);
-        let drift = curve + (added >> (WEIGHT_BITS + CODE_BITS - 16));
+        let curve = self.curve_behind(seen, sum(|term| term.behind) >> WEIGHT_BITS);
+        let drift = curve + (sum(|term| term.weight) >> (WEIGHT_BITS + CODE_BITS - 16));
         let knowledge = if known >= KNOWN_FROM_Q16 { Knowledge::Known } else { Knowledge::Uncertain };
         (Q16(saturate(drift)), knowledge)
+    }
+
+    /// The curve where what drifts is: so far from the last code, codes, Q14, and never outside of what was seen. Between two
+    /// codes on the straight line from the one to the other, Q16.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between two codes that were seen
+    fn curve_behind(&self, seen: &Seen, ahead: i64) -> i64 {
+        let [least, last, most] = [seen.least, seen.last, seen.most].map(|code| i64::from(code) << CODE_BITS);
+        let inside = last.saturating_add(ahead).clamp(least, most);
+        let code = (inside >> CODE_BITS) as u16;
+        let past = inside - (i64::from(code) << CODE_BITS);
+        let [below, above] =
+            [code, code.saturating_add(1)].map(|code| i64::from(self.curve.evaluate(TemperatureCode(code)).0));
+        below + (((above - below) * past) >> CODE_BITS)
     }
 
     fn known_share(&self, seen: &Seen) -> u32 {

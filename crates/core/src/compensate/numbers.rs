@@ -108,17 +108,19 @@ impl LowPassNumbers {
 pub struct HistoryNumbers {
     /// The static part once the history is known.
     pub curve: CurveNumbers,
-    /// What is added to it.
+    /// What moves the code that it is taken at, and is added to it.
     pub terms: Vec<TermNumbers, MAX_HISTORY_TERMS>,
 }
 
-/// One term: `weight (m - T)`.
+/// One term: `weight (m - T)`, and the curve taken at `T + behind (m - T)`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TermNumbers {
     /// What m is.
     pub memory: MemoryNumbers,
     /// Counts a code, with 24 fractional bits.
     pub weight: i32,
+    /// Codes a code, with 24 fractional bits.
+    pub behind: i32,
     /// How much of the history rests on this term, Q16, at most 1.
     pub share: u32,
 }

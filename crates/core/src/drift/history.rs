@@ -6,6 +6,11 @@
 //! `tau dm/dt = T - m`. Either has one number of state, m, and adds `weight (m - T)` to the reading: nothing where the
 //! memory has caught up with the temperature.
 //!
+//! What drifts is not always at the temperature that its sensor tells: a part of it may be behind. Then the whole curve is
+//! taken where that part is, at `T + behind (m - T)`: what a lag adds grows with the slope of the curve, and where the curve is
+//! level it adds nothing. A term has both numbers, for either kind of physics: what is stressed by a gradient, and what is
+//! late. What drifts was never colder or hotter than what was seen.
+//!
 //! What is not known at start-up is data here. A board that has just started has seen one temperature; what its sensor
 //! went through before, nobody told it. Until the temperature has travelled 2r the state of a play can be anything
 //! between two bounds, and the middle of them is taken; a lag forgets its start as `exp(-t / tau)`. [`known_share`] says
@@ -40,18 +45,20 @@ pub enum Memory {
     },
 }
 
-/// One term: `weight (m - T)`.
+/// One term: `weight (m - T)`, and the curve taken at `T + behind (m - T)`, of several terms their sum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
     /// What m is.
     pub memory: Memory,
     /// Reading per unit of temperature.
     pub weight: f64,
+    /// How much of what drifts is where the memory is, and not where the sensor is: 0 none, 1 all.
+    pub behind: f64,
     /// How much of the history rests on this term, 0 to 1, all terms together 1: the size of its effect among all.
     pub share: f64,
 }
 
-/// The part of a drift that remembers: a curve, and what is added to it.
+/// The part of a drift that remembers: a curve, where it is taken, and what is added to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
     curve: Shape,
@@ -77,13 +84,14 @@ fn belief(known_share: f64) -> f64 {
 
 impl History {
     /// A history. `curve` is its static part. `None` unless there are 1 to 6 terms whose
-    /// half-widths and time constants are above zero, whose weights are finite, and whose shares are 0 to 1 and add up
-    /// to 1 (to 1e-6).
+    /// half-widths and time constants are above zero, whose other numbers are finite, and whose shares are 0 to 1 and add
+    /// up to 1 (to 1e-6).
     #[must_use]
     pub fn new(curve: Shape, terms: &[Term]) -> Option<Self> {
         let sound = |term: &Term| {
             let (Memory::Play { half_width: size } | Memory::Lag { time_constant_s: size }) = term.memory;
-            size > 0.0 && size.is_finite() && term.weight.is_finite() && (0.0..=1.0).contains(&term.share)
+            let finite = [size, term.weight, term.behind].into_iter().all(f64::is_finite);
+            size > 0.0 && finite && (0.0..=1.0).contains(&term.share)
         };
         let shares: f64 = terms.iter().map(|term| term.share).sum();
         if terms.is_empty() || !terms.iter().all(sound) || libm::fabs(shares - 1.0) > 1e-6 {
@@ -132,8 +140,11 @@ impl History {
     }
 
     fn by_history(&self, seen: &Seen) -> f64 {
-        let added: f64 = self.terms.iter().zip(&seen.ahead).map(|(term, ahead)| term.weight * ahead).sum();
-        self.curve.evaluate(seen.last) + added
+        let sum = |of: fn(&Term) -> f64| -> f64 {
+            self.terms.iter().zip(&seen.ahead).map(|(term, ahead)| of(term) * ahead).sum()
+        };
+        let inside = (seen.last + sum(|term| term.behind)).clamp(seen.least, seen.most);
+        self.curve.evaluate(inside) + sum(|term| term.weight)
     }
 
     /// The reading by what was taken in last, the curve and what is remembered. NaN and [`Knowledge::Uncertain`] before the

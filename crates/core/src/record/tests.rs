@@ -113,13 +113,14 @@ fn numbers_that_make_no_law_are_refused_by_the_part_that_is_wrong() {
     assert_eq!(refused(&|law| law.trim.per_tap = i32::MAX), trim);
     assert_eq!(refused(&|law| law.trim.effects = [5, 5].into_iter().collect()), trim);
     assert_eq!(refused(&|law| law.dead_band = -1), LawRefused::Senseless(Part::DeadBand));
-    let forgetful = TermNumbers { memory: MemoryNumbers::Lag { kept: 0, part: 0 }, weight: 1, share: 1 << 16 };
+    let forgetful =
+        TermNumbers { memory: MemoryNumbers::Lag { kept: 0, part: 0 }, weight: 1, behind: 0, share: 1 << 16 };
     let history = |law: &mut LawNumbers, term: TermNumbers| {
         let terms = core::iter::once(term).collect();
         law.history = Some(HistoryNumbers { curve: law.drift.curve.clone(), terms });
     };
     assert_eq!(refused(&|law| history(law, forgetful)), LawRefused::Senseless(Part::History));
-    let half = TermNumbers { memory: MemoryNumbers::Play { half_width: 9 }, weight: 1, share: 1 << 15 };
+    let half = TermNumbers { memory: MemoryNumbers::Play { half_width: 9 }, weight: 1, behind: 0, share: 1 << 15 };
     assert_eq!(refused(&|law| history(law, half)), LawRefused::Senseless(Part::History));
     // The laws are whole, and are another one than the table's.
     let other = |law: LawRefused| matches!(law, LawRefused::Edges(_));
@@ -135,8 +136,8 @@ fn numbers_that_make_no_law_are_refused_by_the_part_that_is_wrong() {
 fn a_history_travels_with_the_record_and_is_checked() {
     let mut with = model();
     let terms = [
-        Term { memory: Memory::Play { half_width: 200.0 }, weight: 0.1, share: 0.75 },
-        Term { memory: Memory::Lag { time_constant_s: 240.0 }, weight: -0.02, share: 0.25 },
+        Term { memory: Memory::Play { half_width: 200.0 }, weight: 0.1, behind: 0.0, share: 0.75 },
+        Term { memory: Memory::Lag { time_constant_s: 240.0 }, weight: -0.02, behind: 0.3, share: 0.25 },
     ];
     let history = History::new(with.drift.shape.clone(), &terms).unwrap();
     with.history = Some(HistoryModel { history, group_period_s: 0.5 });

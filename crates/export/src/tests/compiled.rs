@@ -172,19 +172,20 @@ fn a_format_without_histories_says_whose_are_missing() {
 
 /// An axis with two plays and a lag, one with a lag alone, one without a history.
 fn with_history() -> Calibration {
-    let term = |memory, weight, share| Term { memory, weight, share };
+    let term = |memory, weight, behind, share| Term { memory, weight, behind, share };
     let mut calibration = three_axes();
     let x = calibration.axes.get_mut("gyro0.x").unwrap();
     let terms = [
-        term(Memory::Play { half_width: 2.0 }, 6e-5, 0.2),
-        term(Memory::Play { half_width: 15.0 }, -1.1e-4, 0.5),
-        term(Memory::Lag { time_constant_s: 480.0 }, 4e-5, 0.3),
+        term(Memory::Play { half_width: 2.0 }, 6e-5, 0.0, 0.2),
+        term(Memory::Play { half_width: 15.0 }, -1.1e-4, 0.0, 0.5),
+        term(Memory::Lag { time_constant_s: 480.0 }, 4e-5, 0.3, 0.3),
     ];
     let curve = drift(&[2.9e-3, -8.0e-3, 4.1e-3, 1.9e-3], false, -17.613, 74.021).shape;
     x.fit.model.history = Some(History::new(curve, &terms).unwrap());
     let z = calibration.axes.get_mut("gyro0.z").unwrap();
     let curve = drift(&[1e-3, 2e-3, -1e-3, 4e-3], true, -17.613, 74.021).shape;
-    z.fit.model.history = Some(History::new(curve, &[term(Memory::Lag { time_constant_s: 60.0 }, 2e-5, 1.0)]).unwrap());
+    z.fit.model.history =
+        Some(History::new(curve, &[term(Memory::Lag { time_constant_s: 60.0 }, 2e-5, -0.2, 1.0)]).unwrap());
     calibration
 }
 

@@ -25,9 +25,6 @@ const LAG_SECONDS: [f64; 3] = [30.0, 120.0, 480.0];
 /// hour's log the longest is a slow drift.
 pub(super) const START_SECONDS: [f64; 3] = [150.0, 600.0, 2400.0];
 
-/// How many of them a ramp of one direction tells from the curve: there time and temperature go together.
-const STARTS_ONE_WAY: usize = 1;
-
 /// What a drift in time comes to at last, of a log that goes both ways.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Slow {
@@ -48,6 +45,8 @@ pub(super) enum Kind {
     Bends,
     Plays,
     Lags,
+    /// The parts of what drifts that are where the lags are.
+    Behind,
     /// What follows switching on.
     Start,
     /// A slow drift in time.
@@ -56,7 +55,23 @@ pub(super) enum Kind {
     Logs,
 }
 
-/// The columns of a series, all of the order of one: the curve's first, then the memories', then the recording's own.
+/// A curve that was found before, and the spread of the rates that it was found of: what a part that is behind would add is
+/// told by it.
+#[derive(Debug, Clone)]
+pub(super) struct Before {
+    pub curve: Shape,
+    pub spread: f64,
+}
+
+impl Before {
+    /// What a part that is wholly behind adds, `ahead` being the memory's `m - T`.
+    fn adds(&self, temperature: f64, ahead: f64) -> f64 {
+        (self.curve.evaluate(temperature + ahead) - self.curve.evaluate(temperature)) / self.spread
+    }
+}
+
+/// The columns of a series, all of the order of one: the curve's first, then the memories' and of the parts that are behind,
+/// then the recording's own.
 #[derive(Debug, Clone)]
 pub(super) struct Columns {
     /// The temperatures of the curve's knots.
@@ -65,6 +80,8 @@ pub(super) struct Columns {
     /// What each column of the curve is at each knot.
     pub shapes: DMatrix<f64>,
     pub memories: Vec<Memory>,
+    /// The curve by which parts are told that are behind; `None` where none are looked for.
+    pub before: Option<Before>,
     /// The middle of a log, seconds from its start: what follows switching on is told from there.
     pub middle_s: f64,
     /// A column each.
@@ -74,9 +91,15 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// The columns of a series whose used rates span `measured`; the table's knots span `valid`. `None` with a straight
-    /// drift in time where none can be told.
-    pub(super) fn new(series: &Series<'_>, measured: ValidRange, valid: ValidRange, slow: Slow) -> Option<Self> {
+    /// The columns of a series whose used rates span `measured`; the table's knots span `valid`. With a curve that was found
+    /// `before`, parts that are behind are looked for. `None` with a straight drift in time where none can be told.
+    pub(super) fn new(
+        series: &Series<'_>,
+        measured: ValidRange,
+        valid: ValidRange,
+        slow: Slow,
+        before: Option<Before>,
+    ) -> Option<Self> {
         let scale = Scale::spanning(measured.min(), measured.max())?;
         let table = Scale::spanning(valid.min(), valid.max())?;
         let (shapes, bends) = curve(scale, table);
@@ -93,17 +116,19 @@ impl Columns {
             memories.extend(LAG_SECONDS.map(|time_constant_s| Memory::Lag { time_constant_s }));
         }
         kinds.extend(memories.iter().map(|memory| Kind::of(*memory)));
+        let before = before.filter(|_| both && timed);
+        kinds.extend(before.iter().flat_map(|_| LAG_SECONDS.map(|_| Kind::Behind)));
         let straight = slow == Slow::Straight;
         if straight && !series.tells_slope() {
             return None;
         }
-        let starts = if both { START_SECONDS.len() - usize::from(straight) } else { STARTS_ONE_WAY };
-        kinds.extend(vec![Kind::Start; if timed && series.next == NextRun::Another { starts } else { 0 }]);
+        let starts = START_SECONDS.len() - usize::from(straight);
+        kinds.extend(vec![Kind::Start; if both && timed && series.next == NextRun::Another { starts } else { 0 }]);
         kinds.extend(straight.then_some(Kind::Time));
         let logs = series.logs().len();
         kinds.extend(vec![Kind::Logs; if logs > 1 { logs } else { 0 }]);
         let rows = DMatrix::zeros(kinds.len(), series.rate.len());
-        let mut columns = Self { table, measured, shapes, memories, middle_s: middle(series), kinds, rows };
+        let mut columns = Self { table, measured, shapes, memories, before, middle_s: middle(series), kinds, rows };
         columns.fill(series);
         Some(columns)
     }
@@ -111,6 +136,18 @@ impl Columns {
     /// How many columns the curve has.
     pub(super) fn curve(&self) -> usize {
         self.shapes.ncols()
+    }
+
+    /// Whether there are lags to be told.
+    pub(super) fn has_lags(&self) -> bool {
+        self.count(Kind::Lags) > 0
+    }
+
+    /// The columns of a memory: what it adds, and how much is behind with it where that is looked for.
+    pub(super) fn of_memory(&self, memory: usize) -> (usize, Option<usize>) {
+        let behind = self.kinds.iter().position(|kind| *kind == Kind::Behind);
+        let lag = memory.checked_sub(self.count(Kind::Plays));
+        (self.curve() + memory, behind.zip(lag).map(|(first, lag)| first + lag))
     }
 
     /// How many columns are of a kind.
@@ -126,7 +163,8 @@ impl Columns {
     fn fill(&mut self, series: &Series<'_>) {
         // A history whose weights are all nothing, for its memories alone.
         let share = 1.0 / self.memories.len() as f64;
-        let terms: Vec<Term> = self.memories.iter().map(|&memory| Term { memory, weight: 0.0, share }).collect();
+        let terms: Vec<Term> =
+            self.memories.iter().map(|&memory| Term { memory, weight: 0.0, behind: 0.0, share }).collect();
         let flat = Polynomial::new(self.table, &[0.0, 0.0]).map(Shape::Polynomial);
         let history = flat.clone().and_then(|shape| History::new(shape, &terms));
         let valid = ValidRange::new(self.table.temperature(-1.0), self.table.temperature(1.0));
@@ -141,8 +179,11 @@ impl Columns {
             let mut values = self.curve_at(temperature);
             if let Some((history, drift)) = history.as_ref().zip(drift.as_ref()) {
                 history.advance(drift, &mut state, temperature, time - before);
-                let ahead = history.ahead(&state);
-                values.extend(ahead[..self.memories.len()].iter().map(|ahead| ahead / self.amplitude()));
+                let ahead = &history.ahead(&state)[..self.memories.len()];
+                values.extend(ahead.iter().map(|ahead| ahead / self.amplitude()));
+                let lags = &ahead[self.count(Kind::Plays)..];
+                let wholly_behind = |known: &Before| lags.iter().map(|&ahead| known.adds(temperature, ahead)).collect();
+                values.extend(self.before.as_ref().map_or_else(Vec::new, wholly_behind));
             }
             before = time;
             values.extend(START_SECONDS[..starts].iter().map(|constant| {

@@ -21,21 +21,8 @@ pub(super) fn model(columns: &Columns, averages: &Averages, evaluated: &Evaluate
     let knots = &columns.shapes * beta.rows(0, curve);
     let knots: Vec<f64> = knots.iter().map(|knot| knot + averages.level).collect();
     let shape = Table::new(columns.table, &knots).map(Shape::Table)?;
-    let kept = (columns.memories.iter().zip(curve..)).filter(|(_, place)| counts(columns.kinds[*place])).map(
-        |(&memory, place)| Kept {
-            memory,
-            weight: beta[place],
-            effect: beta[place].abs() * averages.rows.row(place).norm(),
-        },
-    );
-    let kept: Vec<Kept> = kept.collect();
-    let total: f64 = kept.iter().map(|kept| kept.effect).sum();
-    let term = |kept: &Kept| Term {
-        memory: kept.memory,
-        weight: kept.weight / columns.amplitude(),
-        share: kept.effect / total,
-    };
-    let history = History::new(shape.clone(), &kept.iter().map(term).collect::<Vec<Term>>());
+    let terms = terms(columns, averages, &beta, &counts);
+    let history = History::new(shape.clone(), &terms);
     let time_drift = time_drift(columns, averages, &beta, &counts);
     let cubic = nearest(|temperature| shape.evaluate(temperature), columns.measured, CUBIC)
         .map(|cubic| Drift { shape: Shape::Polynomial(cubic), valid: columns.measured });
@@ -48,13 +35,23 @@ pub(super) fn model(columns: &Columns, averages: &Averages, evaluated: &Evaluate
     Some(ModelFit { model, cubic, covariance: rows(&covariance) })
 }
 
-/// A memory that is deployed.
-struct Kept {
-    memory: Memory,
-    /// Of its column.
-    weight: f64,
-    /// What it comes to over the rows, against the others.
-    effect: f64,
+/// The memories that are deployed, each with its share of what all come to over the rows; none of nothing.
+fn terms(columns: &Columns, averages: &Averages, beta: &DVector<f64>, counts: &impl Fn(Kind) -> bool) -> Vec<Term> {
+    let of_column = |place: usize| if counts(columns.kinds[place]) { beta[place] } else { 0.0 };
+    let effect = |place: usize| of_column(place).abs() * averages.rows.row(place).norm();
+    let spread = columns.before.as_ref().map_or(f64::NAN, |before| before.spread);
+    let term = |(memory, &what): (usize, &Memory)| {
+        let (adds, behind) = columns.of_memory(memory);
+        Term {
+            memory: what,
+            weight: of_column(adds) / columns.amplitude(),
+            behind: behind.map_or(0.0, |behind| of_column(behind) / spread),
+            share: effect(adds) + behind.map_or(0.0, effect),
+        }
+    };
+    let terms: Vec<Term> = columns.memories.iter().enumerate().map(term).filter(|term| term.share > 0.0).collect();
+    let all: f64 = terms.iter().map(|term| term.share).sum();
+    terms.into_iter().map(|term| Term { share: term.share / all, ..term }).collect()
 }
 
 /// What belongs to the recording alone; `None` where it is nothing.
@@ -80,7 +77,7 @@ fn time_drift(
 }
 
 /// The kinds that may be left out.
-const SPARE: [Kind; 4] = [Kind::Plays, Kind::Lags, Kind::Start, Kind::Time];
+const SPARE: [Kind; 5] = [Kind::Plays, Kind::Lags, Kind::Behind, Kind::Start, Kind::Time];
 
 /// The kinds whose effect over the rows is less than its own standard error, both root mean square.
 fn spare(columns: &Columns, averages: &Averages, evaluated: &Evaluated) -> Vec<Kind> {

@@ -30,7 +30,7 @@ pub(super) fn prior(kind: Kind) -> Prior {
         Kind::Free => (0.0, 1.0),
         Kind::Powers | Kind::Logs => (-1.5, 1.5),
         Kind::Bends => (-3.0, 1.5),
-        Kind::Lags | Kind::Plays | Kind::Start | Kind::Time => (-4.0, 2.0),
+        Kind::Lags | Kind::Behind | Kind::Plays | Kind::Start | Kind::Time => (-4.0, 2.0),
     };
     Prior { mean, sigma }
 }

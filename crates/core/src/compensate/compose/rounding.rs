@@ -192,7 +192,8 @@ fn rounded_term(term: &Term, scale: TemperatureScale, group_period_s: f64) -> Op
         }
     };
     let share = to_fixed(term.share.clamp(0.0, 1.0), 16)?.unsigned_abs();
-    Some(TermNumbers { memory, weight: to_fixed(term.weight * scale.step, WEIGHT_BITS)?, share })
+    let weight = to_fixed(term.weight * scale.step, WEIGHT_BITS)?;
+    Some(TermNumbers { memory, weight, behind: to_fixed(term.behind, WEIGHT_BITS)?, share })
 }
 
 impl LowPass {

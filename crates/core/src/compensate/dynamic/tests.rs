@@ -40,14 +40,14 @@ fn law() -> StaticLaw {
 
 /// Hysteresis of up to 40 counts and a lag of the same size: a tenth of the paper's drift each.
 fn history() -> History {
-    let term = |memory, weight, share| Term { memory, weight, share };
+    let term = |memory, weight, behind, share| Term { memory, weight, behind, share };
     History::new(
         paper(-7.0),
         &[
-            term(Memory::Play { half_width: 80.0 }, 0.1, 0.2),
-            term(Memory::Play { half_width: 400.0 }, -0.1, 0.4),
-            term(Memory::Lag { time_constant_s: 60.0 }, 0.2, 0.2),
-            term(Memory::Lag { time_constant_s: 960.0 }, 0.02, 0.2),
+            term(Memory::Play { half_width: 80.0 }, 0.1, 0.0, 0.2),
+            term(Memory::Play { half_width: 400.0 }, -0.1, 0.0, 0.4),
+            term(Memory::Lag { time_constant_s: 60.0 }, 0.2, 0.4, 0.2),
+            term(Memory::Lag { time_constant_s: 960.0 }, 0.02, -0.1, 0.2),
         ],
     )
     .unwrap()
@@ -232,7 +232,7 @@ fn empty_and_lost_groups_advance_the_history() {
 fn a_history_whose_numbers_do_not_fit_is_refused() {
     let law = law();
     let with = |memory, weight, period| {
-        let history = History::new(paper(0.0), &[Term { memory, weight, share: 1.0 }]).unwrap();
+        let history = History::new(paper(0.0), &[Term { memory, weight, behind: 0.0, share: 1.0 }]).unwrap();
         HistoryNumbers::new(&history, &law.drift, CENTRE, SCALE, period)
     };
     assert!(with(Memory::Play { half_width: 100.0 }, 0.1, 0.5).is_ok());

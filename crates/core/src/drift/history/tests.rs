@@ -16,11 +16,11 @@ fn drift() -> Drift {
 }
 
 fn play(half_width: f64) -> Term {
-    Term { memory: Memory::Play { half_width }, weight: 0.5, share: 1.0 }
+    Term { memory: Memory::Play { half_width }, weight: 0.5, behind: 0.0, share: 1.0 }
 }
 
 fn lag(time_constant_s: f64) -> Term {
-    Term { memory: Memory::Lag { time_constant_s }, weight: 0.5, share: 1.0 }
+    Term { memory: Memory::Lag { time_constant_s }, weight: 0.5, behind: 0.0, share: 1.0 }
 }
 
 /// `m - T` of a history of one term after each temperature, one a second.
@@ -107,6 +107,34 @@ fn a_lost_group_takes_its_time_with_it() {
     assert!(reading.is_nan() && coverage == Coverage::Invalid);
 }
 
+/// A part that is wholly behind follows a ramp by rate times time constant: its drift is the curve's there. One that is half
+/// behind is half way, and what is added comes on top. Before the first change all are at the one temperature.
+#[test]
+fn what_is_behind_takes_the_curve_where_the_memory_is() {
+    let scale = Scale::spanning(-20.0, 80.0).unwrap();
+    let curve = |t: f64| 5.0 - 0.2 * t + 0.01 * t * t;
+    let shape = || Shape::Polynomial(Polynomial::from_raw_coefficients(scale, &[5.0, -0.2, 0.01]).unwrap());
+    for (behind, weight) in [(1.0, 0.0), (0.5, 0.0), (0.5, 0.3), (0.0, 0.3)] {
+        let history = History::new(shape(), &[Term { behind, weight, ..lag(20.0) }]).unwrap();
+        let mut state = HistoryState::default();
+        history.advance(&drift(), &mut state, -10.0, 1.0);
+        assert!((history.evaluate(&state).0 - curve(-10.0)).abs() < 1e-12);
+        let mut t = 0.0;
+        while t < 300.0 {
+            t += 1.0;
+            history.advance(&drift(), &mut state, -10.0 + 0.2 * t, 1.0);
+        }
+        // After fifteen time constants it is 0.2 x 20 = 4 degrees below 50.
+        let expected = curve(50.0 - 4.0 * behind) - 4.0 * weight;
+        assert!((history.evaluate(&state).0 - expected).abs() < 1e-4, "{behind} {weight}");
+    }
+    // Whatever its numbers, no part was ever outside of what was seen.
+    let history = History::new(shape(), &[Term { behind: 40.0, weight: 0.0, ..lag(20.0) }]).unwrap();
+    let mut state = HistoryState::default();
+    [10.0, 30.0].map(|t| history.advance(&drift(), &mut state, t, 1.0));
+    assert!((history.evaluate(&state).0 - curve(10.0)).abs() < 1e-12);
+}
+
 #[test]
 fn outside_the_valid_range_the_history_is_held_with_the_curve() {
     let held = ahead(play(5.0), &[20.0, 60.0, 80.0, 200.0, 80.0]);
@@ -122,6 +150,7 @@ fn a_history_that_makes_no_sense_cannot_be_built() {
         assert!(with(play(size)).is_none() && with(lag(size)).is_none());
     }
     assert!(with(Term { weight: f64::NAN, ..play(5.0) }).is_none());
+    assert!(with(Term { behind: f64::INFINITY, ..lag(5.0) }).is_none());
     assert!(with(Term { share: 0.5, ..play(5.0) }).is_none());
     assert!(History::new(curve(), &[]).is_none());
     assert!(History::new(curve(), &[Term { share: 1.0 / 7.0, ..play(5.0) }; 7]).is_none());
