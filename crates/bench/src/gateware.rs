@@ -72,7 +72,7 @@ impl OnPlant for GatewareAcquisition {
         let inputs = Rc::clone(plant);
         let mut board = Bench::new(Scale::Board, SEED, move |channel| inputs.borrow().held()[channel]);
         let moving = Rc::clone(plant);
-        board.at_each_scan(move || moving.borrow_mut().next_scan());
+        board.at_each_pass(move || moving.borrow_mut().next_scan());
         let board = SharedPort(Rc::new(RefCell::new(Port::new(board, Clocking::FASTEST, u64::from(SEED)))));
         Self { port: PortAcquisition::new(board.clone()), board, running: None, sets: 0 }
     }
