@@ -39,7 +39,7 @@ fn start(plant: &SharedPlant, flash: &Part) -> Result<Native> {
         kept: Kepts::default(),
         started: Started::POWER,
         unit: UnitSerial::default(),
-        timing: Timing::PAPER,
+        timing: Timing::IN_USE,
         board: BoardNumbers::PAPER,
         health: Health::default,
     }))
