@@ -20,8 +20,7 @@ use crate::simulated::OnPlant;
 
 /// Scan to scan at the block, for sets of so many scans: a scan takes 38 us, reading status and head at 10 MHz 58 us, the
 /// head once more with the scans 53 us, a scan's samples 6.4 us, and starting anew 30 us. So a tap that follows from a
-/// set is there before the next scan, or its first pass: passes are as far apart as a pass and the reading of status and head
-/// take, which is twice the port's 100 us.
+/// set is there before the next scan; of several passes before the first, for they are 200 us apart at least.
 #[must_use]
 pub fn scan_period_us(set_length: u16, oversampling: u8) -> u32 {
     let to_read_it = 190 + u32::from(set_length) * 13 / 2;
