@@ -20,11 +20,10 @@ use crate::simulated::OnPlant;
 
 /// Scan to scan at the block, for sets of so many scans: a scan takes 38 us, reading status and head at 10 MHz 58 us, the
 /// head once more with the scans 53 us, a scan's samples 6.4 us, and starting anew 30 us. So a tap that follows from a
-/// set is there before the next scan; of several passes before the first, for they are 200 us apart at least.
+/// set, or one that the host then asks for, is there before the next scan. With several passes a scan it is so from pass to pass.
 #[must_use]
 pub fn scan_period_us(set_length: u16, oversampling: u8) -> u32 {
-    let to_read_it = 190 + u32::from(set_length) * 13 / 2;
-    to_read_it.max(200 * u32::from(oversampling))
+    (190 + u32::from(set_length) * 13 / 2) * u32::from(oversampling)
 }
 
 /// For the phases in which the clocks of block and processor meet. What is read does not depend on it.

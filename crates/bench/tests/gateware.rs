@@ -55,5 +55,5 @@ fn so_are_groups_of_the_paper_s_length() {
 
 #[test]
 fn so_are_groups_of_means() {
-    compare(50, 16, 12);
+    compare(20, 16, 24);
 }
