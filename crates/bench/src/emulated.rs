@@ -108,6 +108,7 @@ fn board(setup: &SetUp, unit: &UnitSerial) -> Board {
         version: VERSION,
         set_length: acquisition.group_length,
         scan_period_us: acquisition.sample_period_us,
+        oversampling: acquisition.oversampling,
         serial,
     }
 }

@@ -8,7 +8,7 @@
 //! Whole sets are read with their samples, so a group costs as the square of its length: 0.2 s of a processor's time at
 //! 50 scans, 10 s at 500. A shortened test has few and short groups, further apart.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use zerorate_device::acquisition::{Acquisition, NumberedScan, Set, Timing};
@@ -20,10 +20,10 @@ use crate::simulated::OnPlant;
 
 /// Scan to scan at the block, for sets of so many scans: a scan takes 38 us, reading status and head at 10 MHz 58 us, the
 /// head once more with the scans 53 us, a scan's samples 6.4 us, and starting anew 30 us. So a tap that follows from a
-/// set is there before the next scan.
+/// set, or one that the host then asks for, is there before the next scan. With several passes a scan it is so from pass to pass.
 #[must_use]
-pub fn scan_period_us(set_length: u16) -> u32 {
-    190 + u32::from(set_length) * 13 / 2
+pub fn scan_period_us(set_length: u16, oversampling: u8) -> u32 {
+    (190 + u32::from(set_length) * 13 / 2) * u32::from(oversampling)
 }
 
 /// For the phases in which the clocks of block and processor meet. What is read does not depend on it.
@@ -34,17 +34,21 @@ pub struct GatewareAcquisition {
     port: PortAcquisition<SharedPort>,
     board: SharedPort,
     /// Scans a set, while it runs.
-    running: Option<u16>,
+    running: Option<Timing>,
     /// Sets since it was started.
     sets: u32,
+    /// The pass that the block is at, and of how many a scan.
+    pass: Rc<Cell<(u32, u32)>>,
 }
 
 impl Acquisition for GatewareAcquisition {
     type Error = PortError<core::convert::Infallible>;
 
     fn start(&mut self, timing: Timing, first: u16) -> Result<(), Self::Error> {
-        self.port.start(Timing { scan_period_us: scan_period_us(timing.set_length), ..timing }, first)?;
-        self.running = Some(timing.set_length);
+        self.pass.set((0, u32::from(timing.oversampling)));
+        let scan_period_us = scan_period_us(timing.set_length, timing.oversampling);
+        self.port.start(Timing { scan_period_us, ..timing }, first)?;
+        self.running = Some(timing);
         self.sets = 0;
         Ok(())
     }
@@ -72,9 +76,16 @@ impl OnPlant for GatewareAcquisition {
         let inputs = Rc::clone(plant);
         let mut board = Bench::new(Scale::Board, SEED, move |channel| inputs.borrow().held()[channel]);
         let moving = Rc::clone(plant);
-        board.at_each_scan(move || moving.borrow_mut().next_scan());
+        let pass = Rc::new(Cell::new((0, 1)));
+        let counted = Rc::clone(&pass);
+        board.at_each_pass(move || {
+            let (before, of) = counted.get();
+            let number = before % of + 1;
+            counted.set((number, of));
+            moving.borrow_mut().next_pass(number, of);
+        });
         let board = SharedPort(Rc::new(RefCell::new(Port::new(board, Clocking::FASTEST, u64::from(SEED)))));
-        Self { port: PortAcquisition::new(board.clone()), board, running: None, sets: 0 }
+        Self { port: PortAcquisition::new(board.clone()), board, running: None, sets: 0, pass }
     }
 
     /// A whole set: within one the block's clock goes on by itself.
@@ -86,8 +97,8 @@ impl OnPlant for GatewareAcquisition {
 impl GatewareAcquisition {
     fn wait_for_set(&mut self, plant: &SharedPlant) -> Option<Truth> {
         // The set, and the period before its first scan.
-        let set_length = self.running?;
-        let at_most_us = (u64::from(set_length) + 2) * u64::from(scan_period_us(set_length));
+        let Timing { set_length, oversampling, .. } = self.running?;
+        let at_most_us = (u64::from(set_length) + 2) * u64::from(scan_period_us(set_length, oversampling));
         let is_ready = self.board.0.borrow_mut().wait_for_data_ready(at_most_us);
         let truth = is_ready.then(|| plant.borrow_mut().take_truth()).flatten()?;
         // The plant counts on over a start, the port begins again.

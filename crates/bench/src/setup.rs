@@ -84,6 +84,9 @@ pub struct Acquisition {
     pub group_length: u16,
     /// Time from sample to sample, microseconds.
     pub sample_period_us: u32,
+    /// Conversions that a sample is the mean of: 1, 2, 4, 8 or 16, 100 microseconds apart at least. The paper's board has one,
+    /// and a vibration at its sampling rate folds onto the zero; the STM32F405's firmware asks its port for 16.
+    pub oversampling: u8,
 }
 
 /// The chamber's profile.
@@ -263,7 +266,8 @@ impl SetUp {
     #[must_use]
     pub fn low_pass(&self) -> LowPass {
         let period = f64::from(self.acquisition.sample_period_us) * 1e-6;
-        LowPass::first_order(self.board.low_pass_hz, period, self.board.wiper_delay_us * 1e-6)
+        let delay = self.board.wiper_delay_us * 1e-6;
+        LowPass::first_order_of_means(self.board.low_pass_hz, period, delay, self.acquisition.oversampling)
     }
 
     /// The mode in which a board starts that holds the calibration.
@@ -330,7 +334,7 @@ impl Default for Board {
 
 impl Default for Acquisition {
     fn default() -> Self {
-        Self { group_length: 500, sample_period_us: 3000 }
+        Self { group_length: 500, sample_period_us: 3000, oversampling: 1 }
     }
 }
 

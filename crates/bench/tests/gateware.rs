@@ -25,9 +25,10 @@ fn take(mut bench: Bench, setup: &SetUp, groups: u32) -> Vec<Taken> {
 }
 
 /// Groups through the port and through the gateware are the same in everything that the device reports.
-fn compare(group_length: u16, groups: u32) {
+fn compare(group_length: u16, oversampling: u8, groups: u32) {
     let mut setup = SetUp::paper();
     setup.acquisition.group_length = group_length;
+    setup.acquisition.oversampling = oversampling;
     let serial = UnitSerial::new();
     let plant = || PlantKind::Paper.build(3);
     let by_port = take(simulated::bench(plant(), &setup, &serial), &setup, groups);
@@ -44,10 +45,15 @@ fn compare(group_length: u16, groups: u32) {
 
 #[test]
 fn sixty_groups_through_the_gateware_and_the_port_are_the_same_bit_for_bit() {
-    compare(50, 60);
+    compare(50, 1, 60);
 }
 
 #[test]
 fn so_are_groups_of_the_paper_s_length() {
-    compare(500, 4);
+    compare(500, 1, 4);
+}
+
+#[test]
+fn so_are_groups_of_means() {
+    compare(20, 16, 24);
 }

@@ -23,11 +23,17 @@ pub struct Timing {
     pub scan_period_us: u32,
     /// Scans a set, 1 to [`MAX_SET_LENGTH`].
     pub set_length: u16,
+    /// Conversions of each channel that a sample is the mean of: 1, 2, 4, 8 or 16. A port before version 2.2 and a processor
+    /// that drives the A/D itself have one, whatever is asked for.
+    pub oversampling: u8,
 }
 
 impl Timing {
-    /// The paper's: 40 groups a minute of 500 samples (S5).
-    pub const PAPER: Self = Self { scan_period_us: 3000, set_length: 500 };
+    /// The paper's: 40 groups a minute of 500 samples (S5), a conversion each.
+    pub const PAPER: Self = Self { scan_period_us: 3000, set_length: 500, oversampling: 1 };
+
+    /// The same for a board whose platform may vibrate: at the scan rate that would fold onto the zero.
+    pub const IN_USE: Self = Self { oversampling: 16, ..Self::PAPER };
 
     /// How long a set takes, microseconds.
     #[must_use]

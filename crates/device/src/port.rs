@@ -1,4 +1,4 @@
-//! The acquisition port's master: reads whole sets (docs/acquisition-port.md, version 2.1). Of one whose scans are wanted it
+//! The acquisition port's master: reads whole sets (docs/acquisition-port.md, version 2.2). Of one whose scans are wanted it
 //! reads the sums first, and the scans when the wipers are written: they take 6 ms on the bus, two sample periods.
 
 use crc::{CRC_32_MPEG_2, Crc, NoTable};
@@ -19,6 +19,7 @@ const CONTROL: u8 = 0x02;
 const SCAN_PERIOD: u8 = 0x03;
 const SET_LENGTH: u8 = 0x04;
 const STATUS: u8 = 0x05;
+const OVERSAMPLING: u8 = 0x06;
 const SET: u8 = 0x10;
 const SCAN: u8 = 0x20;
 
@@ -28,6 +29,8 @@ const EXPECTED_IDENTITY: u32 = 0x5A52_4151;
 const EXPECTED_MAJOR: u32 = 2;
 /// The minor version since which a port has the latest scan.
 const MINOR_WITH_SCAN: u32 = 1;
+/// The minor version since which it oversamples.
+const MINOR_WITH_OVERSAMPLING: u32 = 2;
 
 const CONTROL_RUN: u32 = 1;
 const CONTROL_RESTART: u32 = 2;
@@ -87,6 +90,8 @@ pub struct PortAcquisition<SPI> {
     set_length: u16,
     /// The port has the latest scan.
     gives_scans: bool,
+    /// The port has OVERSAMPLING.
+    oversamples: bool,
 }
 
 impl<SPI: SpiDevice> PortAcquisition<SPI> {
@@ -94,7 +99,7 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
     #[must_use]
     pub const fn new(spi: SPI) -> Self {
         let set_length = Timing::PAPER.set_length;
-        Self { spi, first_length: set_length, set_length, gives_scans: false }
+        Self { spi, first_length: set_length, set_length, gives_scans: false, oversamples: false }
     }
 
     fn read_word(&mut self, address: u8) -> Result<u32, PortError<SPI::Error>> {
@@ -134,6 +139,7 @@ impl<SPI: SpiDevice> PortAcquisition<SPI> {
             return Err(PortError::UnknownVersion { version });
         }
         self.gives_scans = version & 0xFFFF >= MINOR_WITH_SCAN;
+        self.oversamples = version & 0xFFFF >= MINOR_WITH_OVERSAMPLING;
         Ok(())
     }
 }
@@ -150,6 +156,10 @@ where
         self.write_word(CONTROL, 0)?;
         self.set(SCAN_PERIOD, timing.scan_period_us)?;
         self.set(SET_LENGTH, u32::from(first))?;
+        if self.oversamples {
+            // It reads less where the period has no room for so many.
+            self.set(OVERSAMPLING, u32::from(timing.oversampling))?;
+        }
         self.write_word(CONTROL, CONTROL_RESTART | CONTROL_RUN)?;
         // A start that was lost would show by silence alone, and be tried again after two groups; RESTART reads back 0.
         self.expect(CONTROL, CONTROL_RUN)?;

@@ -4,7 +4,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// The version of these messages; board and host say theirs in [`Request::Hello`] and [`Board`].
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 /// The longest request, its length left off.
 pub const MAX_REQUEST: usize = 600;
 /// The most operations of one SPI transaction.
@@ -132,13 +132,15 @@ pub struct Board {
     pub set_length: u16,
     /// Microseconds from scan to scan.
     pub scan_period_us: u32,
+    /// Conversions that a sample is the mean of.
+    pub oversampling: u8,
     /// The unit's serial, UTF-8, filled up with zeros.
     pub serial: [u8; SERIAL_BYTES],
 }
 
 impl Board {
     /// Bytes of its form.
-    pub const BYTES: usize = 8 + SERIAL_BYTES;
+    pub const BYTES: usize = 9 + SERIAL_BYTES;
 
     /// As bytes, little-endian.
     #[must_use]
@@ -147,7 +149,8 @@ impl Board {
         bytes[..2].copy_from_slice(&self.version.to_le_bytes());
         bytes[2..4].copy_from_slice(&self.set_length.to_le_bytes());
         bytes[4..8].copy_from_slice(&self.scan_period_us.to_le_bytes());
-        bytes[8..].copy_from_slice(&self.serial);
+        bytes[8] = self.oversampling;
+        bytes[9..].copy_from_slice(&self.serial);
         bytes
     }
 
@@ -155,11 +158,12 @@ impl Board {
     #[must_use]
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
         let mut serial = [0; SERIAL_BYTES];
-        serial.copy_from_slice(&bytes[8..]);
+        serial.copy_from_slice(&bytes[9..]);
         Self {
             version: u16::from_le_bytes([bytes[0], bytes[1]]),
             set_length: u16::from_le_bytes([bytes[2], bytes[3]]),
             scan_period_us: u32::from_le_bytes([bytes[4], bytes[5], bytes[6], bytes[7]]),
+            oversampling: bytes[8],
             serial,
         }
     }

@@ -3,15 +3,18 @@
 //! The path is evaluated at the scans. Between two of them the low-pass's input is constant (temperatures and slow noise
 //! move on in steps of a tenth of a second, a wiper at the instant it is written), and for a constant input the low-pass
 //! is solved exactly. White noise behind a first-order low-pass is an autoregressive sequence at the scans, which is
-//! drawn as such, exactly, too.
+//! drawn as such, exactly, too. Of a scan of several passes the last one is the scan's instant, and what is white between two
+//! scans is drawn on the way from one to the other (`oversampling.rs`).
 
 use zerorate_core::units::Axis;
 
 use crate::circuit::CircuitParameters;
 use crate::gyro::{Gyro, GyroParameters};
+use crate::oversampling::{Bridge, Pass, Underway};
 use crate::random::{Source, Stream};
 use crate::sensor::SensorParameters;
 use crate::thermal::{ThermalParameters, ThermalPath};
+use crate::vibration::Vibration;
 
 /// What one axis is made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,17 +68,22 @@ pub(crate) struct Channel {
     pub(crate) thermal: ThermalPath,
     inputs_v: Signals,
     filtered_v: Signals,
-    white_v: f64,
+    white_v: Underway,
     /// Standard deviation of the white noise behind the low-pass.
     white_deviation_v: f64,
     /// Standard deviations of the noise added at the A/D, zero-rate and temperature channel.
     late_v: f64,
     sensor_noise_v: f64,
     sensor_v: f64,
+    sensor_white_v: Underway,
+    /// The vibration, and its amplitude at the amplifier's output.
+    pub(crate) vibration: Option<Vibration>,
+    vibration_v_per_dps: f64,
     step: Step,
     white: Stream,
     late: Stream,
     sensor_noise: Stream,
+    between: Stream,
 }
 
 impl Channel {
@@ -88,15 +96,19 @@ impl Channel {
             thermal: ThermalPath::settled(thermal, air_c),
             inputs_v: [circuit.centre_v; 4],
             filtered_v: [circuit.centre_v; 4],
-            white_v: 0.0,
+            white_v: Underway::default(),
             white_deviation_v: 0.0,
             late_v: circuit.noise_v.hypot(converter_noise_v),
             sensor_noise_v: sensor.noise_v.hypot(converter_noise_v),
             sensor_v: 0.0,
+            sensor_white_v: Underway::default(),
+            vibration: None,
+            vibration_v_per_dps: 0.0,
             step: Step { dt_s: 0.0, left: 1.0, drawn: 0.0 },
             white: Stream::of_axis(seed, Source::GyroWhite, axis),
             late: Stream::of_axis(seed, Source::CircuitNoise, axis),
             sensor_noise: Stream::of_axis(seed, Source::SensorNoise, axis),
+            between: Stream::of_axis(seed, Source::BetweenScans, axis),
             circuit,
             sensor,
         }
@@ -142,6 +154,10 @@ impl Channel {
             }
             Input::Supply(_, noise_v) => noise_v,
         };
+        self.vibration_v_per_dps = match input {
+            Input::Gyro => -self.circuit.gain * self.gyro.scale_v_per_dps(die_c),
+            Input::Supply(..) => 0.0,
+        };
         self.sensor_v = self.sensor.volts(self.thermal.package_c());
     }
 
@@ -151,19 +167,51 @@ impl Channel {
         self.move_on(left);
     }
 
-    /// Moves the low-pass on to a scan, `dt_s` after it was last moved on and `scan_dt_s` after the last scan; gives the
-    /// temperature and the zero-rate channel's voltage.
+    /// Draws the noise that a scan's last pass has, `scan_dt_s` after the last scan.
     #[inline]
-    pub(crate) fn scan(&mut self, dt_s: f64, scan_dt_s: f64) -> [f64; 2] {
+    pub(crate) fn draw(&mut self, scan_dt_s: f64) {
         if (scan_dt_s - self.step.dt_s).abs() > 1e-12 {
             let left = self.circuit.left_after(scan_dt_s);
             self.step = Step { dt_s: scan_dt_s, left, drawn: (1.0 - left * left).sqrt() };
         }
-        let left = if (dt_s - scan_dt_s).abs() < 1e-12 { self.step.left } else { self.circuit.left_after(dt_s) };
-        self.move_on(left);
-        self.white_v = self.white_v * self.step.left + self.white_deviation_v * self.step.drawn * self.white.normal();
-        let zero_rate_v = self.filtered_v[3] + self.white_v + self.late_v * self.late.normal();
-        [self.sensor_v + self.sensor_noise_v * self.sensor_noise.normal(), zero_rate_v]
+        let drawn = self.white_deviation_v * self.step.drawn * self.white.normal();
+        self.white_v.end = self.white_v.now * self.step.left + drawn;
+        self.sensor_white_v.end = self.sensor_noise_v * self.sensor_noise.normal();
+    }
+
+    /// Moves the low-pass on to a pass at an instant, `dt_s` after it was last moved on; gives the temperature and the zero-rate
+    /// channel's voltage.
+    #[inline]
+    pub(crate) fn pass(&mut self, dt_s: f64, at_s: f64, pass: Pass) -> [f64; 2] {
+        let is_a_scan_on = (dt_s - self.step.dt_s).abs() < 1e-12;
+        self.move_on(if is_a_scan_on { self.step.left } else { self.circuit.left_after(dt_s) });
+        let [sensor_white_v, white_v, late] = if pass.is_last() {
+            [self.sensor_white_v.arrive(), self.white_v.arrive(), self.late.normal()]
+        } else {
+            let bridge = self.bridge(pass);
+            let mut drawn = |deviation_v| deviation_v * self.between.normal();
+            [
+                self.sensor_white_v.cross(bridge, drawn(self.sensor_noise_v)),
+                self.white_v.cross(bridge, drawn(self.white_deviation_v)),
+                drawn(1.0),
+            ]
+        };
+        let mut zero_rate_v = self.filtered_v[3] + white_v + self.late_v * late;
+        if let Some(vibration) = self.vibration {
+            let seen = vibration.behind(self.circuit.cutoff_hz, at_s);
+            zero_rate_v += self.vibration_v_per_dps * vibration.rate_dps * seen;
+        }
+        [self.sensor_v + sensor_white_v, zero_rate_v]
+    }
+
+    /// From the pass before this one to it; before the first is the last scan.
+    fn bridge(&self, pass: Pass) -> Bridge {
+        let (of, number) = (f64::from(pass.of), f64::from(pass.number));
+        #[allow(clippy::cast_precision_loss)] // 2^53 ns are a hundred days.
+        let apart_s = pass.period_ns as f64 * 1e-9 / of;
+        let rest_s = apart_s * (of - number);
+        let before_s = if pass.is_first() { self.step.dt_s - rest_s } else { apart_s };
+        Bridge::between(self.circuit.left_after(before_s), self.circuit.left_after(rest_s))
     }
 
     #[inline]

@@ -9,13 +9,13 @@ pub enum Fault {
     StuckTemperature(Axis),
     /// An axis's temperature sensor stands still, and the converter's last bit goes on moving.
     FrozenTemperature(Axis),
-    /// An axis's temperature channel is off by so many counts, for so many scans: a loose contact, a glitch.
+    /// An axis's temperature channel is off by so many counts, for so many passes: a loose contact, a glitch.
     TemperatureOff {
         /// The axis.
         axis: Axis,
         /// By how much, counts; the reading stays within the converter.
         counts: i32,
-        /// For how many scans.
+        /// For how many passes; without oversampling each is a scan.
         scans: u32,
     },
     /// An axis's temperature channel reads one and the same: 0 when its sensor is torn off, say.

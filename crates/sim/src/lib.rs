@@ -11,6 +11,7 @@ mod fault;
 mod flash;
 mod gyro;
 mod noise;
+mod oversampling;
 mod parameters;
 mod plant;
 mod population;
@@ -23,6 +24,7 @@ mod supply;
 mod thermal;
 mod truth;
 mod typical;
+mod vibration;
 
 pub use chamber::{ChamberParameters, SetPointOutside};
 pub use channel::AxisParameters;
@@ -39,3 +41,4 @@ pub use spi::{BusFault, ConverterSpi, Pins, PlantDelay, PortSpi, PotentiometerSp
 pub use supply::SupplyParameters;
 pub use thermal::ThermalParameters;
 pub use truth::{AxisTruth, Truth};
+pub use vibration::Vibration;

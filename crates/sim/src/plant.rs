@@ -3,6 +3,7 @@
 //! Time moves only when it is asked to: by a set or a scan, by [`Plant::wait`], by a byte on a bus ([`crate::SPI_BYTE_NS`]) or by
 //! a delay of the processor ([`crate::PlantDelay`]). While the acquisition port runs, its scans happen on time whatever moves it.
 
+mod passes;
 mod timeline;
 
 use std::cell::RefCell;
@@ -22,6 +23,7 @@ use crate::potentiometer::Potentiometer;
 use crate::supply::Supply;
 use crate::thermal::Lag;
 use crate::truth::{Sums, Truth};
+use crate::vibration::Vibration;
 
 /// What the acquisition port's next scan came to.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,6 +70,8 @@ pub struct Plant {
     converter: Converter,
     /// The last scan: temperature X, zero-rate X, temperature Y, zero-rate Y.
     held: [u16; 4],
+    /// What its zero-rate samples were without noise, X and Y, volts.
+    noise_free_v: [f64; 2],
     faults: Faults,
     sums: Sums,
     takes: u32,
@@ -109,6 +113,7 @@ impl Plant {
             input: Input::Gyro,
             converter,
             held: [0; 4],
+            noise_free_v: [0.0; 2],
             faults: Faults::default(),
             sums: Sums::default(),
             takes: 0,
@@ -198,12 +203,7 @@ impl Plant {
             _ = self.port_scan();
             return;
         }
-        let period_ns = u64::from(self.parameters.direct_scan_period_us) * 1000;
-        let at_ns = match self.scanned_ns + period_ns {
-            missed_ns if missed_ns < self.now_ns => self.now_ns + period_ns,
-            at_ns => at_ns,
-        };
-        self.scan(at_ns);
+        self.next_pass(1, 1);
     }
 
     /// Sets the time from scan to scan of a processor that drives the A/D, in place of its parameter.
@@ -289,6 +289,11 @@ impl Plant {
         self.refresh();
     }
 
+    /// Has the platform vibrate about an axis from now on, beside its turning; `None` ends it.
+    pub fn vibrate(&mut self, axis: Axis, vibration: Option<Vibration>) {
+        self.channels[axis.index()].vibration = vibration;
+    }
+
     /// Breaks something, until [`Self::clear_faults`].
     pub fn inject(&mut self, fault: Fault) {
         self.faults.push(fault);
@@ -308,10 +313,7 @@ impl Plant {
     /// and Y: drift, wiper and turning behind the low-pass. In counts.
     #[must_use]
     pub fn noise_free_counts(&self) -> [f64; 2] {
-        self.channels.each_ref().map(|channel| {
-            let [.., turning] = channel.filtered_v();
-            self.converter.stepless(turning)
-        })
+        self.noise_free_v.map(|volts| self.converter.stepless(volts))
     }
 
     /// By how much a tap moves the settled, noise-free reading against N0, at the present temperature and input. In

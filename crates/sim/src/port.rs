@@ -1,14 +1,17 @@
-//! The acquisition port: the SPI slave of `docs/acquisition-port.md`, version 2.1, with its two banks.
+//! The acquisition port: the SPI slave of `docs/acquisition-port.md`, version 2.2, with its two banks.
 
 use crate::crc32::Crc32;
+use crate::oversampling::MOST_PASSES;
 
 /// "ZRAQ".
 const IDENTITY: u32 = 0x5A52_4151;
-const VERSION: u32 = 0x0002_0001;
+const VERSION: u32 = 0x0002_0002;
 const RUN: u32 = 1 << 0;
 const RESTART: u32 = 1 << 1;
 const READY: u32 = 1 << 0;
 const OVERRUN: u32 = 1 << 1;
+/// From scan to scan, and from pass to pass, at least.
+const SHORTEST_PERIOD_US: u32 = 100;
 /// The burst's address.
 const SET: u8 = 0x10;
 /// The latest scan's address, and its words.
@@ -29,6 +32,19 @@ const WRITE_BITS: usize = HEAD_BITS + 2 * WORD_BITS;
 struct Settings {
     scan_period_us: u32,
     set_length: u32,
+    /// Passes a scan, as they were asked for.
+    oversampling: u32,
+}
+
+impl Settings {
+    /// The passes that a scan has room for: no two come sooner after each other than two scans may.
+    fn passes(self) -> u32 {
+        let mut passes = self.oversampling;
+        while passes * SHORTEST_PERIOD_US > self.scan_period_us {
+            passes /= 2;
+        }
+        passes
+    }
 }
 
 /// A full set that waits.
@@ -79,7 +95,7 @@ pub(crate) struct Port {
 
 impl Port {
     pub(crate) fn new() -> Self {
-        let settings = Settings { scan_period_us: 3000, set_length: 500 };
+        let settings = Settings { scan_period_us: 3000, set_length: 500, oversampling: 1 };
         Self {
             running: false,
             written: settings,
@@ -109,6 +125,11 @@ impl Port {
     /// From the last scan to the next, in nanoseconds.
     pub(crate) fn scan_period_ns(&self) -> u64 {
         u64::from(self.active.scan_period_us) * 1000
+    }
+
+    /// Passes of a scan.
+    pub(crate) fn passes(&self) -> u32 {
+        self.active.passes()
     }
 
     /// Whether scanning was stopped or started anew since this was last asked: the first scan is a period from then.
@@ -222,6 +243,7 @@ impl Port {
                 let overrun = if self.lost_since_release { OVERRUN } else { 0 };
                 self.lost << 16 | overrun | ready
             }
+            Some(0x06) => self.written.passes(),
             _ => 0,
         }
     }
@@ -229,8 +251,9 @@ impl Port {
     fn write(&mut self, address: u8, word: u32) {
         match address {
             0x02 => self.control(word),
-            0x03 if (100..=1_000_000).contains(&word) => self.written.scan_period_us = word,
+            0x03 if (SHORTEST_PERIOD_US..=1_000_000).contains(&word) => self.written.scan_period_us = word,
             0x04 if (1..=512).contains(&word) => self.written.set_length = word,
+            0x06 if word.is_power_of_two() && word <= MOST_PASSES => self.written.oversampling = word,
             _ => {}
         }
     }

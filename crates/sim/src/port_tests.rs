@@ -63,21 +63,39 @@ fn status(port: &mut Port) -> u32 {
 
 #[test]
 fn the_registers_read_as_at_reset() {
-    assert_eq!(read(&mut Port::new(), 0, 8), [0x5A52_4151, 0x0002_0001, 0, 3000, 500, 0, 0, 0]);
+    assert_eq!(read(&mut Port::new(), 0, 8), [0x5A52_4151, 0x0002_0002, 0, 3000, 500, 0, 1, 0]);
 }
 
 #[test]
 fn settings_out_of_range_and_reserved_addresses_ignore_writes() {
     let mut port = Port::new();
-    for (address, word) in
-        [(0, 1), (1, 2), (3, 99), (3, 1_000_001), (4, 513), (4, 0), (5, 7), (6, 7), (0x10, 1), (0x7F, 7)]
-    {
+    for (address, word) in [
+        (0, 1),
+        (1, 2),
+        (3, 99),
+        (3, 1_000_001),
+        (4, 513),
+        (4, 0),
+        (5, 7),
+        (6, 0),
+        (6, 7),
+        (6, 32),
+        (7, 7),
+        (0x10, 1),
+        (0x7F, 7),
+    ] {
         write(&mut port, address, word);
     }
-    assert_eq!(read(&mut port, 0, 8), [0x5A52_4151, 0x0002_0001, 0, 3000, 500, 0, 0, 0]);
+    assert_eq!(read(&mut port, 0, 8), [0x5A52_4151, 0x0002_0002, 0, 3000, 500, 0, 1, 0]);
     write(&mut port, 0x03, 100);
     write(&mut port, 0x04, 512);
     assert_eq!(read(&mut port, 3, 2), [100, 512]);
+    write(&mut port, 0x06, 16);
+    assert_eq!(read(&mut port, 0x06, 1), [1], "100 us have room for no more");
+    for (period_us, passes) in [(1600, 16), (1599, 8), (400, 4), (399, 2)] {
+        write(&mut port, 0x03, period_us);
+        assert_eq!(read(&mut port, 0x06, 1), [passes]);
+    }
     assert_eq!(read(&mut port, 0x7E, 4), [0; 4]);
     assert_eq!(read(&mut port, 0x0F, 3), [0; 3], "a read that runs into the burst's address does not start it");
 }

@@ -26,6 +26,7 @@ pub(crate) enum Source {
     TurnOn = 13,
     CircuitNoise = 14,
     SensorNoise = 15,
+    BetweenScans = 16,
 }
 
 /// One stream of random numbers.

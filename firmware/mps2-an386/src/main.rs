@@ -70,7 +70,11 @@ mod app {
             kept: zerorate_firmware::kept(),
             started: zerorate_firmware::kept().started(Reset::Untold),
             unit: String::try_from(board.serial()).unwrap_or_default(),
-            timing: Timing { scan_period_us: board.scan_period_us, set_length: board.set_length },
+            timing: Timing {
+                scan_period_us: board.scan_period_us,
+                set_length: board.set_length,
+                oversampling: board.oversampling,
+            },
             board: BoardNumbers::PAPER,
             health: health::health,
         });

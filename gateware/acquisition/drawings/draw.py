@@ -69,7 +69,9 @@ def blocks():
     d.box(275, 430, 150, 90, "samples", ["2 banks x 512 x 4", "x 16 bit: 16 RAMs"], MEMORY)
     d.box(490, 430, 150, 90, "sums", ["2 banks x 4 x 6", "x 16 bit: 2 RAMs"], MEMORY)
     d.box(705, 430, 140, 90, "accumulator", ["square, and add", "in 16 bit parts"])
-    d.box(880, 175, 140, 345, "ad7949_master", ["six frames", "a scan"])
+    d.box(880, 175, 140, 240, "ad7949_master", ["six frames", "a pass"])
+    d.box(880, 440, 140, 80, "decimator", ["a scan's passes", "to samples"])
+    d.line([(950, 415), (950, 440)], arrow=True)
 
     # Crossings.
     d.line([(220, 145), (248, 145), (248, 100), (275, 100)], arrow=True)

@@ -133,6 +133,10 @@ always_ff @(posedge clk) if (f_started && rst_n) begin
         if (restart) assert ($past(write && !beyond && address == 4'd2 && received[1]));
         if (written_period_us != $past(written_period_us)) assert ($past(write && !beyond && address == 4'd3));
         if (written_length != $past(written_length)) assert ($past(write && !beyond && address == 4'd4));
+        // OVERSAMPLING in use is no more than SCAN_PERIOD allows.
+        if (written_halvings != $past(written_halvings)) begin
+            assert ($past(write && !beyond && (address == 4'd3 || address == 4'd6)));
+        end
     end
 end
 `endif
@@ -145,6 +149,7 @@ end
 (* hierconn *) wire       \sums.of_bank ;
 (* hierconn *) wire       \converter.busy ;
 (* hierconn *) wire [4:0] \converter.waited ;
+(* hierconn *) wire       \means.is_whole ;
 
 logic [4:0] f_step;
 logic       f_is_summed;
@@ -156,9 +161,12 @@ always_comb begin
         2'd3: f_step = 5'd16 + {1'b0, \sums.part , 1'b0};
         default: f_step = 5'd0;
     endcase
-    f_is_summed = !sample_in || (\sums.state == 2'd0 && \converter.waited == 5'd0 && \converter.busy );
+    f_is_summed = !sample_in || (\sums.state == 2'd0 && \converter.waited == 5'd2 && \converter.busy );
+    // The decimator has it for two clocks.
+    if (conversion_in && (\converter.waited != 5'd0 || !\converter.busy )) f_is_summed = 1'b0;
+    if (\means.is_whole && (\converter.waited != 5'd1 || !\converter.busy )) f_is_summed = 1'b0;
     if (\sums.state != 2'd0) begin
-        if (!\converter.busy || \converter.waited != f_step || f_step > 5'd26) f_is_summed = 1'b0;
+        if (!\converter.busy || \converter.waited != f_step + 5'd2 || f_step > 5'd26) f_is_summed = 1'b0;
         if (\sums.of_bank != filling && (waiting || taking)) f_is_summed = 1'b0;
     end
 end

@@ -1,5 +1,5 @@
 // The acquisition block: scans an AD7949, keeps whole sets in two banks of block RAM, and hands them to the processor
-// through the port of docs/acquisition-port.md, version 2.1.
+// through the port of docs/acquisition-port.md, version 2.2.
 module acquisition #(
     parameter int CLOCKS_PER_US = 24,
     parameter int ADC_HALF_CLOCKS = 2,
@@ -54,31 +54,45 @@ module acquisition #(
     logic        run, restart, abandon, overrun;
     logic [19:0] written_period_us;
     logic [9:0]  written_length;
+    logic [2:0]  written_halvings;
 
     registers settings(
         .clk, .rst_n, .address, .beyond, .write, .written(received), .read(register_word),
         .run, .restart, .abandon, .scan_period_us(written_period_us), .set_length(written_length),
+        .halvings(written_halvings),
         .ready(waiting), .overrun, .lost(lost_modulo)
     );
 
     logic [19:0] period_us;
     logic [9:0]  filling_length;
+    logic [2:0]  halvings;
     logic [8:0]  scan;
-    logic        scan_due, scan_done, taking, set_full;
+    logic        pass_due, is_first_pass, is_last_pass, scan_due, scan_done, taking, set_full;
 
-    scan_timer #(.CLOCKS_PER_US(CLOCKS_PER_US)) timer(.clk, .rst_n, .run, .abandon, .period_us, .scan_due);
+    scan_timer #(.CLOCKS_PER_US(CLOCKS_PER_US)) timer(
+        .clk, .rst_n, .run, .abandon, .period_us, .halvings, .pass_due, .is_first(is_first_pass), .is_last(is_last_pass)
+    );
 
-    logic        sample_in;
-    logic [1:0]  channel;
-    logic [13:0] sample;
+    // A scan is its last pass to all but timer, converter and decimator: that is when its samples come.
+    assign scan_due = pass_due && is_last_pass;
+
+    logic        conversion_in, sample_in;
+    logic [1:0]  converted_channel, channel;
+    logic [13:0] conversion, sample;
 
     ad7949_master #(.HALF_CLOCKS(ADC_HALF_CLOCKS), .CONVERT_CLOCKS(ADC_CONVERT_CLOCKS)) converter(
-        .clk, .rst_n, .start(scan_due), .adc_cnv, .adc_sck, .adc_din, .adc_sdo, .sample_in, .channel, .sample
+        .clk, .rst_n, .start(pass_due), .adc_cnv, .adc_sck, .adc_din, .adc_sdo,
+        .conversion_in, .channel(converted_channel), .conversion
+    );
+
+    decimator means(
+        .clk, .rst_n, .pass_due, .is_first(is_first_pass), .is_last(is_last_pass), .halvings,
+        .conversion_in, .channel_in(converted_channel), .conversion, .sample_in, .channel, .sample
     );
 
     filler fill(
-        .clk, .rst_n, .run, .abandon, .written_period_us, .written_length, .scan_due, .scan_done,
-        .period_us, .length(filling_length), .scan, .taking, .set_full
+        .clk, .rst_n, .run, .abandon, .written_period_us, .written_length, .written_halvings, .scan_due, .scan_done,
+        .period_us, .length(filling_length), .halvings, .scan, .taking, .set_full
     );
 
     logic        filling, reading, lost_before, data_ready_next;

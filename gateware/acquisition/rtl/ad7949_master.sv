@@ -1,6 +1,6 @@
 // Scans the AD7949's channels 0 to 3 (data sheet Rev. D, "Read/write after conversion, without a busy indicator").
 //
-// A scan is six frames of 16 clocks. A configuration written in one frame rules the conversion at the next frame's end,
+// A pass is six frames of 16 clocks. A configuration written in one frame rules the conversion at the next frame's end,
 // whose result comes with the frame after that: a pipeline of two. So the first four frames ask for channels 0 to 3 and
 // the last four bring them; the last two ask for channel 0 again only to bring out what is in the pipeline.
 //
@@ -21,9 +21,9 @@ module ad7949_master #(
     output logic        adc_din,
     input  logic        adc_sdo,
 
-    output logic        sample_in,
+    output logic        conversion_in,
     output logic [1:0]  channel,
-    output logic [13:0] sample
+    output logic [13:0] conversion
 );
     // CFG, most significant bit first: overwrite, INCC 111 (unipolar, to ground), channel, BW 1 (full bandwidth), REF 110
     // (external reference; the part's buffer, which would drive the same pin, is off), SEQ 00 (no sequencer), RB 1 (no read-back), and two clocks of which the part takes no notice.
@@ -81,8 +81,8 @@ module ad7949_master #(
     output_register din_pin(.clk, .next(din_next), .pin(adc_din));
 
     always_ff @(posedge clk) begin
-        sample_in <= 1'b0;
-        waited    <= waited + 1'b1;
+        conversion_in <= 1'b0;
+        waited        <= waited + 1'b1;
         if (!rst_n) begin
             state <= IDLE;
         end else begin
@@ -98,8 +98,8 @@ module ad7949_master #(
                     waited <= '0;
                     half   <= half + 6'd1;
                     if (half == LAST_HALF) begin
-                        state     <= CONVERT;
-                        sample_in <= frame >= 3'd2;
+                        state         <= CONVERT;
+                        conversion_in <= frame >= 3'd2;
                     end else if (!half[0]) begin
                         // SCK rises. The part's last two clocks carry nothing.
                         if (half < 6'd28) incoming <= {incoming[12:0], adc_sdo};
@@ -119,12 +119,12 @@ module ad7949_master #(
         end
     end
 
-    assign sample  = incoming;
+    assign conversion = incoming;
     // Frames 2 to 5 bring channels 0 to 3.
-    assign channel = {frame[2], frame[0]};
+    assign channel    = {frame[2], frame[0]};
 
 `ifndef SYNTHESIS
-    // A scan takes 38 us on the board, and periods are 100 us at least.
+    // A pass takes 38 us on the board, and the next one begins 100 us after it at least.
     assert property (@(posedge clk) disable iff (!rst_n) start |-> state == IDLE);
 `endif
 endmodule

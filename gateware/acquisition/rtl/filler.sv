@@ -7,13 +7,16 @@ module filler (
     input  logic        abandon,
     input  logic [19:0] written_period_us,
     input  logic [9:0]  written_length,
+    input  logic [2:0]  written_halvings,
 
+    // The scan's last pass begins, which brings its samples.
     input  logic        scan_due,
     // The last channel's sample has been added.
     input  logic        scan_done,
 
     output logic [19:0] period_us,
     output logic [9:0]  length,
+    output logic [2:0]  halvings,
     // The scan within the set.
     output logic [8:0]  scan,
     // The samples that come belong to the set; not so those of a scan that was under way when its set was dropped.
@@ -41,12 +44,14 @@ module filler (
         if (!rst_n || abandon || set_full) begin
             period_us <= written_period_us;
             length    <= written_length;
+            halvings  <= written_halvings;
         end
     end
 
 `ifndef SYNTHESIS
     assert property (@(posedge clk) disable iff (!rst_n) {1'b0, scan} < length);
     assert property (@(posedge clk) disable iff (!rst_n)
-        $past(rst_n) && !$past(abandon) && !$past(set_full) |-> $stable(length) && $stable(period_us));
+        $past(rst_n) && !$past(abandon) && !$past(set_full) |-> $stable(length) && $stable(period_us)
+            && $stable(halvings));
 `endif
 endmodule

@@ -71,6 +71,18 @@ impl SetUp {
                 acquisition.sample_period_us
             ),
         );
+        let oversampling = acquisition.oversampling;
+        must(
+            oversampling.is_power_of_two() && oversampling <= 16,
+            format!("acquisition.oversampling is {oversampling}: it must be 1, 2, 4, 8 or 16"),
+        );
+        must(
+            acquisition.sample_period_us >= 100 * u32::from(oversampling) || oversampling == 1,
+            format!(
+                "acquisition.sample_period_us {} has no room for {oversampling} conversions of 100 each",
+                acquisition.sample_period_us
+            ),
+        );
         let [low, high] = chamber.limits_c;
         must(
             chamber.cold_c < chamber.hot_c,

@@ -164,8 +164,11 @@ impl<A: OnPlant> NativeDevice<A> {
     pub(crate) fn of_plant(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Self {
         let mut plant = plant;
         plant.scan_every(setup.acquisition.sample_period_us);
-        let timing =
-            Timing { scan_period_us: setup.acquisition.sample_period_us, set_length: setup.acquisition.group_length };
+        let timing = Timing {
+            scan_period_us: setup.acquisition.sample_period_us,
+            set_length: setup.acquisition.group_length,
+            oversampling: setup.acquisition.oversampling,
+        };
         let board = BareBoard {
             plant: plant.share(),
             unit: unit.clone(),
@@ -198,7 +201,7 @@ impl<A: OnPlant> NativeDevice<A> {
     }
 
     pub(crate) fn group_period(&self) -> Seconds {
-        let Timing { set_length, scan_period_us } = self.board.timing;
+        let Timing { set_length, scan_period_us, .. } = self.board.timing;
         Seconds(f64::from(set_length) * f64::from(scan_period_us) * 1e-6)
     }
 

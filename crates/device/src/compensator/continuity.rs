@@ -78,7 +78,7 @@ mod tests {
         let _ = paper.set_came(&set(0, 0));
         let ticks = [(); 5].map(|()| paper.is_broken(Timing::PAPER));
         assert_eq!(ticks, [false, false, false, true, true], "3 s after the tick that still saw a set");
-        let short = Timing { scan_period_us: 100, set_length: 500 };
+        let short = Timing { scan_period_us: 100, ..Timing::PAPER };
         let mut quick = Continuity::beginning(true);
         for number in 0..10 {
             let _ = quick.set_came(&set(number, 0));

@@ -61,8 +61,11 @@ fn set_read(head: Vec<u8>, scans: Vec<u8>) -> Vec<Transaction<u8>> {
 
 const SCANS: [[u16; 4]; 2] = [[8500, 8541, 8501, 8763], [8502, 16_383, 8499, 0]];
 
+/// Other than a port's at reset.
+const TIMING: Timing = Timing { scan_period_us: 3000, set_length: 2, oversampling: 16 };
+
 fn started() -> Vec<Transaction<u8>> {
-    started_at(0x0002_0001)
+    started_at(0x0002_0002)
 }
 
 fn started_at(version: u32) -> Vec<Transaction<u8>> {
@@ -73,13 +76,17 @@ fn started_at(version: u32) -> Vec<Transaction<u8>> {
     expected.extend(word_read(0x03, 3000));
     expected.extend(word_write(0x04, 2));
     expected.extend(word_read(0x04, 2));
+    if version >= 0x0002_0002 {
+        expected.extend(word_write(0x06, 16));
+        expected.extend(word_read(0x06, 16));
+    }
     expected.extend(word_write(0x02, 3));
     expected.extend(word_read(0x02, 1));
     expected
 }
 
 fn run(reads: Vec<Transaction<u8>>, act: impl FnOnce(&mut PortAcquisition<&mut Mock<u8>>)) {
-    run_at(0x0002_0001, reads, act);
+    run_at(0x0002_0002, reads, act);
 }
 
 fn run_at(version: u32, reads: Vec<Transaction<u8>>, act: impl FnOnce(&mut PortAcquisition<&mut Mock<u8>>)) {
@@ -87,7 +94,7 @@ fn run_at(version: u32, reads: Vec<Transaction<u8>>, act: impl FnOnce(&mut PortA
     expected.extend(reads);
     let mut spi = Mock::new(&expected);
     let mut port = PortAcquisition::new(&mut spi);
-    port.start(Timing { scan_period_us: 3000, set_length: 2 }, 2).unwrap();
+    port.start(TIMING, 2).unwrap();
     act(&mut port);
     spi.done();
 }
@@ -203,6 +210,23 @@ fn a_port_of_version_2_0_gives_its_sets_and_is_not_asked_for_scans() {
 }
 
 #[test]
+fn a_port_of_version_2_1_is_not_asked_to_oversample() {
+    run_at(0x0002_0001, word_read(0x05, 0), |port| assert_eq!(port.read_set(&mut Set::default(), false), Ok(false)));
+}
+
+#[test]
+fn a_port_that_oversamples_less_than_it_was_told_is_named() {
+    let mut expected = started();
+    // What comes after OVERSAMPLING: the word read back, and the start.
+    expected.truncate(expected.len() - 4 - 3 - 4);
+    expected.extend(word_read(0x06, 8));
+    let mut spi = Mock::new(&expected);
+    let error = PortAcquisition::new(&mut spi).start(TIMING, 2).unwrap_err();
+    assert_eq!(error, PortError::NotTaken { address: 6, found: 8 });
+    spi.done();
+}
+
+#[test]
 fn the_first_set_may_be_shorter_and_each_is_read_by_its_own_length() {
     let mut expected = started();
     // SET_LENGTH of the first set, before the start; the others' after it.
@@ -217,7 +241,7 @@ fn the_first_set_may_be_shorter_and_each_is_read_by_its_own_length() {
     expected.extend([word_read(0x05, 1), set_read(burst(1, &SCANS[..1]).0, vec![])].concat());
     let mut spi = Mock::new(&expected);
     let mut port = PortAcquisition::new(&mut spi);
-    port.start(Timing { scan_period_us: 3000, set_length: 2 }, 1).unwrap();
+    port.start(TIMING, 1).unwrap();
     let mut set = Set::default();
     for scans in [&SCANS[..1], &SCANS] {
         assert_eq!(port.read_set(&mut set, true), Ok(true));
@@ -271,7 +295,7 @@ fn a_start_that_the_port_has_not_taken_is_named() {
     expected.truncate(expected.len() - 4);
     expected.extend(word_read(0x02, 0));
     let mut spi = Mock::new(&expected);
-    let error = PortAcquisition::new(&mut spi).start(Timing { scan_period_us: 3000, set_length: 2 }, 2).unwrap_err();
+    let error = PortAcquisition::new(&mut spi).start(TIMING, 2).unwrap_err();
     assert_eq!(error, PortError::NotTaken { address: 2, found: 0 });
     spi.done();
 }
@@ -283,7 +307,7 @@ fn a_setting_that_the_port_has_not_taken_is_named_and_nothing_is_started() {
     expected.truncate(4 + 4 + 3 + 3);
     expected.extend(word_read(0x03, 3001));
     let mut spi = Mock::new(&expected);
-    let error = PortAcquisition::new(&mut spi).start(Timing { scan_period_us: 3000, set_length: 2 }, 2).unwrap_err();
+    let error = PortAcquisition::new(&mut spi).start(TIMING, 2).unwrap_err();
     assert_eq!(error, PortError::NotTaken { address: 3, found: 3001 });
     spi.done();
 }

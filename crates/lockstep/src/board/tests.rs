@@ -86,7 +86,8 @@ fn a_bus_that_fails_and_a_host_that_is_gone_are_errors() {
 
 #[test]
 fn a_host_of_another_version_is_not_taken_for_ours() {
-    let mut says = Board { version: VERSION, set_length: 500, scan_period_us: 3000, serial: [0; SERIAL_BYTES] };
+    let serial = [0; SERIAL_BYTES];
+    let mut says = Board { version: VERSION, set_length: 500, scan_period_us: 3000, oversampling: 16, serial };
     says.serial[..4].copy_from_slice(b"ZR-7");
     let hello = |board: &Board| {
         let mut answer = std::vec![0];

@@ -76,7 +76,7 @@ impl Plant {
     }
 
     pub(super) fn port_scan(&mut self) -> Option<Truth> {
-        self.scan(self.port_scan_ns);
+        self.scan(self.port_scan_ns, self.port.scan_period_ns(), self.port.passes());
         let full = self.port.push(self.held);
         self.port_scan_ns += self.port.scan_period_ns();
         let truth = self.truth(full?);
@@ -84,43 +84,15 @@ impl Plant {
         Some(truth)
     }
 
-    /// Holds the four inputs at an instant.
-    pub(super) fn scan(&mut self, at_ns: u64) {
+    /// Moves slow things on to a scan, where it is time.
+    pub(super) fn slow_up_to(&mut self, at_ns: u64) {
         if at_ns - self.slow_ns >= SLOW_STEP_NS {
             self.move_slow(at_ns);
         }
-        self.move_wipers(at_ns);
-        let (dt_s, scan_dt_s) = (seconds(at_ns - self.filtered_ns), seconds(at_ns - self.scanned_ns));
-        self.sums.scans += 1;
-        self.sums.chamber_c += self.chamber.air_c();
-        for ((channel, sums), held) in
-            self.channels.iter_mut().zip(&mut self.sums.axes).zip(self.held.chunks_exact_mut(2))
-        {
-            let [temperature_v, zero_rate_v] = channel.scan(dt_s, scan_dt_s);
-            sums.package_c += channel.thermal.package_c();
-            sums.die_c += channel.thermal.die_c();
-            sums.signals_v.iter_mut().zip(channel.filtered_v()).for_each(|(sum, volts)| *sum += volts);
-            if self.faults.contains(Fault::FrozenTemperature(channel.axis)) {
-                held[0] ^= 1;
-            } else if !self.faults.contains(Fault::StuckTemperature(channel.axis)) {
-                held[0] = self.converter.convert(temperature_v);
-            }
-            if !self.faults.is_empty() {
-                held[0] = self.faults.temperature(channel.axis, held[0]);
-            }
-            held[1] = if self.faults.contains(Fault::SaturatedInput(channel.axis)) {
-                self.converter.convert(channel.high_rail_v())
-            } else {
-                self.converter.convert(zero_rate_v)
-            };
-        }
-        self.now_ns = at_ns;
-        self.filtered_ns = at_ns;
-        self.scanned_ns = at_ns;
     }
 
     /// Moves the low-passes on to each wiper's move up to an instant, and the wiper.
-    fn move_wipers(&mut self, until_ns: u64) {
+    pub(super) fn move_wipers(&mut self, until_ns: u64) {
         while let Some(moved) = self.moved.first().copied().filter(|moved| moved.at_ns <= until_ns) {
             self.moved.remove(0);
             let dt_s = seconds(moved.at_ns.saturating_sub(self.filtered_ns));
@@ -189,6 +161,6 @@ impl Plant {
 }
 
 #[allow(clippy::cast_precision_loss)] // 2^53 ns are a hundred days.
-fn seconds(ns: u64) -> f64 {
+pub(super) fn seconds(ns: u64) -> f64 {
     ns as f64 * 1e-9
 }

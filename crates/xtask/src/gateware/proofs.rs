@@ -45,7 +45,9 @@ const SERIAL: Sources = Sources::Files(&["rtl/crc32_bit.sv", "rtl/spi_slave.sv",
 const SCANS: Sources =
     Sources::Files(&["rtl/scan_timer.sv", "rtl/ad7949_master.sv", "rtl/output_register.sv", "formal/scans.sv"]);
 
-const PROOFS: [Proof; 12] = [
+const MEANS: Sources = Sources::Files(&["rtl/scan_timer.sv", "rtl/decimator.sv", "formal/means.sv"]);
+
+const PROOFS: [Proof; 14] = [
     Proof {
         top: "crc",
         sources: Sources::Files(&["rtl/crc32_bit.sv", "formal/crc.sv"]),
@@ -76,15 +78,31 @@ const PROOFS: [Proof; 12] = [
         part: "PLACED",
         engine: Engine::Induction,
         says: "lemma: timer and A/D are where the clock has brought them",
-        spoilt: ("rtl/scan_timer.sv", "elapsed_us == period_us - 20'd1", "elapsed_us == period_us - 20'd2"),
+        spoilt: ("rtl/scan_timer.sv", "since_us == last_us", "since_us == last_us - 20'd1"),
     },
     Proof {
         top: "scans",
         sources: SCANS,
         part: "SCANS",
         engine: Engine::Reachability,
-        says: "a scan begins when the one before is over and summed, and brings the four channels in order",
+        says: "a pass begins when the one before is over and summed, and brings the four channels in order",
         spoilt: ("rtl/ad7949_master.sv", "{frame[2], frame[0]}", "{frame[0], frame[2]}"),
+    },
+    Proof {
+        top: "means",
+        sources: MEANS,
+        part: "COUNTED",
+        engine: Engine::Reachability,
+        says: "lemma: a scan has as many passes as OVERSAMPLING says, and no sum outgrows them",
+        spoilt: ("rtl/scan_timer.sv", "is_last  <= passes == parts", "is_last  <= passes == 4'hF"),
+    },
+    Proof {
+        top: "means",
+        sources: MEANS,
+        part: "MEANS",
+        engine: Engine::Induction,
+        says: "a sample is the mean of its conversions, to the nearest count and from a half to the even one",
+        spoilt: ("rtl/decimator.sv", "doubled[1] || below", "below"),
     },
     Proof {
         top: "acquisition",

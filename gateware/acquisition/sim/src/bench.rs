@@ -10,10 +10,10 @@ use crate::model::{Inputs, Model, Outputs, Scale};
 /// Half a period of 24 MHz.
 const HALF_CLOCK_PS: Ps = 20_833;
 
-/// Frames of a scan: four channels through a pipeline of two.
+/// Frames of a pass: four channels through a pipeline of two.
 const FRAMES: usize = 6;
 
-/// One sample of each channel, as the A/D delivered them.
+/// One conversion of each channel, as the A/D delivered them: a pass. Without oversampling it is a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Scan {
     /// When its first frame began.
@@ -49,9 +49,9 @@ pub struct Bench {
     disturbances: VecDeque<(Ps, Disturbance, bool)>,
     converter: Ad7949,
     input: Box<dyn FnMut(usize) -> u16>,
-    /// What is to happen as a scan begins, and when the last did.
+    /// What is to happen as a pass begins, and when the last did.
     hold: Box<dyn FnMut()>,
-    scan_began_ps: Option<Ps>,
+    pass_began_ps: Option<Ps>,
     frames: Vec<Frame>,
     scans: Vec<Scan>,
     scans_count_from_ps: Ps,
@@ -90,7 +90,7 @@ impl Bench {
             converter: Ad7949::new(limits),
             input,
             hold: Box::new(|| ()),
-            scan_began_ps: None,
+            pass_began_ps: None,
             frames: Vec::new(),
             scans: Vec::new(),
             scans_count_from_ps: 0,
@@ -102,9 +102,9 @@ impl Bench {
         bench
     }
 
-    /// Has this done whenever a scan begins, before any of its conversions: for a simulated board that moves on from scan
-    /// to scan.
-    pub fn at_each_scan(&mut self, hold: impl FnMut() + 'static) {
+    /// Has this done whenever a pass begins, before any of its conversions: for a simulated board that moves on from pass
+    /// to pass.
+    pub fn at_each_pass(&mut self, hold: impl FnMut() + 'static) {
         self.hold = Box::new(hold);
     }
 
@@ -182,7 +182,7 @@ impl Bench {
         self.scan_ready_rises
     }
 
-    /// The scans that the A/D has delivered, those that began before the last [`Self::count_scans`] left out.
+    /// The passes that the A/D has delivered, those that began before the last [`Self::count_scans`] left out.
     #[must_use]
     pub fn scans(&self) -> &[Scan] {
         &self.scans
@@ -230,18 +230,18 @@ impl Bench {
         self.outputs = outputs;
     }
 
-    /// CNV falls: with the first frame of a scan, a scan begins.
+    /// CNV falls: with the first frame of a pass, a pass begins.
     fn note_fall(&mut self) {
-        // A scan takes 38 us on the board and 74 of the fast scale's, and the shortest period is 100.
+        // A pass takes 38 us on the board and 74 of the fast scale's, and the next one begins after 100 at least.
         let is_over = |began_ps: Ps| self.now_ps - began_ps >= self.period_ps(80);
-        if self.scan_began_ps.is_none_or(is_over) {
-            self.scan_began_ps = Some(self.now_ps);
+        if self.pass_began_ps.is_none_or(is_over) {
+            self.pass_began_ps = Some(self.now_ps);
             self.frames.clear();
             (self.hold)();
         }
     }
 
-    /// Puts the frames of a scan together.
+    /// Puts the frames of a pass together.
     fn note(&mut self, frame: Frame) {
         self.frames.push(frame);
         if self.frames.len() < FRAMES {

@@ -43,7 +43,7 @@ fn a_simulated_board_moves_on_with_each_scan() {
     let held = Rc::new(Cell::new([0; 4]));
     let inputs = Rc::clone(&held);
     let mut bench = Bench::new(Scale::Board, 3, move |channel| inputs.get()[channel]);
-    bench.at_each_scan(move || held.set(core::array::from_fn(|_| random.counts())));
+    bench.at_each_pass(move || held.set(core::array::from_fn(|_| random.counts())));
     let mut port = Port::new(bench, Timing::FASTEST, 3);
     port.start(100, 4);
     assert!(port.wait_for_data_ready(500));

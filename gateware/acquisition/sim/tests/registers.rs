@@ -8,8 +8,9 @@ const CONTROL: u8 = 0x02;
 const SCAN_PERIOD: u8 = 0x03;
 const SET_LENGTH: u8 = 0x04;
 const STATUS: u8 = 0x05;
+const OVERSAMPLING: u8 = 0x06;
 const SET: u8 = 0x10;
-const AT_RESET: [u32; 8] = [0x5A52_4151, 0x0002_0001, 0, 3000, 500, 0, 0, 0];
+const AT_RESET: [u32; 8] = [0x5A52_4151, 0x0002_0002, 0, 3000, 500, 0, 1, 0];
 const READY: u32 = 1;
 const OVERRUN: u32 = 2;
 /// A set of a few scans is there in less, microseconds.
@@ -57,6 +58,28 @@ fn settings_within_their_range_read_back_and_others_are_ignored() {
             assert_eq!(port.read(SET_LENGTH, 1), [good], "{bad}");
         }
     }
+    for good in [1, 2, 4, 8, 16] {
+        port.write(OVERSAMPLING, good);
+        assert_eq!(port.read(OVERSAMPLING, 1), [good]);
+        for bad in [0, 3, 5, 15, 17, 32, 1 << 31, (1 << 16) + 2, u32::MAX] {
+            port.write(OVERSAMPLING, bad);
+            assert_eq!(port.read(OVERSAMPLING, 1), [good], "{bad}");
+        }
+    }
+}
+
+#[test]
+fn oversampling_is_no_more_than_the_period_has_room_for_and_comes_back_with_a_longer_one() {
+    let mut port = port(14, Timing::QUICK);
+    port.write(OVERSAMPLING, 16);
+    for (period_us, most) in
+        [(1599, 8), (800, 8), (799, 4), (400, 4), (399, 2), (200, 2), (199, 1), (100, 1), (1600, 16)]
+    {
+        port.write(SCAN_PERIOD, period_us);
+        assert_eq!(port.read(OVERSAMPLING, 1), [most], "{period_us} us");
+    }
+    port.write(OVERSAMPLING, 4);
+    assert_eq!(port.read(OVERSAMPLING, 1), [4], "and no more than was asked for");
 }
 
 #[test]
@@ -67,12 +90,12 @@ fn reserved_and_read_only_addresses_ignore_writes_and_read_0() {
         port.write(address, u32::MAX);
     }
     // Their low bits are those of settings, too.
-    for address in 0x06..=0x7F {
+    for address in 0x07..=0x7F {
         port.write(address, 200);
         assert_eq!(port.read(address, 1), [0], "{address:#x}");
     }
     assert_eq!(port.read(0, 8), AT_RESET);
-    assert_eq!(port.read(6, 20), [0; 20], "a read that runs into the burst's address does not start it");
+    assert_eq!(port.read(7, 20), [0; 20], "a read that runs into the burst's address does not start it");
     assert_eq!(port.read(0x7E, 12), [0; 12], "nor does one come round to the registers");
 }
 

@@ -94,6 +94,7 @@ fn sums_of_1000_sets_of_random_lengths_and_rates_are_the_direct_acquisition_s_bi
         let timing = device::Timing {
             scan_period_us: u32::try_from(period_us).unwrap(),
             set_length: u16::try_from(length).unwrap(),
+            oversampling: 1,
         };
         longest = longest.max(length);
         start(&mut master, &board, timing);
@@ -128,7 +129,7 @@ fn the_master_sees_every_set_of_a_run_and_starts_and_stops_it() {
     let port = SharedPort::new(Port::new(Bench::new(Scale::Fast, 5, input(5)), Timing::QUICK, 5));
     let board = Rc::clone(&port.0);
     let mut master = PortAcquisition::new(port);
-    let timing = device::Timing { scan_period_us: 300, set_length: 40 };
+    let timing = device::Timing { scan_period_us: 300, set_length: 40, oversampling: 1 };
     for _ in 0..3 {
         start(&mut master, &board, timing);
         let mut scans = Vec::new();
