@@ -131,7 +131,7 @@ fn what_is_behind_takes_the_curve_where_the_memory_is() {
     // Whatever its numbers, no part was ever outside of what was seen.
     let history = History::new(shape(), &[Term { behind: 40.0, weight: 0.0, ..lag(20.0) }]).unwrap();
     let mut state = HistoryState::default();
-    [10.0, 30.0].map(|t| history.advance(&drift(), &mut state, t, 1.0));
+    [10.0, 30.0].into_iter().for_each(|t| history.advance(&drift(), &mut state, t, 1.0));
     assert!((history.evaluate(&state).0 - curve(10.0)).abs() < 1e-12);
 }
 
