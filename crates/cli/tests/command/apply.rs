@@ -112,8 +112,8 @@ fn a_calibration_that_cannot_be_read_is_named_with_the_place() {
     let text = fs::read_to_string(&path).unwrap();
     let cases = [
         (
-            text.replacen("\"schema\": 2", "\"schema\": 99", 1),
-            vec!["schema 99", "knows schemas 1 to 2", "use a newer zerorate"],
+            text.replacen("\"schema\": 3", "\"schema\": 99", 1),
+            vec!["schema 99", "knows schemas 1 to 3", "use a newer zerorate"],
         ),
         (text[..text.len() / 2].to_owned(), vec!["calibration.json:", "restore the file"]),
         (

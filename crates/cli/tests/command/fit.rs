@@ -160,7 +160,7 @@ fn what_was_asked_for_is_written_and_named() {
     let calibration: serde_json::Value =
         serde_json::from_slice(&fs::read(folder.path().join("calibration.json")).unwrap()).unwrap();
     schema::hold("calibration.json", &calibration);
-    assert_eq!((&calibration["schema"], &calibration["unit_serial"]), (&2.into(), &"U7".into()));
+    assert_eq!((&calibration["schema"], &calibration["unit_serial"]), (&3.into(), &"U7".into()));
     let report = fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert!(report.contains("<svg") && report.contains("zerorate apply calibration.json"));
 }
