@@ -75,7 +75,7 @@ fn a_device_record_is_told_and_a_damaged_one_refused() {
     };
     damaged(&|bytes| bytes[40] ^= 1).is_error(&["device-record.bin: the device record is damaged", "CRC-32"]);
     damaged(&|bytes| bytes.truncate(100)).is_error(&["device-record.bin: the device record is damaged"]);
-    damaged(&|bytes| bytes[4] = 9).is_error(&["version 9", "this program knows version 4", "make the record anew"]);
+    damaged(&|bytes| bytes[4] = 9).is_error(&["version 9", "this program knows version 5", "make the record anew"]);
     damaged(&|bytes| bytes[0] = b'X').is_error(&["this is not a device record"]);
     damaged(&Vec::clear).is_error(&["this is not a device record"]);
 }
