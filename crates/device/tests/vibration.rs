@@ -82,8 +82,10 @@ fn a_vibration_at_the_scan_rate_moves_the_zero_of_single_conversions_and_not_of_
 
         let before_the_mean = |hz: f64| RATE_DPS * COUNTS_PER_DPS / (hz / CUTOFF_HZ).hypot(1.0);
         let moved = if oversampling == 1 { before_the_mean(SCAN_HZ) } else { 0.0 };
-        // To its scale's tolerance, and to what rounding leaves of 4000 samples.
-        assert!((zero_moved.abs() - moved).abs() < 0.01 * moved + 0.03, "{zero_moved} for {moved}");
+        // To its scale's tolerance, and to what rounding leaves of 4000 samples. Where in its swing the scans fall is where it
+        // stood when the board was started: they meet nearly all of it.
+        let slack = 0.01 * moved + 0.03;
+        assert!((0.9 * moved - slack..moved + slack).contains(&zero_moved.abs()), "{zero_moved} for {moved}");
         let hz = SCAN_HZ + BESIDE_HZ;
         let expected = before_the_mean(hz) * passes(f64::from(oversampling), hz);
         assert!((folded - expected).abs() < 0.01 * expected + 0.03, "{folded} for {expected}");

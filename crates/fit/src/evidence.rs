@@ -43,22 +43,28 @@ pub(crate) struct Evidence<'a> {
 
 impl<'a> Evidence<'a> {
     /// The columns of a series whose used rates span `measured`, the curve believed over `valid`, and what is found of them:
-    /// with a straight drift in time where there is strong evidence of one.
-    pub(crate) fn likeliest(series: &'a Series<'a>, measured: ValidRange, valid: ValidRange) -> Option<(Self, Found)> {
-        let fitted = |slow: Slow| {
-            let columns = |before: Option<Before>| Columns::new(series, measured, valid, slow, before);
-            let searched = |before, near| Searched::of(Self { series, columns: columns(before)? }, near);
-            let together = searched(None, None)?;
-            if !together.evidence.columns.has_lags() {
-                return Some(together);
-            }
-            // With new columns the likeliest spreads may be quite others; with a better curve they are no longer.
-            let behind = searched(Some(together.curve()?), None)?;
-            searched(Some(behind.curve()?), Some(&behind.found))
+    /// with a straight drift in time where there is strong evidence of one. Where lags can be told, the same once more with
+    /// parts that are behind.
+    pub(crate) fn likeliest(
+        series: &'a Series<'a>,
+        measured: ValidRange,
+        valid: ValidRange,
+    ) -> Option<((Self, Found), Option<(Self, Found)>)> {
+        let searched = |slow, before, near: Option<&Found>| {
+            Searched::of(Self { series, columns: Columns::new(series, measured, valid, slow, before)? }, near)
         };
-        let (dying, straight) = (fitted(Slow::Dying)?, fitted(Slow::Straight));
-        let likelier = straight.filter(|straight| straight.surprise < dying.surprise - STRONG).unwrap_or(dying);
-        Some((likelier.evidence, likelier.found))
+        let together = |slow| searched(slow, None, None);
+        // With new columns the likeliest spreads may be quite others; with a better curve they are no longer.
+        let behind = |slow, together: &Searched<'a>| {
+            let first = searched(slow, Some(together.curve()?), None)?;
+            searched(slow, Some(first.curve()?), Some(&first.found))
+        };
+        let (dying, straight) = (together(Slow::Dying)?, together(Slow::Straight));
+        let with_parts_behind = dying.evidence.columns.has_lags().then(|| {
+            let straight = straight.as_ref().and_then(|straight| behind(Slow::Straight, straight));
+            Some(Searched::likelier(behind(Slow::Dying, &dying)?, straight))
+        });
+        Some((Searched::likelier(dying, straight), with_parts_behind.flatten()))
     }
 
     /// Fits the groups that `keep` keeps, from what was `found` of all on. `None` where there is nothing to be fitted.
@@ -117,6 +123,12 @@ impl<'a> Searched<'a> {
         let (averages, found, evaluated) = evidence.search(near, |_| true)?;
         let surprise = evaluated.surprise(&found.spreads)?;
         Some(Self { evidence, averages, found, evaluated, surprise })
+    }
+
+    /// The one with a straight drift in time where that is strongly likelier.
+    fn likelier(dying: Self, straight: Option<Self>) -> (Evidence<'a>, Found) {
+        let likelier = straight.filter(|straight| straight.surprise < dying.surprise - STRONG).unwrap_or(dying);
+        (likelier.evidence, likelier.found)
     }
 
     /// The curve by which another search tells parts that are behind.

@@ -143,7 +143,8 @@ fn a_part_that_is_behind_its_sensor_is_found_and_helps_another_run() {
     let other = |t: f64| -8.0 + 0.04 * t;
     let next = Cycle::behind(1400, 120.0, other);
     let made = Cycle::behind(4400, 120.0, cycle).with(|series| {
-        let (evidence, found) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
+        let (_, with_parts_behind) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
+        let (evidence, found) = with_parts_behind.expect("lags can be told");
         evidence.fit(&found, |_| true).unwrap()
     });
     let rows = next.time_s.iter().copied().zip(next.temperature.iter().copied());
@@ -162,7 +163,7 @@ fn a_part_that_is_behind_its_sensor_is_found_and_helps_another_run() {
 #[test]
 fn a_start_that_was_not_seen_is_not_made_up() {
     Cycle::warming_up().with(|series| {
-        let (evidence, found) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
+        let ((evidence, found), _) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
         let made = evidence.fit(&found, |group| group >= 60).unwrap();
         let drift = made.model.time_drift.expect("what follows switching on");
         assert!((drift.seen_from_s - 600.0).abs() < 10.0, "{drift:?}");
@@ -173,7 +174,7 @@ fn a_start_that_was_not_seen_is_not_made_up() {
 #[test]
 fn what_follows_switching_on_is_the_recordings_own() {
     Cycle::warming_up().with(|series| {
-        let (evidence, found) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
+        let ((evidence, found), _) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
         let made = evidence.fit(&found, |_| true).unwrap();
         let drift = made.model.time_drift.expect("what follows switching on");
         let start: Vec<(f64, f64)> = drift.start_up.iter().map(|part| (part.rate, part.time_constant_s)).collect();
