@@ -17,7 +17,7 @@ use serde::Serialize;
 
 pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUPS};
 pub use level::{Levels, leave_out_times, level};
-pub use temperature::{dequantise, extend_to_the_start};
+pub use temperature::{dequantise, extend_to_the_start, leave_out_untrue_temperatures};
 pub use weight::weigh;
 
 /// Why rows were left out.
@@ -30,7 +30,7 @@ pub enum DropReason {
     MissingRate,
     /// Far from their neighbours at the very start of the log.
     StartUp,
-    /// A temperature far from its neighbours.
+    /// A temperature far from its neighbours, or in an interval to which it jumped away.
     TemperatureSpike,
     /// A rate far from its neighbours.
     Spike,
@@ -40,7 +40,7 @@ pub enum DropReason {
     Step,
     /// In a group within which nothing was logged for long.
     Gap,
-    /// In an interval in which the temperature stood still, and then jumped.
+    /// In an interval in which the temperature stood still, and then jumped; or in which a noisy one stood still.
     FrozenTemperature,
 }
 

@@ -6,6 +6,7 @@ pub mod boot;
 pub mod choose;
 pub mod direction;
 pub mod drift_fit;
+pub mod dropouts;
 mod evidence;
 pub mod folds;
 pub mod jumps;

@@ -84,13 +84,22 @@ pub fn leave_out_times(groups: &mut [Group], tallies: &mut [Tally], times_s: &[(
         .iter()
         .map(|group| (group.axes.iter().any(|part| part.rows > 0) && overlaps(group)).then_some(DropReason::Rotation))
         .collect();
-    for (group, _) in groups.iter().zip(&marks).filter(|(_, mark)| mark.is_some()) {
+    leave_out_marked(groups, tallies, &marks)
+}
+
+/// Leaves out the groups that are marked, and counts their rows.
+pub(super) fn leave_out_marked(
+    groups: &mut [Group],
+    tallies: &mut [Tally],
+    marks: &[Option<DropReason>],
+) -> Vec<Excluded> {
+    for (group, reason) in groups.iter().zip(marks).filter_map(|(group, mark)| Some((group, (*mark)?))) {
         for (tally, part) in tallies.iter_mut().zip(&group.axes) {
-            tally.add(DropReason::Rotation, u64::from(part.rows));
+            tally.add(reason, u64::from(part.rows));
         }
     }
-    leave_out(groups, &marks);
-    excluded(groups, &marks)
+    leave_out(groups, marks);
+    excluded(groups, marks)
 }
 
 fn leave_out(groups: &mut [Group], marks: &[Option<DropReason>]) {

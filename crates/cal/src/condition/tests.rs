@@ -179,6 +179,50 @@ fn a_temperature_that_stands_still_and_jumps_is_left_out_and_one_that_holds_is_n
     assert!(tallies[1].count(DropReason::FrozenTemperature) > 300);
 }
 
+fn without_untrue(temperatures: &[f64], rates: &[Vec<f64>]) -> (Vec<Group>, Vec<Excluded>) {
+    let mut grouping = Grouping::new(rates.len(), Length::of_extent(ROWS as u64, 0.5, None), TemperatureUnit::C, 0);
+    let time_s: Vec<f64> = (0..temperatures.len()).map(|row| row as f64 * 0.5).collect();
+    grouping.push_rows(&rows(&time_s, temperatures, rates));
+    let step = grouping.temperature_step();
+    let (mut groups, mut tallies) = grouping.finish();
+    let excluded = leave_out_untrue_temperatures(&mut groups, &mut tallies, TemperatureUnit::C, step);
+    (groups, excluded)
+}
+
+#[test]
+fn a_temperature_that_jumps_away_and_back_is_left_out_and_no_history_goes_there() {
+    let (clean, rates) = cycle();
+    assert_eq!(without_untrue(&clean, &rates).1, []);
+    for (long, shows) in [(10, 85.0), (100, 85.0), (100, 0.0), (600, -127.0)] {
+        let mut temperatures = clean.clone();
+        temperatures[2005..2005 + long].fill(shows);
+        let (groups, excluded) = without_untrue(&temperatures, &rates);
+        let [interval] = &excluded[..] else { panic!("{long} rows at {shows}: {excluded:?}") };
+        assert_eq!(interval.reason, DropReason::TemperatureSpike);
+        let (first, end) = interval.rows;
+        assert!(first <= 2005 && end >= 2005 + long as u64 && end - first < long as u64 + 42, "{interval:?}");
+        for group in &groups {
+            let at = clean[usize::midpoint(group.first_row as usize, group.end_row as usize)];
+            assert!((group.temperature - at).abs() < 2.0, "{} for {at}", group.temperature);
+        }
+    }
+}
+
+#[test]
+fn a_noisy_temperature_that_stands_still_has_stopped_and_one_of_a_coarse_sensor_rests() {
+    let (temperatures, rates) = cycle();
+    // A twentieth of a degree to and fro, and from row 6000 on one number.
+    let noisy: Vec<f64> =
+        temperatures.iter().zip(0_u32..).map(|(t, row)| t + 1e-3 * f64::from(row * 7919 % 101)).collect();
+    let stopped: Vec<f64> = (0..ROWS).map(|row| noisy[row.min(6000)]).collect();
+    let (_, excluded) = without_untrue(&stopped, &rates);
+    let [interval] = &excluded[..] else { panic!("{excluded:?}") };
+    assert_eq!((interval.reason, interval.rows.1), (DropReason::FrozenTemperature, ROWS as u64));
+    assert!((6000..=6021).contains(&interval.rows.0), "{interval:?}");
+    let coarse: Vec<f64> = stopped.iter().map(|t| (10.0 * t).round() / 10.0).collect();
+    assert_eq!(without_untrue(&coarse, &rates).1, []);
+}
+
 #[test]
 fn what_settles_after_the_start_is_left_out() {
     let (temperatures, mut rates) = cycle();

@@ -117,7 +117,8 @@ fn of_excluded(interval: &Excluded, unit: &str) -> Option<Reason> {
     let (kind, what) = match interval.reason {
         DropReason::Rotation => (ReasonKind::Rotation, "the unit was moved"),
         DropReason::StartUp => (ReasonKind::StartUp, "the readings settled after the start"),
-        DropReason::FrozenTemperature => (ReasonKind::FrozenTemperature, "the temperature stood still, then jumped,"),
+        DropReason::TemperatureSpike => (ReasonKind::Spikes, "the temperature jumped faster than a part can heat"),
+        DropReason::FrozenTemperature => (ReasonKind::FrozenTemperature, "the temperature stood still"),
         DropReason::Gap => {
             let ((from, to), (least, most)) = (interval.time_s, interval.temperature);
             // Between groups it has no rows; within one, those of the group.
