@@ -11,14 +11,12 @@ mod motion;
 mod settle;
 mod step;
 mod temperature;
-mod weight;
 
 use serde::Serialize;
 
-pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUPS};
+pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUPS, weigh};
 pub use level::{Levels, leave_out_times, level};
 pub use temperature::{dequantise, extend_to_the_start, leave_out_untrue_temperatures};
-pub use weight::weigh;
 
 /// Why rows were left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -130,6 +128,15 @@ pub struct Step {
     pub temperature: (f64, f64),
     /// After less before, rate units.
     pub size: f64,
+    /// The standard error of that, by the noise of the averages around it.
+    pub error: f64,
+}
+
+impl Step {
+    /// Whether a group lies in it, and is of both sides.
+    fn holds(&self, group: &Group) -> bool {
+        self.rows.0 <= group.first_row && group.end_row <= self.rows.1
+    }
 }
 
 #[cfg(test)]

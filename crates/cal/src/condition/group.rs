@@ -3,6 +3,7 @@
 use super::{DropReason, Tally};
 use crate::log::Rows;
 use crate::units::TemperatureUnit;
+use zerorate_fit::crowding::weights;
 use zerorate_fit::robust::median;
 use zerorate_fit::spikes::{MIN_SEARCHED, outliers};
 
@@ -355,6 +356,14 @@ impl Group {
             own.rows += other.rows;
         }
     }
+}
+
+/// Weighs an axis's groups by how crowded their temperatures are ([`weights`]); 1 on average over those kept.
+pub fn weigh(groups: &mut [Group], axis: usize) {
+    let kept = |group: &&mut Group| group.axes[axis].rows > 0 && group.temperature.is_finite();
+    let mut kept: Vec<&mut Group> = groups.iter_mut().filter(kept).collect();
+    let found = weights(&kept.iter().map(|group| group.temperature).collect::<Vec<_>>()).unwrap_or_default();
+    kept.iter_mut().zip(found).for_each(|(group, weight)| group.axes[axis].weight = weight);
 }
 
 /// The least and greatest of two ranges; one that is NaN is none.

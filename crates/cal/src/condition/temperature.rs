@@ -49,7 +49,7 @@ pub fn leave_out_untrue_temperatures(
 fn mark_still_without_noise(groups: &[Group], temperature_step: f64, marks: &mut [Option<DropReason>]) {
     let moving = groups.iter().filter(|group| !flat(group));
     let forth_and_back = median(&mut moving.map(|group| group.leap.1.min(-group.leap.0)).collect::<Vec<_>>());
-    if !(forth_and_back >= NOISY_STEPS * temperature_step) {
+    if forth_and_back.is_nan() || forth_and_back < NOISY_STEPS * temperature_step {
         return;
     }
     for run in still(groups).filter(|run| run.len() >= FROZEN_GROUPS) {
@@ -101,8 +101,9 @@ fn change_to(group: &Group, next: &Group) -> f64 {
     (next.temperature - group.temperature).abs()
 }
 
+/// Whether two averages are of one number: of more or fewer rows it is rounded otherwise.
 fn same(a: f64, b: f64) -> bool {
-    a.total_cmp(&b).is_eq()
+    (a - b).abs() <= 1e-12 * a.abs()
 }
 
 /// Dequantises a coarse temperature: each group takes the mean of those around it, over about the time that the
