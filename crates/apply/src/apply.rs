@@ -1,13 +1,15 @@
 //! What `zerorate apply` does: a log with the bias by a calibration beside every rate.
 
+mod same;
 mod sensors;
 
 use std::io::{self, Write};
 
 use thiserror::Error;
-use zerorate_core::drift::{Coverage, Knowledge};
+use zerorate_core::drift::{Coverage, Knowledge, ValidRange};
 use zerorate_fit::predict::{DriftModel, Prediction, Predictor, Start};
 
+pub use same::are_of_one_log;
 pub use sensors::{AppliedSensors, COLUMNS, SensorFault, apply_to_sensors};
 
 use zerorate_cal::log::LogError;
@@ -26,6 +28,8 @@ pub struct AppliedModel {
     pub written_temperature: WrittenTemperature,
     /// The model, in its own unit of rates and of temperature.
     pub model: DriftModel,
+    /// The temperatures that it was fitted to.
+    pub measured: ValidRange,
     /// One of what is written in the column, in the model's unit of rates.
     pub factor: f64,
 }
@@ -50,6 +54,8 @@ pub struct Applied {
     pub without_temperature: u64,
     /// Rows with a temperature outside a curve's valid range, at which the curve was held.
     pub outside: u64,
+    /// Rows with a temperature outside of what a curve was fitted to, those among them: there it rests on nothing measured.
+    pub unmeasured: u64,
     /// Rows at which a history was not known yet: the prediction is uncertain by up to the hysteresis.
     pub uncertain: u64,
     /// The file's last line, where it was cut and left out.
@@ -61,14 +67,17 @@ pub struct Applied {
 struct RowTold {
     without_temperature: bool,
     outside: bool,
+    unmeasured: bool,
     uncertain: bool,
 }
 
 impl RowTold {
     /// Takes in what one model predicts of the row.
-    fn take(&mut self, temperature: f64, predicted: &Prediction) {
+    fn take(&mut self, temperature: f64, measured: ValidRange, predicted: &Prediction) {
+        let is_outside = |coverage| matches!(coverage, Coverage::Below | Coverage::Above);
         self.without_temperature |= temperature.is_nan();
-        self.outside |= matches!(predicted.coverage, Coverage::Below | Coverage::Above);
+        self.outside |= is_outside(predicted.coverage);
+        self.unmeasured |= is_outside(measured.coverage(temperature));
         self.uncertain |= predicted.knowledge == Knowledge::Uncertain && !temperature.is_nan();
     }
 }
@@ -79,6 +88,7 @@ impl Applied {
         self.rows += 1;
         self.without_temperature += u64::from(row.without_temperature);
         self.outside += u64::from(row.outside);
+        self.unmeasured += u64::from(row.unmeasured);
         self.uncertain += u64::from(row.uncertain);
     }
 }
@@ -156,7 +166,7 @@ pub fn apply(
             for ((predictor, own), columns) in predictors.iter_mut().zip(models).zip(batch.columns.chunks(2)) {
                 let temperature = own.written_temperature.read(columns[0][row]);
                 let predicted = predictor.predict(time_s, temperature);
-                told.take(temperature, &predicted);
+                told.take(temperature, own.measured, &predicted);
                 let bias = predicted.bias / own.factor;
                 added.extend([bias, columns[1][row] - bias].map(cell));
             }

@@ -110,6 +110,6 @@ pub fn write(
     summary.push('\n');
     output.write(SUMMARY, summary.as_bytes())?;
     // From the files, as `report` makes it again.
-    let page = board_page(&BoardRun::read(output.in_progress())?);
+    let page = board_page(&BoardRun::read(output.in_progress())?, None);
     output.write(REPORT, page.as_bytes())
 }

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use zerorate_cal::summary::{AxisSoaks, Check, SoakPoint, Soaks};
-use zerorate_core::units::Axis;
+use zerorate_core::drift::Drift;
+use zerorate_core::units::{Axis, Celsius, Counts};
 
 use crate::evaluate::extremes;
 use crate::measure::Measured;
@@ -34,20 +35,25 @@ fn of_axis(soaks: &[Soak], setup: &SetUp, measured: &Measured, axis: Axis) -> Ax
     let [coldest, hottest] = extremes(measured.ramp.iter().map(|taken| taken.temperature(axis).0));
     // A soak at an end of the ramp is as near to it as a chamber is held.
     let margin = AT_SET_POINT.0 * setup.board.counts_per_celsius;
-    let point = |soak: &Soak| {
-        let (temperature, zro) = soak.means[axis.index()];
-        SoakPoint {
-            chamber_c: soak.set_point.0,
-            temperature_counts: temperature.0,
-            zro_counts: zro.0,
-            ramp_counts: drift.evaluate(temperature.0).0,
-            outside_ramp: !(coldest - margin..=hottest + margin).contains(&temperature.0),
-        }
-    };
-    let points: Vec<SoakPoint> = soaks.iter().map(point).collect();
+    let points: Vec<SoakPoint> = soaks
+        .iter()
+        .map(|soak| point(soak.set_point, soak.means[axis.index()], drift, [coldest - margin, hottest + margin]))
+        .collect();
     let inside = points.iter().filter(|soak| !soak.outside_ramp);
     let max_difference_counts = inside.map(|soak| (soak.zro_counts - soak.ramp_counts).abs()).reduce(f64::max);
     AxisSoaks { max_difference_counts, points }
+}
+
+/// A soak's mean temperature and reading beside the curve; `ramp` are the temperatures over which the two are compared.
+fn point(set_point: Celsius, (temperature, zro): (Counts, Counts), drift: &Drift, ramp: [f64; 2]) -> SoakPoint {
+    SoakPoint {
+        chamber_c: set_point.0,
+        temperature_counts: temperature.0,
+        zro_counts: zro.0,
+        // Not held at the ramp's end, by which a steep drift would differ from a soak a little outside of it.
+        ramp_counts: drift.shape.evaluate(temperature.0),
+        outside_ramp: !(ramp[0]..=ramp[1]).contains(&temperature.0),
+    }
 }
 
 /// Holds the differences against the limit, and how many there are against half of the soaks: fewer say too little.
@@ -70,6 +76,7 @@ pub fn check(soaks: &Soaks, limits: &Limits) -> Vec<Check> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zerorate_core::drift::{Polynomial, Scale, Shape, ValidRange};
 
     /// Soaks of X of which so many lie on the ramp, one count from its curve.
     fn soaks(on_the_ramp: usize, outside: usize) -> Soaks {
@@ -83,6 +90,23 @@ mod tests {
         let points = [vec![point(false); on_the_ramp], vec![point(true); outside]].concat();
         let axis = AxisSoaks { max_difference_counts: (on_the_ramp > 0).then_some(1.0), points };
         Soaks { ramp_hours: 2.0, soak_hours: 4.0, hours_saved: 2.0, axes: [("x".to_owned(), axis)].into() }
+    }
+
+    #[test]
+    fn a_soak_a_little_below_the_ramp_is_held_against_the_curve_there_and_not_against_its_end() {
+        // 8200 + 0.2 (T - 8600), from 8530 counts on; a soak that is cooler by 12 counts reads 2.4 counts less.
+        let scale = Scale::spanning(8530.0, 8670.0).unwrap();
+        let shape = Shape::Polynomial(Polynomial::new(scale, &[8200.0, 14.0]).unwrap());
+        let drift = Drift { shape, valid: ValidRange::new(8530.0, 8670.0).unwrap() };
+        let soak = |temperature: f64| {
+            let zro = 8200.0 + 0.2 * (temperature - 8600.0);
+            point(Celsius(-40.0), (Counts(temperature), Counts(zro)), &drift, [8530.0 - 17.0, 8670.0 + 17.0])
+        };
+        for (temperature, outside) in [(8518.0, false), (8530.0, false), (8685.0, false), (8500.0, true)] {
+            let soak = soak(temperature);
+            assert!((soak.zro_counts - soak.ramp_counts).abs() < 1e-9, "{soak:?}");
+            assert_eq!(soak.outside_ramp, outside, "{soak:?}");
+        }
     }
 
     #[test]

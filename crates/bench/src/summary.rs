@@ -21,7 +21,7 @@ pub fn summary(run: &Calibrated, recordings: Vec<Origin>, wall_s: f64) -> Summar
         plant: run.unit.plant.map(|(kind, _)| kind.name().to_owned()),
         seed: run.unit.plant.map(|(_, seed)| seed),
         serial: run.unit.serial.to_string(),
-        verdict: if failed().next().is_none() { Verdict::Good } else { Verdict::Rejected },
+        verdict: verdict(run),
         wall_s,
         trim_part: board.trim_part.clone(),
         counts_per_dps: board.counts_per_dps,
@@ -32,6 +32,16 @@ pub fn summary(run: &Calibrated, recordings: Vec<Origin>, wall_s: f64) -> Summar
         soaks: run.soaks.clone(),
         failed_checks: failed().map(Check::sentence).collect(),
         warnings: run.measured.calibration.warnings.clone(),
+    }
+}
+
+/// Good, where every check was passed and no compensation has made its axis worse in any test.
+fn verdict(run: &Calibrated) -> Verdict {
+    let is_worse = || run.verifications.iter().flat_map(|test| &test.results).any(|result| result.warning().is_some());
+    match run.checks.iter().all(|check| check.passed) {
+        false => Verdict::Rejected,
+        true if is_worse() => Verdict::Warning,
+        true => Verdict::Good,
     }
 }
 

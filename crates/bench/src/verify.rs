@@ -108,9 +108,10 @@ fn check_one(result: &TestResult, by_trim: Option<&TestResult>, limits: &Limits,
     if let Some(crossed) = result.taps_crossed {
         checks.push(Check {
             what: format!("{whose}: wiper writes"),
-            limit: format!("the {crossed} taps crossed"),
+            // One fewer is a tap at an end of the ramp, to which noise had brought the wiper before or not yet.
+            limit: format!("at most the {crossed} taps crossed"),
             measured: format!("{} writes", result.wiper_writes),
-            passed: result.wiper_writes == crossed,
+            passed: result.wiper_writes <= crossed,
         });
     }
     checks
@@ -131,5 +132,19 @@ mod tests {
         assert_eq!(told(40.0, 40.004), strings("at most 40.000 counts", "40.004 counts", false));
         assert_eq!(told(0.02, 0.3), strings("at most 0.02 counts", "0.30 counts", false));
         assert_eq!(told(40.0, 40.0), strings("at most 40.0 counts", "40.0 counts", true));
+    }
+
+    #[test]
+    fn a_write_more_than_taps_crossed_is_chatter_and_one_fewer_is_none() {
+        let text = r#"{"mode":"trim","axis":"y","control":"x","direction":"heating","residual_pp_counts":30.0,
+            "residual_rms_counts":1.0,"uncompensated_pp_counts":400.0,"control_pp_counts":400.0,"wiper_writes":22,
+            "taps_crossed":22,"mean_counts":8200.0,"largest_step_counts":0.5}"#;
+        let result: TestResult = serde_json::from_str(text).unwrap();
+        for (wiper_writes, passes) in [(21, true), (22, true), (23, false)] {
+            let result = TestResult { wiper_writes, ..result.clone() };
+            let checks = check(&[&result], &Limits::default(), 8200.0);
+            let writes = checks.iter().find(|check| check.what.ends_with("wiper writes")).unwrap();
+            assert_eq!((writes.passed, writes.limit.as_str()), (passes, "at most the 22 taps crossed"));
+        }
     }
 }

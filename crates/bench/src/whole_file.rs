@@ -48,6 +48,15 @@ impl WholeFile {
         Ok(Self { path: path.to_owned(), file })
     }
 
+    /// Where what was written so far can be read; `None` of a device, which keeps nothing.
+    #[must_use]
+    pub fn written(&self) -> Option<&Path> {
+        match &self.file {
+            Written::Beside(file) => Some(file.path()),
+            Written::There(_) => None,
+        }
+    }
+
     /// Moves the file to its place.
     ///
     /// # Errors

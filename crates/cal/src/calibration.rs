@@ -182,7 +182,7 @@ impl Calibration {
         let mut text = serde_json::to_string_pretty(&versioned).map_err(|error| unwritable(&error))?;
         text.push('\n');
         // JSON has no NaN: it is written as null, which only a reader notices.
-        Self::from_json(&text).map_err(|error| unwritable(&error))?;
+        Self::from_json(&text).map_err(|_| unwritable(&"a number in it is not finite"))?;
         Ok(text)
     }
 }

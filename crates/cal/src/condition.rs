@@ -11,14 +11,12 @@ mod motion;
 mod settle;
 mod step;
 mod temperature;
-mod weight;
 
 use serde::Serialize;
 
-pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUPS};
+pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUPS, weigh};
 pub use level::{Levels, leave_out_times, level};
-pub use temperature::{dequantise, extend_to_the_start};
-pub use weight::weigh;
+pub use temperature::{dequantise, extend_to_the_start, leave_out_untrue_temperatures};
 
 /// Why rows were left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -30,7 +28,7 @@ pub enum DropReason {
     MissingRate,
     /// Far from their neighbours at the very start of the log.
     StartUp,
-    /// A temperature far from its neighbours.
+    /// A temperature far from its neighbours, or in an interval to which it jumped away.
     TemperatureSpike,
     /// A rate far from its neighbours.
     Spike,
@@ -40,7 +38,7 @@ pub enum DropReason {
     Step,
     /// In a group within which nothing was logged for long.
     Gap,
-    /// In an interval in which the temperature stood still, and then jumped.
+    /// In an interval in which the temperature stood still, and then jumped; or in which a noisy one stood still.
     FrozenTemperature,
 }
 
@@ -130,6 +128,15 @@ pub struct Step {
     pub temperature: (f64, f64),
     /// After less before, rate units.
     pub size: f64,
+    /// The standard error of that, by the noise of the averages around it.
+    pub error: f64,
+}
+
+impl Step {
+    /// Whether a group lies in it, and is of both sides.
+    fn holds(&self, group: &Group) -> bool {
+        self.rows.0 <= group.first_row && group.end_row <= self.rows.1
+    }
 }
 
 #[cfg(test)]

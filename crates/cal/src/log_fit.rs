@@ -8,12 +8,11 @@ mod averages;
 mod gather;
 mod grouped;
 mod json;
-mod one_way;
+pub(crate) mod one_way;
 mod overlap;
 mod part;
 mod plain;
 mod repeated;
-mod still;
 mod words;
 
 use std::collections::BTreeMap;

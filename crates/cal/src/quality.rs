@@ -79,7 +79,7 @@ pub enum ReasonKind {
     DuplicateSerial,
     /// Warning: rows without a number.
     MissingValues,
-    /// Warning: single rows far from their neighbours.
+    /// Warning: rows far from their neighbours.
     Spikes,
     /// Warning: an interval in which the unit was moved.
     Rotation,
@@ -89,7 +89,7 @@ pub enum ReasonKind {
     StartUp,
     /// Warning: nothing was logged for a while.
     Gap,
-    /// Warning: the temperature stood still for a while, then jumped.
+    /// Warning: the temperature stood still for a while though it has noise, or then jumped.
     FrozenTemperature,
     /// Warning: the temperature comes in coarse steps.
     CoarseTemperature,

@@ -22,7 +22,7 @@ pub use judge::judge_survey;
 pub use survey::{AxisSurvey, FoldSurvey, fold_of};
 
 use crate::calibration::AxisCalibration;
-use crate::log_fit::{AxisFit, AxisVerdict, FitOptions, LogFit};
+use crate::log_fit::{AxisFit, AxisVerdict, FitOptions, LogFit, one_way};
 use crate::quality::{Judgement, Reason, ReasonKind, Verdict};
 use crate::recording::{GroupRow, Recording, status};
 use crate::source::Source;
@@ -116,7 +116,8 @@ impl RampMeans {
 pub fn fit_recording(recording: &Recording, source: &Source, options: &FitOptions) -> LogFit {
     let mut fit = LogFit::new(std::slice::from_ref(source));
     fit.sources[0].started = recording.info.started.map(SystemTime::from);
-    let expected = recording.info.ramp_groups();
+    let expected = expected_groups(recording);
+    let mut passed = Vec::new();
     for axis in Axis::BOTH {
         let means = RampMeans::of(recording, axis);
         let mut judgement = Judgement::default();
@@ -125,12 +126,25 @@ pub fn fit_recording(recording: &Recording, source: &Source, options: &FitOption
             fit.judgement.add_as(verdict_of(reason, options.allow_narrow), reason.clone());
         }
         fit.verdicts.push(AxisVerdict { name: axis.name().to_owned(), judgement });
+        if !means.temperatures.is_empty() {
+            passed.push(means.temperatures.iter().map(|temperature| (*temperature, true)).collect());
+        }
     }
+    // Each axis went the same way.
+    one_way::reason(&passed).into_iter().for_each(|reason| fit.judgement.add(reason));
     // A board is calibrated as a whole or not at all.
     if fit.judgement.rejected() {
         fit.axes.clear();
     }
     fit
+}
+
+/// The groups that the ramps of a recording are to have: those of the set-up, where the bench drove the chamber. A chamber that
+/// it could not ask, whose air no row tells, goes at its own pace, and the ramp ends where that arrives: only a recording that
+/// was not finished is held against the plan.
+fn expected_groups(recording: &Recording) -> Option<u64> {
+    let driven = recording.rows.iter().any(|row| row.chamber_c.is_finite());
+    recording.info.ramp_groups().filter(|_| driven || recording.cut)
 }
 
 /// What a reason makes of a unit.

@@ -35,7 +35,7 @@ pub struct Summary {
     pub seed: Option<u64>,
     /// The unit's serial.
     pub serial: String,
-    /// Good or rejected.
+    /// Good; a warning where a compensation made its axis worse in a test; rejected where a check was not passed.
     pub verdict: Verdict,
     /// How long the run took by the wall clock, seconds.
     pub wall_s: f64,
@@ -264,6 +264,13 @@ impl Summary {
     pub fn headline(&self) -> [Option<&TestResult>; 2] {
         let axis = self.tests.first().map(|test| test.axis);
         [Mode::Trim, Mode::Hybrid].map(|mode| self.test(axis?, mode, Phase::Heating))
+    }
+
+    /// The same axis's test in the cooling ramp, by the last of these that was run there.
+    #[must_use]
+    pub fn cooling(&self) -> Option<&TestResult> {
+        let axis = self.tests.first().map(|test| test.axis)?;
+        [Mode::Hybrid, Mode::Trim].into_iter().find_map(|mode| self.test(axis, mode, Phase::Cooling))
     }
 
     /// What an axis did in the heating ramp of the full-temperature test, counts peak to peak; NaN for one that is not

@@ -7,6 +7,7 @@ use serde::Serialize;
 use zerorate_cal::log_fit::AxisFit;
 use zerorate_cal::trace::TracePoint;
 use zerorate_fit::robust::noise;
+use zerorate_fit::shrinkage::shrunk;
 
 use super::span;
 
@@ -27,7 +28,8 @@ pub struct Hysteresis {
     pub mean: f64,
     /// Its standard error, by the noise from one average to the next.
     pub mean_standard_error: f64,
-    /// Heating less cooling where it is largest: noise makes the largest of many a little larger.
+    /// Heating less cooling where it is likely to be largest: each temperature's difference drawn towards the mean by the share of
+    /// noise in how they scatter ([`shrunk`]).
     pub largest: f64,
     /// Its standard error.
     pub standard_error: f64,
@@ -85,21 +87,26 @@ impl Hysteresis {
         if is_noise(largest.value, standard_error) && is_noise(mean, mean_standard_error) {
             let scale = RateScale::of(axis.calibration.rate_unit, &[mean, mean_standard_error], asked);
             return Err(format!(
-                "heating and cooling differ nowhere by more than their noise, on average by {} ± {}",
+                "heating and cooling differ nowhere by more than {TELLING:.0} standard errors, on average by {} ± {}",
                 scale.number(mean),
                 scale.told(mean_standard_error)
             ));
         }
+        // The largest of many noisy bins is the noisiest: each counts as what it is likely to be.
+        let (values, errors): (Vec<f64>, Vec<f64>) = both.iter().map(|own| (own.value, noise * own.error)).unzip();
+        let likely = shrunk(&values, &errors).into_iter().zip(&both);
+        let ((largest, standard_error), place) =
+            likely.max_by(|(a, _), (b, _)| a.0.abs().total_cmp(&b.0.abs())).ok_or("no temperature")?;
         let squares: f64 = both.iter().map(|own| own.value.powi(2) - (noise * own.error).powi(2)).sum();
         let less = mean_of(&differences(points, warming, less_drift_in_time)).0;
         Ok(Self {
             mean,
             mean_standard_error,
-            largest: largest.value,
+            largest,
             standard_error,
-            at: min + (max - min) * (largest.bin as f64 + 0.5) / BINS as f64,
+            at: min + (max - min) * (place.bin as f64 + 0.5) / BINS as f64,
             rms: (squares.max(0.0) / both.len() as f64).sqrt(),
-            share: largest.value.abs() / axis.calibration.measured_drift().peak_to_peak(),
+            share: largest.abs() / axis.calibration.measured_drift().peak_to_peak(),
             less_drift_in_time: Some(less).filter(|less| !is_noise(less - mean, mean_standard_error)),
         })
     }

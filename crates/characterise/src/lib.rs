@@ -93,13 +93,13 @@ fn level(points: &[TracePoint]) -> Vec<TracePoint> {
     points.chunk_by(|a, b| a.log == b.log).flat_map(log).collect()
 }
 
-/// What the log does not hold, and why, a sentence each: `x, y: no thermal hysteresis: the log holds one direction ...`.
+/// What the log does not hold, and why, a sentence each: `x, y: thermal hysteresis cannot be told: the log holds one direction ...`.
 pub fn missing<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Characteristics)>) -> Vec<String> {
     let mut missing: Vec<(String, Vec<&str>)> = Vec::new();
     for (name, found) in axes {
         let [hysteresis, ramp] = [found.hysteresis.as_ref().err(), found.ramp_sensitivity.as_ref().err()];
         for (what, why) in [("thermal hysteresis", hysteresis), ("ramp sensitivity", ramp)] {
-            let Some(sentence) = why.map(|why| format!("no {what}: {why}")) else { continue };
+            let Some(sentence) = why.map(|why| format!("{what} cannot be told: {why}")) else { continue };
             match missing.iter_mut().find(|(told, _)| *told == sentence) {
                 Some((_, names)) => names.push(name),
                 None => missing.push((sentence, vec![name])),

@@ -43,7 +43,7 @@ fn a_straight_drift_has_its_slope_and_neither_hysteresis_nor_ramp_sensitivity() 
     let found = cycle(0.0, 0.0);
     assert!((found.temperature_sensitivity.mean / 1e-3 - 1.0).abs() < 0.01, "{found:?}");
     assert!((found.temperature_sensitivity.steepest / 1e-3 - 1.0).abs() < 0.01);
-    assert!(found.hysteresis.unwrap_err().contains("differ nowhere by more than their noise"));
+    assert!(found.hysteresis.unwrap_err().contains("differ nowhere by more than 4 standard errors"));
     assert!(found.ramp_sensitivity.unwrap().value.abs() < 1e-3);
 }
 
@@ -58,7 +58,7 @@ fn hysteresis_is_heating_less_cooling() {
 fn noise_alone_is_no_hysteresis_and_neither_is_a_drift_in_time() {
     let mut state = 7;
     let found = two_cycles("poly:1", |_, _, _| 1e-3 * normal(&mut state)).hysteresis.unwrap_err();
-    assert!(found.contains("differ nowhere by more than their noise"), "{found}");
+    assert!(found.contains("differ nowhere by more than 4 standard errors"), "{found}");
     // Over a log of 4000 s it drifts by ten times the noise of an average of 21 rows: what is recorded differs, and less that
     // drift it does not.
     let found = two_cycles("auto", |row, _, _| 5e-7 * f64::from(row) + 1e-3 * normal(&mut state)).hysteresis.unwrap();

@@ -75,7 +75,7 @@ impl ShownUnits {
         let fits = found.is_empty() || found.iter().any(|unit| asked.in_unit(*unit).is_some());
         ensure!(
             fits,
-            "--units {asked}: the rates are in {}, and what one of those is in {asked} nobody knows",
+            "--units {asked}: the rates are in {}, and are told in those alone, not in {asked}: leave --units out",
             found[0]
         );
         Ok(Some(asked))

@@ -76,8 +76,8 @@ pub(super) fn write_csv(calibration: &Calibration) -> Exported {
     let names: Vec<String> = histories.map(|(name, _)| one_line(name)).collect();
     if !names.is_empty() {
         notes.push(format!(
-            "the history (plays, lags) of {} is not in the table: these are the curves without it, and what `apply` takes off is \
-             not these curves alone",
+            "the history (plays, lags) of {} is not in the table: these are the curves without it, and the calibration takes off \
+             more than these curves",
             names.join(", ")
         ));
     }

@@ -17,6 +17,11 @@ pub enum Remark {
         /// How many.
         bytes: u64,
     },
+    /// Rows of a time or a temperature that none can be.
+    Impossible {
+        /// How many.
+        rows: u64,
+    },
     /// Time begins anew in the file.
     SeveralLogs {
         /// How often.
@@ -75,7 +80,7 @@ impl Remark {
     /// Whether a part of the file was lost.
     #[must_use]
     pub fn is_damage(&self) -> bool {
-        matches!(self, Self::Cut { .. } | Self::Damaged { .. })
+        matches!(self, Self::Cut { .. } | Self::Damaged { .. } | Self::Impossible { .. })
     }
 }
 
@@ -88,6 +93,10 @@ impl fmt::Display for Remark {
             Self::Damaged { bytes } => {
                 write!(f, "{bytes} bytes of the file are damaged and were passed over: the rest was read")
             }
+            Self::Impossible { rows } => write!(
+                f,
+                "{rows} rows have a time or a temperature that none can be: the file is damaged there, and they were left out"
+            ),
             Self::SeveralLogs { restarts } => write!(
                 f,
                 "time begins anew {restarts} times in the file: it holds {} logs, which were taken one after the other",

@@ -14,7 +14,7 @@ fn main() -> io::Result<()> {
     fs::create_dir_all(&folder)?;
     let log = sample::log();
     let pages = [
-        ("calibration.html", board_page(&sample::board_run())),
+        ("calibration.html", board_page(&sample::board_run(), None)),
         (
             "log.html",
             LogPage {

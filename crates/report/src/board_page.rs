@@ -12,11 +12,12 @@ mod versus;
 use maud::{Markup, html};
 use zerorate_cal::board_run::BoardRun;
 use zerorate_cal::summary::Summary;
+use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
 use zerorate_core::units::Axis;
 
 use self::axis::BoardAxis;
 use super::figure::{Ink, Second};
-use super::number::fixed;
+use super::number::{fixed, significant};
 use super::page::{self, Chapter};
 
 /// Seconds in a minute: figures show time in minutes.
@@ -26,14 +27,18 @@ const MINUTE_S: f64 = 60.0;
 struct Board<'a> {
     run: &'a BoardRun,
     summary: &'a Summary,
+    /// The unit of what is told as a rate beside its counts.
+    rate: RateScale,
     axes: Vec<BoardAxis<'a>>,
 }
 
-/// The page of a board's run as one self-contained HTML file. Equal files make equal bytes.
+/// The page of a board's run as one self-contained HTML file. Equal files make equal bytes. What is told as a rate beside its
+/// counts is in deg/s, or in the unit asked for.
 #[must_use]
-pub fn board_page(run: &BoardRun) -> String {
+pub fn board_page(run: &BoardRun, units: Option<WrittenRate>) -> String {
     let axes = Axis::BOTH.into_iter().filter_map(|axis| BoardAxis::of(run, axis)).collect();
-    let board = Board { run, summary: &run.summary, axes };
+    let rate = RateScale::of(RateUnit::Dps, &[f64::INFINITY], units);
+    let board = Board { run, summary: &run.summary, rate, axes };
     let mut chapters: Vec<Chapter> = vec![
         ("drift", "The drift", drift::chapter(&board)),
         ("trim", "The trim", trim::chapter(&board)),
@@ -66,6 +71,19 @@ impl Board<'_> {
     fn temperature(&self, counts: f64) -> String {
         let celsius = self.celsius().map(|scale| format!(" ({}\u{a0}°C)", fixed(scale.of(counts), 1)));
         format!("{} counts{}", fixed(counts, 0), celsius.unwrap_or_default())
+    }
+
+    /// Counts as a rate, without its unit.
+    fn rate(&self, counts: f64) -> Markup {
+        significant(self.rate.of_rate(counts / self.summary.counts_per_dps.abs()), 3)
+    }
+
+    /// The unit of that.
+    fn rate_unit(&self) -> &'static str {
+        match self.rate.unit() {
+            "dps" => "deg/s",
+            unit => unit,
+        }
     }
 
     /// The tap at which the drift was recorded.

@@ -10,10 +10,12 @@ mod lot_page;
 pub mod number;
 mod page;
 mod paper;
+mod ranges;
 mod trend;
 
 pub use board_page::board_page;
 pub use by_log::by_log_sentence;
 pub use log_page::LogPage;
 pub use lot::{LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
+pub use ranges::{believed_temperatures, measured_temperatures};
 pub use trend::trend_sentences;

@@ -15,7 +15,7 @@ const MOST_BYTES: usize = 1_500_000;
 
 fn pages() -> [String; 4] {
     let (lot, small) = (sample::lot(204, 0.37), sample::lot(1, 0.0));
-    [board_page(&sample::board_run()), log_page(&sample::log()), lot.to_html(), small.to_html()]
+    [board_page(&sample::board_run(), None), log_page(&sample::log()), lot.to_html(), small.to_html()]
 }
 
 fn log_page(fit: &LogFit) -> String {
@@ -95,7 +95,7 @@ fn headings_go_down_one_level_at_a_time() {
 
 #[test]
 fn a_calibration_shows_the_papers_figures_and_corrects_its_erratum_aloud() {
-    let page = board_page(&sample::board_run());
+    let page = board_page(&sample::board_run(), None);
     for figure in ["Figure 2.", "Figure 3.", "Figure 4.", "Figure 6a.", "Figure 6d."] {
         assert!(page.contains(figure), "{figure}");
     }
@@ -107,13 +107,13 @@ fn a_calibration_shows_the_papers_figures_and_corrects_its_erratum_aloud() {
 fn a_board_run_shows_when_it_was_begun_and_every_recording_that_it_left() {
     let files = ["full-temperature", "trim-sweep", "compensation-test-trim", "compensation-test-hybrid", "soaks"];
     let mut run = sample::board_run();
-    assert!(!board_page(&run).contains("Begun"), "a simulated run has no date");
+    assert!(!board_page(&run, None).contains("Begun"), "a simulated run has no date");
     run.full_temperature.info.started = Some("2026-03-01T08:05:59Z".parse().unwrap());
     let first = run.summary.recordings[0].clone();
     run.summary.recordings = files
         .map(|file| Origin { file: format!("{file}.parquet"), sha256: format!("hash of {file}"), ..first.clone() })
         .into();
-    let page = board_page(&run);
+    let page = board_page(&run, None);
     assert!(page.contains("<dt>Begun</dt><dd>2026-03-01 08:05 UTC</dd>"));
     for file in files {
         assert!(page.contains(&format!("of {file}.parquet, SHA-256 <code>hash of {file}</code>")), "{file}");
@@ -125,7 +125,7 @@ fn every_word_from_outside_is_escaped() {
     let mut run = sample::board_run();
     run.summary.serial = "<b>&\"".into();
     run.summary.warnings.push("<i>".into());
-    let page = board_page(&run);
+    let page = board_page(&run, None);
     assert!(!page.contains("<b>&\"") && !page.contains("<i><"));
     let mut log = sample::log();
     log.axes[0].name = "<q>".into();
@@ -174,7 +174,7 @@ fn a_calibration_without_tests_soaks_and_checks_is_a_page_all_the_same() {
     run.summary.soaks = None;
     run.summary.checks.clear();
     run.calibration.axes.values_mut().flat_map(|axis| &mut axis.trim).for_each(|trim| trim.trim.measured = None);
-    let page = board_page(&run);
+    let page = board_page(&run, None);
     assert!(page.contains("no compensation test was run") && page.contains("Nothing was checked against a limit"));
 }
 
@@ -311,20 +311,20 @@ fn a_trend_that_is_left_is_named() {
 #[test]
 fn degrees_stand_beside_counts_where_the_set_up_knows_them() {
     let mut run = sample::board_run();
-    let page = board_page(&run);
+    let page = board_page(&run, None);
     // 8500 counts are -40 °C and 11 900 are 60 °C by the paper's 34 counts a degree.
     assert!(
         page.contains("8500 counts (\u{2212}40.0\u{a0}°C) to") && page.contains(">60\u{a0}°C</text>"),
         "{page:.3000}"
     );
     run.calibration.setup = None;
-    let page = board_page(&run);
+    let page = board_page(&run, None);
     assert!(page.contains("from 8500 counts to") && !page.contains("°C</text>"));
 }
 
 #[test]
 fn a_rejected_unit_says_why_before_what_it_does_well_and_by_whom_it_was_made() {
-    let page = board_page(&sample::board_run());
+    let page = board_page(&sample::board_run(), None);
     let at = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words}"));
     assert!(at("checks failed") < at("Over one heating ramp") && at("checks failed") < at("What a deployed device"));
     assert!(at("A. N.") < at("<section") && at("SHA-256 <code>") > at("How to read the numbers</h2>"));

@@ -3,6 +3,8 @@
 use std::io::{self, Write};
 
 use thiserror::Error;
+use zerorate_core::drift::ValidRange;
+use zerorate_fit::drift_fit::DriftFit;
 use zerorate_fit::predict::{DriftModel, Predictor, Start};
 
 use super::{Applied, ApplyError, RowTold, cell};
@@ -40,8 +42,12 @@ pub struct AppliedSensors {
     pub corrected: Vec<String>,
     /// The least and the greatest temperature over which all of their curves hold, degrees C.
     pub calibrated_temperature: [f64; 2],
+    /// The same of what all of them were fitted to.
+    pub measured_temperature: [f64; 2],
     /// The sensors of the log that the calibration is not for: their rows were not written.
     pub passed_over: Vec<String>,
+    /// Those that were not asked for, whether the calibration has them or not.
+    pub not_asked_for: Vec<String>,
     /// What was guessed or is wrong with the file, a sentence each.
     pub notes: Vec<String>,
 }
@@ -86,14 +92,17 @@ pub fn apply_to_sensors(
         .flat_map(|(sensor, stream)| (0..stream.names.len()).map(move |at| (sensor, at)))
         .collect();
     let logged: Vec<Known<'_>> = axes.iter().map(|(sensor, at)| known(&met.0[*sensor], *at)).collect();
-    let own = calibrated(calibration, sensor);
+    let choice = sensor;
+    let own = calibrated(calibration, choice);
     let faulty = |fault: SensorFault| ApplyError::from(log.faulty::<SensorFault>(fault));
     let places = places(&own, &logged).map_err(|error| faulty(error.into()))?;
     let mut done = AppliedSensors {
         applied: Applied::default(),
         corrected: Vec::new(),
         calibrated_temperature: [f64::NEG_INFINITY, f64::INFINITY],
+        measured_temperature: [f64::NEG_INFINITY, f64::INFINITY],
         passed_over: Vec::new(),
+        not_asked_for: Vec::new(),
         notes: Vec::new(),
     };
     let mut sensors: Vec<Corrected<'_>> = met.0.iter().map(Corrected::none).collect();
@@ -109,14 +118,19 @@ pub fn apply_to_sensors(
             return Err(faulty(unit("C", calibration.temperature_unit.name())));
         }
         let (sensor, at) = axes[place];
-        sensors[sensor].axes[at] = Some(Axis::new(&calibration.axes[own.name].fit.model, start, factor));
+        sensors[sensor].axes[at] = Some(Axis::new(&calibration.axes[own.name].fit, start, factor));
         let (valid, [min, max]) = (calibration.axes[own.name].drift().valid, done.calibrated_temperature);
         done.calibrated_temperature = [min.max(valid.min()), max.min(valid.max())];
+        let (measured, [min, max]) = (calibration.axes[own.name].fit.measured, done.measured_temperature);
+        done.measured_temperature = [min.max(measured.min()), max.min(measured.max())];
         done.corrected.push(logged[place].name.to_owned());
         done.notes.extend(renamed(logged[place].name, own.name));
     }
-    let of_none = sensors.iter().filter(|sensor| !sensor.is_wanted());
-    done.passed_over.extend(of_none.map(|sensor| sensor.name.clone()));
+    for (sensor, stream) in sensors.iter().zip(&met.0).filter(|(sensor, _)| !sensor.is_wanted()) {
+        let asked_for = choice.zip(stream.sensor).is_none_or(|(choice, sensor)| choice.takes(&sensor));
+        let those = if asked_for { &mut done.passed_over } else { &mut done.not_asked_for };
+        those.push(sensor.name.clone());
+    }
     let mut writing = Writing {
         writer: csv::Writer::from_writer(output),
         sensors,
@@ -164,6 +178,7 @@ struct Corrected<'a> {
 
 struct Axis<'a> {
     model: &'a DriftModel,
+    measured: ValidRange,
     start: Start,
     predictor: Predictor<'a>,
     /// The log's units in one of the calibration's.
@@ -171,8 +186,9 @@ struct Axis<'a> {
 }
 
 impl<'a> Axis<'a> {
-    fn new(model: &'a DriftModel, start: Start, factor: f64) -> Self {
-        Self { model, start, predictor: Predictor::new(model, start), factor }
+    fn new(fit: &'a DriftFit, start: Start, factor: f64) -> Self {
+        let DriftFit { model, measured, .. } = fit;
+        Self { model, measured: *measured, start, predictor: Predictor::new(model, start), factor }
     }
 }
 
@@ -230,7 +246,7 @@ impl<W: Write> Writing<'_, W> {
             for (axis, values) in sensor.axes.iter_mut().zip(rows.values) {
                 let bias = axis.as_mut().map_or(f64::NAN, |axis| {
                     let predicted = axis.predictor.predict(time_s, temperature);
-                    told.take(temperature, &predicted);
+                    told.take(temperature, axis.measured, &predicted);
                     axis.factor * predicted.bias
                 });
                 cells.extend([bias, values[row] - bias].map(cell));

@@ -18,6 +18,8 @@ fn model(column: &str) -> AppliedModel {
         temperature: "temp".to_owned(),
         written_temperature: WrittenTemperature::Celsius,
         model: DriftModel::of_curve(drift),
+        // Believed as far past it as of a model by `auto`.
+        measured: ValidRange::new(2.5, 17.5).unwrap(),
         factor: 1.0,
     }
 }
@@ -42,14 +44,15 @@ fn every_row_and_column_is_kept_and_two_are_added_for_each_rate() {
     assert_eq!(lines[1], "0,1.5,\"a, b\",1,1,0.5,1,0");
     assert_eq!(lines[2], "10,nan,7,,2,,2,", "a row without a rate keeps its prediction");
     assert_eq!(lines[3], ",3,d,4,,,,");
-    assert_eq!(applied.unwrap(), Applied { rows: 3, without_temperature: 1, ..Applied::default() });
+    assert_eq!(applied.unwrap(), Applied { rows: 3, without_temperature: 1, unmeasured: 1, ..Applied::default() });
 }
 
 #[test]
 fn outside_the_valid_range_the_curve_is_held_and_counted() {
-    let (applied, text) = correct("temp,x,y\n-50,0,0\n90,0,0\n");
+    let (applied, text) = correct("temp,x,y\n-50,0,0\n90,0,0\n1,0,0\n10,0,0\n");
     assert!(text.contains("-50,0,0,1,-1,1,-1") && text.contains("90,0,0,3,-3,3,-3"), "{text}");
-    assert_eq!(applied.unwrap().outside, 2);
+    let applied = applied.unwrap();
+    assert_eq!((applied.outside, applied.unmeasured), (2, 3));
 }
 
 #[test]

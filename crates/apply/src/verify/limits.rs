@@ -170,8 +170,13 @@ impl Limits {
                 let most = limit.in_unit(&axis.name, axis.rate_unit)?;
                 if found.is_nan() || found > most {
                     let (name, times) = (&axis.name, found / most);
+                    // Two numbers that are written alike are no statement.
+                    let times = match format!("{times:.2}").as_str() {
+                        "1.00" => "just over".to_owned(),
+                        times => format!("{times} times"),
+                    };
                     missed.push(format!(
-                        "{name}: {what} {}, {times:.2} times the limit of {limit}",
+                        "{name}: {what} {}, {times} the limit of {limit}",
                         RateScale::of(axis.rate_unit, &[found], told_in).told(found)
                     ));
                 }

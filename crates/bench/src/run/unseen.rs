@@ -50,7 +50,7 @@ impl Session<'_> {
                 Seen::Warning(text) => self.warn(text),
                 Seen::Begun => {
                     begun = true;
-                    self.progress.note(&format!("the ramp has begun; {groups} groups of it are taken"));
+                    self.progress.note(&format!("the ramp has begun; at most {groups} groups of it are taken"));
                 }
                 Seen::Settled => {
                     self.progress.note(&format!("the ramp has ended after {} groups", taken.len()));

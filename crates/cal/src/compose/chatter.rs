@@ -33,10 +33,11 @@ impl fmt::Display for ChatterWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the temperature's noise moves the law by {:.4} taps rms where it is steepest, and the dead band is {:.3} taps: the wiper may chatter at a switching temperature; use a dead band of {:.3} taps or more, or longer groups",
+            "the temperature's noise moves the law by {:.4} taps rms where it is steepest, and the dead band is {} taps: the wiper may chatter at a switching temperature; use a dead band of {:.3} taps or more, or longer groups",
             self.noise_taps,
             self.dead_band,
-            self.quiet_dead_band()
+            // Rounded up: the advice is to be enough.
+            (1e3 * self.quiet_dead_band()).ceil() / 1e3
         )
     }
 }

@@ -3,6 +3,7 @@
 use super::{DropReason, Tally};
 use crate::log::Rows;
 use crate::units::TemperatureUnit;
+use zerorate_fit::crowding::weights;
 use zerorate_fit::robust::median;
 use zerorate_fit::spikes::{MIN_SEARCHED, outliers};
 
@@ -62,6 +63,9 @@ pub struct Group {
     pub temperature: f64,
     /// The least and greatest temperature of the rows kept; NaN without any.
     pub temperatures: (f64, f64),
+    /// The largest fall (below 0) and rise of the temperature from one row kept to the next, from the group before to this
+    /// one among them; across a time that a part may heat in, and across a log's start, there is none.
+    pub leap: (f64, f64),
     /// One part a rate column.
     pub axes: Vec<AxisGroup>,
 }
@@ -130,6 +134,8 @@ pub struct Grouping {
     /// The least change from one temperature to another.
     temperature_step: f64,
     last_temperature: f64,
+    /// The time and temperature of the last row kept of this part.
+    last_kept: Option<(f64, f64)>,
 }
 
 impl Grouping {
@@ -149,6 +155,7 @@ impl Grouping {
             tallies: vec![Tally::default(); axes],
             temperature_step: f64::INFINITY,
             last_temperature: f64::NAN,
+            last_kept: None,
         }
     }
 
@@ -164,6 +171,7 @@ impl Grouping {
         if rows.part != self.part {
             self.close();
             self.part = rows.part;
+            self.last_kept = None;
         }
         for temperature in rows.temperature.iter().filter(|temperature| temperature.is_finite()) {
             let step = (temperature - self.last_temperature).abs();
@@ -255,6 +263,7 @@ impl Grouping {
             let kept = column.iter().zip(&spikes).filter(|(rate, spike)| rate.is_finite() && !**spike);
             axes.push(average(kept.map(|(rate, _)| *rate)));
         }
+        let leap = self.leap(&usable);
         let kept = || self.temperatures.iter().zip(&usable).filter(|(_, usable)| **usable).map(|(t, _)| *t);
         let group = Group {
             log: self.log + self.part,
@@ -264,6 +273,7 @@ impl Grouping {
             times_s: (self.times[0], self.times[rows - 1]),
             temperature: mean(kept()),
             temperatures: kept().fold((f64::NAN, f64::NAN), |(a, b), t| (a.min(t), b.max(t))),
+            leap,
             axes,
         };
         let gap_s = self.length.gap_s();
@@ -280,6 +290,24 @@ impl Grouping {
         if self.groups.len() as u64 > 2 * MAX_GROUPS {
             self.halve();
         }
+    }
+
+    /// The largest changes of the temperature between rows of the open group ([`Group::leap`]). Without times only a group of
+    /// many rows tells that they are close.
+    fn leap(&mut self, usable: &[bool]) -> (f64, f64) {
+        let mut leap = (0.0_f64, 0.0_f64);
+        for row in (0..usable.len()).filter(|row| usable[*row]) {
+            let (time, temperature) = (self.times[row], self.temperatures[row]);
+            let close = |(before, _): &(f64, f64)| match time - before {
+                apart if apart.is_nan() => usable.len() >= MIN_SEARCHED,
+                apart => apart < GROUP_S,
+            };
+            if let Some((_, before)) = self.last_kept.filter(close) {
+                leap = (leap.0.min(temperature - before), leap.1.max(temperature - before));
+            }
+            self.last_kept = Some((time, temperature));
+        }
+        leap
     }
 
     /// Joins each two neighbours, and makes the groups to come twice as long.
@@ -319,6 +347,7 @@ impl Group {
         self.times_s.1 = next.times_s.1;
         self.temperature = between(self.temperature, next.temperature, share);
         self.temperatures = all_of(self.temperatures, next.temperatures);
+        self.leap = all_of(self.leap, next.leap);
         self.end_row = next.end_row;
         for (own, other) in self.axes.iter_mut().zip(&next.axes) {
             let share = f64::from(other.rows) / f64::from((own.rows + other.rows).max(1));
@@ -327,6 +356,14 @@ impl Group {
             own.rows += other.rows;
         }
     }
+}
+
+/// Weighs an axis's groups by how crowded their temperatures are ([`weights`]); 1 on average over those kept.
+pub fn weigh(groups: &mut [Group], axis: usize) {
+    let kept = |group: &&mut Group| group.axes[axis].rows > 0 && group.temperature.is_finite();
+    let mut kept: Vec<&mut Group> = groups.iter_mut().filter(kept).collect();
+    let found = weights(&kept.iter().map(|group| group.temperature).collect::<Vec<_>>()).unwrap_or_default();
+    kept.iter_mut().zip(found).for_each(|(group, weight)| group.axes[axis].weight = weight);
 }
 
 /// The least and greatest of two ranges; one that is NaN is none.

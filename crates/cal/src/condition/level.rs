@@ -4,16 +4,13 @@ use super::gap::{gaps, mark_gaps_within};
 use super::group::all_of;
 use super::motion::mark_moved;
 use super::settle::mark_settling;
-use super::step::take_out_steps;
+use super::step::{are_opposite, take_out_steps};
 use super::temperature::mark_frozen;
 use super::{DropReason, Excluded, Group, Step, Tally};
 use crate::units::TemperatureUnit;
 
 /// A jump of the temperature of more than this share of the least span, 0.5 C, explains a jump of the rate.
 const TEMPERATURE_JUMP: f64 = 0.05;
-
-/// Two steps in opposite directions whose sizes agree to this share are one interval of another rate.
-const AGREEMENT: f64 = 0.1;
 
 /// What was found.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -84,13 +81,22 @@ pub fn leave_out_times(groups: &mut [Group], tallies: &mut [Tally], times_s: &[(
         .iter()
         .map(|group| (group.axes.iter().any(|part| part.rows > 0) && overlaps(group)).then_some(DropReason::Rotation))
         .collect();
-    for (group, _) in groups.iter().zip(&marks).filter(|(_, mark)| mark.is_some()) {
+    leave_out_marked(groups, tallies, &marks)
+}
+
+/// Leaves out the groups that are marked, and counts their rows.
+pub(super) fn leave_out_marked(
+    groups: &mut [Group],
+    tallies: &mut [Tally],
+    marks: &[Option<DropReason>],
+) -> Vec<Excluded> {
+    for (group, reason) in groups.iter().zip(marks).filter_map(|(group, mark)| Some((group, (*mark)?))) {
         for (tally, part) in tallies.iter_mut().zip(&group.axes) {
-            tally.add(DropReason::Rotation, u64::from(part.rows));
+            tally.add(reason, u64::from(part.rows));
         }
     }
-    leave_out(groups, &marks);
-    excluded(groups, &marks)
+    leave_out(groups, marks);
+    excluded(groups, marks)
 }
 
 fn leave_out(groups: &mut [Group], marks: &[Option<DropReason>]) {
@@ -108,12 +114,14 @@ fn join_opposite_steps(groups: &mut [Group], steps: &mut Vec<Step>, marks: &mut 
     let mut place = 0;
     while place + 1 < steps.len() {
         let (first, second) = (&steps[place], &steps[place + 1]);
-        let same = first.axis == second.axis && (first.size + second.size).abs() < AGREEMENT * first.size.abs();
-        if !same {
+        if !are_opposite(first, second) {
             place += 1;
             continue;
         }
         let (axis, from, to, up, down) = (first.axis, first.row, second.row, first.size, second.size);
+        groups.iter().zip(marks.iter_mut()).filter(|(group, _)| first.holds(group)).for_each(|(_, mark)| {
+            *mark = Some(DropReason::Rotation);
+        });
         for (group, mark) in groups.iter_mut().zip(marks.iter_mut()).filter(|(group, _)| group.first_row >= from) {
             group.axes[axis].rate += up;
             if group.first_row < to {
@@ -126,13 +134,18 @@ fn join_opposite_steps(groups: &mut [Group], steps: &mut Vec<Step>, marks: &mut 
     }
 }
 
-/// A group in which a step falls scatters like a moved one, but nothing moved.
+/// A group in which a step falls is of both sides, and is left out. It may scatter like a moved one, but nothing moved.
 fn name_the_groups_of_steps(groups: &[Group], steps: &[Step], marks: &mut [Option<DropReason>]) {
     for step in steps {
-        let Some(after) = groups.iter().position(|group| group.first_row == step.row) else { continue };
-        let alone = |place: usize| place == 0 || marks[place - 1].is_none();
-        if after > 0 && marks[after - 1] == Some(DropReason::Rotation) && alone(after - 1) {
-            marks[after - 1] = Some(DropReason::Step);
+        let own: Vec<usize> = (0..groups.len()).filter(|place| step.holds(&groups[*place])).collect();
+        let (Some(first), Some(last)) = (own.first(), own.last()) else { continue };
+        let beside = [first.checked_sub(1), Some(last + 1)].into_iter().flatten();
+        let moved = beside.filter_map(|place| *marks.get(place)?).any(|mark| mark == DropReason::Rotation);
+        for place in own {
+            let is_moved = moved && marks[place] == Some(DropReason::Rotation);
+            if !is_moved && matches!(marks[place], None | Some(DropReason::Rotation)) {
+                marks[place] = Some(DropReason::Step);
+            }
         }
     }
 }
@@ -140,8 +153,7 @@ fn name_the_groups_of_steps(groups: &[Group], steps: &[Step], marks: &mut [Optio
 /// A group that only jumps is left out beside a step; where the jump is none, but a part's own, it is kept.
 fn take_back_jumps(groups: &mut [Group], rows: &[Vec<u32>], steps: &[Step], marks: &mut [Option<DropReason>]) {
     for place in 0..groups.len() {
-        let stepped = groups.get(place + 1).is_some_and(|next| steps.iter().any(|step| step.row == next.first_row));
-        if marks[place] != Some(DropReason::Step) || stepped {
+        if marks[place] != Some(DropReason::Step) || steps.iter().any(|step| step.holds(&groups[place])) {
             continue;
         }
         let around = [place.checked_sub(1), Some(place + 1)].into_iter().flatten();

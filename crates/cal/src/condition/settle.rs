@@ -1,7 +1,7 @@
 //! The first readings after the start, which settle towards the others.
 
 use super::{DropReason, Group};
-use zerorate_fit::robust::{MAD_TO_SIGMA, median, noise};
+use zerorate_fit::robust::{extrapolated, noise};
 
 /// Groups at the beginning of a log that may settle: the first minute or so.
 const MOST: usize = 8;
@@ -59,16 +59,4 @@ fn mark_start(groups: &[Group], axis: usize, marks: &mut [Option<DropReason>]) {
     if settling > 0 && fast && surely {
         marks[..settling].fill(Some(DropReason::StartUp));
     }
-}
-
-/// The line through points of temperature and rate, drawn to a temperature, and how uncertain it is there.
-fn extrapolated(points: &[(f64, f64)], temperature: f64) -> (f64, f64) {
-    let n = points.len() as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / n, y + point.1 / n));
-    let run: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
-    let rise: f64 = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum();
-    let slope = if run > 0.0 { rise / run } else { 0.0 };
-    let mut off: Vec<f64> = points.iter().map(|point| (point.1 - y - slope * (point.0 - x)).abs()).collect();
-    let far = if run > 0.0 { (temperature - x).powi(2) / run } else { 0.0 };
-    (y + slope * (temperature - x), MAD_TO_SIGMA * median(&mut off) * (1.0 + 1.0 / n + far).sqrt())
 }

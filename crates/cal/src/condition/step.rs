@@ -43,7 +43,7 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
         return steps;
     }
     let temperatures: Vec<f64> = used.iter().map(|&group| groups[group].temperature).collect();
-    let largest = |groups: &[Group], most: usize, share: f64, between: usize| -> Option<Step> {
+    let largest = |groups: &[Group], most: usize, share: f64| -> Option<Step> {
         let rates: Vec<f64> = used.iter().map(|&group| groups[group].axes[axis].rate).collect();
         let all = jumps(&used, &rates, 0);
         let (_, sigma) = centre_and_sigma(&all.iter().map(|jump| jump.size).collect::<Vec<_>>());
@@ -52,46 +52,65 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), rate| (low.min(*rate), high.max(*rate)));
         let limit =
             (STEP_SIGMA * sigma.max(noise(&rates))).max(STANDS_OUT * background(&all, most)).max(share * (high - low));
-        let temperature_jumps = jumps(&used, &temperatures, between);
-        let jump = jumps(&used, &rates, between)
-            .into_iter()
-            .zip(temperature_jumps)
-            .filter(|(jump, temperature)| {
-                jump.size.abs() > limit
-                    && jump.size.abs() > STEADY * jump.unsteadiness
-                    && temperature.size.abs() <= temperature_margin
-                    // Between two logs it is no step.
-                    && groups[jump.group].log == groups[jump.before].log
-                    && jump.is_confirmed(&used, &temperatures, &rates)
-            })
-            .map(|(jump, _)| jump)
-            .max_by(|a, b| a.size.abs().total_cmp(&b.size.abs()))?;
-        Some(step(groups, axis, &jump))
+        let largest_with = |between: usize| {
+            let jumps = jumps(&used, &rates, between).into_iter().zip(jumps(&used, &temperatures, between));
+            jumps
+                .filter(|(jump, temperature)| {
+                    // One average alone, or what was left out, lies between.
+                    (jump.group - jump.before == 1 + between) == (between > 0)
+                        && jump.size.abs() > limit
+                        && jump.size.abs() > STEADY * jump.unsteadiness
+                        && temperature.size.abs() <= temperature_margin
+                        // Between two logs it is no step.
+                        && groups[jump.group].log == groups[jump.before].log
+                        && jump.is_confirmed(&used, &temperatures, &rates)
+                })
+                .map(|(jump, _)| jump)
+                .max_by(|a, b| a.size.abs().total_cmp(&b.size.abs()))
+        };
+        // What scatters by a step was left out as moved, and is its place; else it lies in an average like the others.
+        Some(step(groups, axis, &largest_with(0).or_else(|| largest_with(1))?))
     };
-    for most in (1..=MAX_STEPS).rev() {
-        let Some(step) = largest(groups, most, SHARE, 0) else { break };
+    let take = |groups: &mut [Group], step: Step, taken: &mut Vec<Step>| {
         let after = groups.iter_mut().filter(|group| group.first_row >= step.row);
         after.for_each(|group| group.axes[axis].rate -= step.size);
-        steps.taken.push(step);
+        taken.push(step);
+    };
+    for most in (1..=MAX_STEPS).rev() {
+        let Some(step) = largest(groups, most, SHARE) else { break };
+        take(groups, step, &mut steps.taken);
     }
-    // A small step within a group leaves it there, and the line through that group is none.
-    steps.left = (0..=1).find_map(|between| largest(groups, MAX_STEPS, 0.0, between));
+    steps.left = largest(groups, MAX_STEPS, 0.0);
+    // What went and came back by as much is taken out on both sides or on none: half of it would be a step of ours.
+    let undone = |step: &Step| steps.taken.iter().any(|taken| are_opposite(taken, step));
+    if let Some(step) = steps.left.take_if(|step| undone(step)) {
+        take(groups, step, &mut steps.taken);
+        steps.left = largest(groups, MAX_STEPS, 0.0);
+    }
     steps.taken.sort_by_key(|step| step.row);
     steps
 }
 
-/// The step that a jump is. Where groups were left out between those that show it, it lies in them; else the two beside it
-/// may hold some of it, and it lies between their middles.
+/// Two steps in opposite directions whose sizes agree to this share are one interval of another rate.
+const AGREEMENT: f64 = 0.1;
+
+/// Whether one step undoes the other.
+pub(super) fn are_opposite(one: &Step, other: &Step) -> bool {
+    one.axis == other.axis && (one.size + other.size).abs() < AGREEMENT * one.size.abs()
+}
+
+/// The step that a jump is. It lies in what was left out between the groups that show it; in an average that was not it may
+/// lie so near to an end that the next has some of it, and it is told between the middles of those beside it.
 fn step(groups: &[Group], axis: usize, jump: &Jump) -> Step {
     let (before, after) = (&groups[jump.before], &groups[jump.group]);
-    let middle = |group: &Group| u64::midpoint(group.first_row, group.end_row);
     let between = &groups[jump.before + 1..jump.group];
-    let (rows, time_s, temperature) = if between.is_empty() {
+    let middle = |group: &Group| u64::midpoint(group.first_row, group.end_row);
+    let (rows, time_s, temperature) = if between.iter().any(|group| group.axes[axis].rows > 0) {
         let temperature = (before.temperature.min(after.temperature), before.temperature.max(after.temperature));
         ((middle(before), middle(after)), (before.time_s, after.time_s), temperature)
     } else {
         let temperature = between.iter().map(|group| group.temperatures).fold((f64::NAN, f64::NAN), all_of);
         ((before.end_row, after.first_row), (before.times_s.1, after.times_s.0), temperature)
     };
-    Step { axis, row: after.first_row, rows, time_s, temperature, size: jump.size }
+    Step { axis, row: after.first_row, rows, time_s, temperature, size: jump.size, error: jump.error }
 }

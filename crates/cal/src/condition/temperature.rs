@@ -1,8 +1,76 @@
 //! Temperatures that are not what the gyro has: frozen, or in coarse steps.
 
-use super::{DropReason, Group};
+use std::ops::Range;
+
+use super::level::leave_out_marked;
+use super::{DropReason, Excluded, Group, Tally};
+use crate::units::TemperatureUnit;
+use zerorate_fit::dropouts::{Shown, dropouts};
 use zerorate_fit::jumps::line_at;
 use zerorate_fit::robust::median;
+
+/// A dropout of the temperature is a jump of more than this share of the least span, 1 C, and of more than two steps of a coarse
+/// sensor.
+const DROPOUT: f64 = 0.1;
+
+/// A sensor whose readings typically go forth and back by so many of its steps within a group never stands still by itself.
+const NOISY_STEPS: f64 = 2.0;
+
+/// Leaves out the groups in which the temperature jumped away and back ([`dropouts`]), and those in which a noisy one stood
+/// still. What the drift remembers did not go where it jumped: those groups lie on a line between the groups beside them.
+pub fn leave_out_untrue_temperatures(
+    groups: &mut [Group],
+    tallies: &mut [Tally],
+    unit: TemperatureUnit,
+    temperature_step: f64,
+) -> Vec<Excluded> {
+    let steps = if temperature_step.is_finite() { 2.0 * temperature_step } else { 0.0 };
+    let margin = (DROPOUT * unit.min_span()).max(steps);
+    let mut marks: Vec<Option<DropReason>> = vec![None; groups.len()];
+    let mut start = 0;
+    for log in groups.chunk_by_mut(|a, b| a.log == b.log) {
+        let shown = |group: &Group| Shown { mean: group.temperature, range: group.temperatures, leap: group.leap };
+        for found in dropouts(&log.iter().map(shown).collect::<Vec<_>>(), margin) {
+            let beside = |place: Option<usize>| place.and_then(|place| log.get(place)).map(|group| group.temperature);
+            let (before, after) = (beside(found.start.checked_sub(1)), beside(Some(found.end)));
+            let (from, to) = (before.or(after).unwrap_or(f64::NAN), after.or(before).unwrap_or(f64::NAN));
+            for (place, group) in log[found.clone()].iter_mut().enumerate() {
+                group.temperature = from + (to - from) * (place + 1) as f64 / (found.len() + 1) as f64;
+            }
+            marks[start + found.start..start + found.end].fill(Some(DropReason::TemperatureSpike));
+        }
+        start += log.len();
+    }
+    mark_still_without_noise(groups, temperature_step, &mut marks);
+    leave_out_marked(groups, tallies, &marks)
+}
+
+/// Marks intervals in which a temperature with noise had none: its sensor, or the line to it, had stopped.
+fn mark_still_without_noise(groups: &[Group], temperature_step: f64, marks: &mut [Option<DropReason>]) {
+    let moving = groups.iter().filter(|group| !flat(group));
+    let forth_and_back = median(&mut moving.map(|group| group.leap.1.min(-group.leap.0)).collect::<Vec<_>>());
+    if forth_and_back.is_nan() || forth_and_back < NOISY_STEPS * temperature_step {
+        return;
+    }
+    for run in still(groups).filter(|run| run.len() >= FROZEN_GROUPS) {
+        marks[run].fill(Some(DropReason::FrozenTemperature));
+    }
+}
+
+/// Where successive groups have one temperature and no other.
+fn still(groups: &[Group]) -> impl Iterator<Item = Range<usize>> + '_ {
+    let mut end = 0;
+    let runs = groups.chunk_by(|a, b| flat(a) && flat(b) && same(a.temperature, b.temperature) && a.log == b.log);
+    runs.map(move |run| {
+        end += run.len();
+        end - run.len()..end
+    })
+    .filter(|run| flat(&groups[run.start]))
+}
+
+fn flat(group: &Group) -> bool {
+    group.temperatures.0 >= group.temperatures.1
+}
 
 /// Groups in which the temperature does not change at all, at least, to be frozen.
 const FROZEN_GROUPS: usize = 6;
@@ -12,28 +80,20 @@ const FROZEN_JUMP: f64 = 5.0;
 
 /// Marks intervals in which the temperature stood still although it moves elsewhere, and then jumped to where it was.
 pub(super) fn mark_frozen(groups: &[Group], marks: &mut [Option<DropReason>]) {
-    let flat = |group: &Group| group.temperatures.0 >= group.temperatures.1;
-    let still = groups.iter().filter(|group| flat(group)).count();
-    if still == 0 || 2 * still > groups.len() {
+    let still_groups = groups.iter().filter(|group| flat(group)).count();
+    if still_groups == 0 || 2 * still_groups > groups.len() {
         return;
     }
     let change = |pair: &[Group]| (pair[1].temperature - pair[0].temperature).abs();
     let mut changes: Vec<f64> =
         groups.windows(2).filter(|pair| !flat(&pair[0]) && !flat(&pair[1])).map(change).collect();
     let typical = median(&mut changes);
-    let mut start = 0;
-    for run in groups.chunk_by(|a, b| flat(a) && flat(b) && same(a.temperature, b.temperature)) {
-        let end = start + run.len();
-        if run.len() >= FROZEN_GROUPS
-            && flat(&run[0])
-            && groups.get(end).is_some_and(|next| change_to(&run[0], next) > FROZEN_JUMP * typical)
-        {
-            marks[start..end]
-                .iter_mut()
-                .filter(|mark| mark.is_none())
-                .for_each(|mark| *mark = Some(DropReason::FrozenTemperature));
-        }
-        start = end;
+    let jumps = |run: &Range<usize>| {
+        groups.get(run.end).is_some_and(|next| change_to(&groups[run.start], next) > FROZEN_JUMP * typical)
+    };
+    for run in still(groups).filter(|run| run.len() >= FROZEN_GROUPS && jumps(run)) {
+        let unmarked = marks[run].iter_mut().filter(|mark| mark.is_none());
+        unmarked.for_each(|mark| *mark = Some(DropReason::FrozenTemperature));
     }
 }
 
@@ -41,8 +101,9 @@ fn change_to(group: &Group, next: &Group) -> f64 {
     (next.temperature - group.temperature).abs()
 }
 
+/// Whether two averages are of one number: of more or fewer rows it is rounded otherwise.
 fn same(a: f64, b: f64) -> bool {
-    a.total_cmp(&b).is_eq()
+    (a - b).abs() <= 1e-12 * a.abs()
 }
 
 /// Dequantises a coarse temperature: each group takes the mean of those around it, over about the time that the

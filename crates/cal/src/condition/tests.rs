@@ -147,6 +147,43 @@ fn a_step_is_found_sized_and_taken_out() {
 }
 
 #[test]
+fn a_step_is_sized_to_its_error_wherever_it_cuts_an_average() {
+    let (temperatures, clean) = cycle();
+    // Sixteen times the noise of a row: no more than an average that is cut scatters as a moved one does.
+    let size = -16.0 * NOISE;
+    let mut squares = 0.0;
+    for cut in 0..21 {
+        let mut rates = clean.clone();
+        let noise =
+            |row: usize| clean[1][row] - (-2.0 * (0.01 + 3e-4 * temperatures[row] - 2e-6 * temperatures[row].powi(2)));
+        (0..ROWS).for_each(|row| rates[0][row] = 1e-5 * temperatures[row] + noise(row));
+        (3990 + cut..ROWS).for_each(|row| rates[0][row] += size);
+        let (groups, _, levels) = condition(&temperatures, &rates);
+        let [step] = &levels.steps[..] else { panic!("{cut}: {levels:?}") };
+        assert!(step.rows.0 <= 3990 + cut as u64 && 3990 + cut as u64 <= step.rows.1, "{cut}: {step:?}");
+        assert!((step.size - size).abs() < 4.0 * step.error && step.error < -0.1 * size, "{cut}: {step:?}");
+        squares += ((step.size - size) / step.error).powi(2);
+        let kept = groups.iter().filter(|group| group.axes[0].rows > 0);
+        assert!(kept.clone().all(|group| (group.axes[0].rate - 1e-5 * group.temperature).abs() < 2.0 * NOISE));
+    }
+    assert!((squares / 21.0).sqrt() < 2.0, "{squares}");
+}
+
+#[test]
+fn what_went_and_came_back_is_taken_out_on_both_sides_or_on_none() {
+    let (temperatures, clean) = cycle();
+    // About the share of the drift from which a step is taken out, and for five minutes.
+    for size in [1.8e-3, 2.1e-3, 2.4e-3, 2.7e-3, 3.0e-3] {
+        let mut rates = clean.clone();
+        rates[0][3995..4600].iter_mut().for_each(|rate| *rate += size);
+        let (groups, _, levels) = condition(&temperatures, &rates);
+        let last = |groups: &[Group]| groups[300..].iter().map(|group| group.axes[0].rate).sum::<f64>();
+        let (clean, ..) = condition(&temperatures, &clean);
+        assert!((last(&groups) - last(&clean)).abs() / 100.0 < 0.1 * size, "{size}: {levels:?}");
+    }
+}
+
+#[test]
 fn a_rotation_that_lasts_is_one_interval_and_no_steps() {
     let (temperatures, clean) = cycle();
     let mut rates = clean.clone();
@@ -177,6 +214,52 @@ fn a_temperature_that_stands_still_and_jumps_is_left_out_and_one_that_holds_is_n
     assert_eq!(interval.reason, DropReason::FrozenTemperature);
     assert!(interval.rows.0.abs_diff(3000) <= 21 && interval.rows.1.abs_diff(3400) <= 42, "{interval:?}");
     assert!(tallies[1].count(DropReason::FrozenTemperature) > 300);
+}
+
+fn without_untrue(temperatures: &[f64], rates: &[Vec<f64>]) -> (Vec<Group>, Vec<Excluded>) {
+    let mut grouping = Grouping::new(rates.len(), Length::of_extent(ROWS as u64, 0.5, None), TemperatureUnit::C, 0);
+    let time_s: Vec<f64> = (0..temperatures.len()).map(|row| row as f64 * 0.5).collect();
+    grouping.push_rows(&rows(&time_s, temperatures, rates));
+    let step = grouping.temperature_step();
+    let (mut groups, mut tallies) = grouping.finish();
+    let excluded = leave_out_untrue_temperatures(&mut groups, &mut tallies, TemperatureUnit::C, step);
+    (groups, excluded)
+}
+
+#[test]
+fn a_temperature_that_jumps_away_and_back_is_left_out_and_no_history_goes_there() {
+    let (clean, rates) = cycle();
+    assert_eq!(without_untrue(&clean, &rates).1, []);
+    for (long, shows) in [(10, 85.0), (100, 85.0), (100, 0.0), (600, -127.0)] {
+        let mut temperatures = clean.clone();
+        temperatures[2005..2005 + long].fill(shows);
+        let (groups, excluded) = without_untrue(&temperatures, &rates);
+        let [interval] = &excluded[..] else { panic!("{long} rows at {shows}: {excluded:?}") };
+        assert_eq!(interval.reason, DropReason::TemperatureSpike);
+        let (first, end) = interval.rows;
+        assert!(first <= 2005 && end >= 2005 + long as u64 && end - first < long as u64 + 42, "{interval:?}");
+        for group in &groups {
+            let at = clean[usize::try_from(u64::midpoint(group.first_row, group.end_row)).unwrap()];
+            assert!((group.temperature - at).abs() < 2.0, "{} for {at}", group.temperature);
+        }
+    }
+}
+
+#[test]
+fn a_noisy_temperature_that_stands_still_has_stopped_and_one_of_a_coarse_sensor_rests() {
+    let (temperatures, rates) = cycle();
+    // A twentieth of a degree to and fro, and from row 6000 on one number, to the last and shorter average.
+    let rows_but = ROWS - 9;
+    let shorter = rates.map(|rate| rate[..rows_but].to_vec());
+    let noisy: Vec<f64> =
+        temperatures.iter().zip(0_u32..).map(|(t, row)| t + 1e-3 * f64::from(row * 7919 % 101)).collect();
+    let stopped: Vec<f64> = (0..rows_but).map(|row| noisy[row.min(6000)]).collect();
+    let (_, excluded) = without_untrue(&stopped, &shorter);
+    let [interval] = &excluded[..] else { panic!("{excluded:?}") };
+    assert_eq!((interval.reason, interval.rows.1), (DropReason::FrozenTemperature, rows_but as u64));
+    assert!((6000..=6021).contains(&interval.rows.0), "{interval:?}");
+    let coarse: Vec<f64> = stopped.iter().map(|t| (10.0 * t).round() / 10.0).collect();
+    assert_eq!(without_untrue(&coarse, &shorter).1, []);
 }
 
 #[test]

@@ -133,6 +133,10 @@ impl Survey {
     }
 
     fn settle_unit(&mut self, table: &Table, columns: &Resolved) {
+        // That a table has no row is told where it is missed.
+        if self.rows == 0 {
+            return;
+        }
         let Some(time) = columns.time else {
             self.notes.push("no time column was found (`time` says which)".to_owned());
             return;

@@ -1,11 +1,11 @@
 //! From logs to the groups of every sensor wanted.
 
 use std::time::SystemTime;
+use zerorate_fit::still::{Still, Stillness};
 
 use super::overlap::{Fingerprint, LogRows};
 use super::part::LogPart;
 use super::repeated;
-use super::still::{Still, Stillness};
 use super::{FitOptions, LogFitError};
 use crate::condition::{GROUP_S, Group, Grouping, Length, MIN_GROUPS, Tally};
 use crate::log::{LogFile, Rows, Sensor, SensorKind, Sink, Stream};
@@ -309,11 +309,21 @@ impl Sink for Taking<'_> {
         taken.last_s = rows.time_s[rows.time_s.len() - 1];
         taken.grouping.push_rows(rows);
         taken.fingerprint.push_rows(rows);
-        taken.stillness.iter_mut().enumerate().for_each(|(axis, stillness)| stillness.push_rows(rows, axis));
+        taken.look_for_stillness(rows);
     }
 }
 
 impl Taken {
+    fn look_for_stillness(&mut self, rows: &Rows<'_>) {
+        for (stillness, rates) in self.stillness.iter_mut().zip(rows.values) {
+            let whole = |(_, (rate, temperature)): &(usize, (&f64, &f64))| rate.is_finite() && temperature.is_finite();
+            for (place, (rate, temperature)) in rates.iter().zip(rows.temperature).enumerate().filter(whole) {
+                let time_s = rows.time_s.get(place).copied().unwrap_or(f64::NAN);
+                stillness.push(rows.first_row + place as u64, *rate, *temperature, time_s);
+            }
+        }
+    }
+
     fn finish(self) -> Gathered {
         let temperature_step = self.grouping.temperature_step();
         let (groups, tallies) = self.grouping.finish();

@@ -9,7 +9,8 @@ use super::gather::{Gathered, gather, is_accelerometer};
 use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, one_way, words};
 use crate::calibration::AxisCalibration;
 use crate::condition::{
-    DropReason, Excluded, Group, Levels, dequantise, extend_to_the_start, leave_out_times, level, weigh,
+    DropReason, Excluded, Group, Levels, dequantise, extend_to_the_start, leave_out_times,
+    leave_out_untrue_temperatures, level, weigh,
 };
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::source::Source;
@@ -68,6 +69,8 @@ fn condition(sensor: &mut Gathered) -> Levels {
         // It is no measure of how the others move.
         sensor.groups.iter_mut().for_each(|group| group.axes[axis].rows = 0);
     }
+    let (unit, step) = (sensor.stream.temperature_unit, sensor.temperature_step);
+    let untrue = leave_out_untrue_temperatures(&mut sensor.groups, &mut sensor.tallies, unit, step);
     if words::is_coarse(sensor) {
         dequantise(&mut sensor.groups, sensor.temperature_step);
     }
@@ -77,7 +80,9 @@ fn condition(sensor: &mut Gathered) -> Levels {
             RateUnit::Dps => 1.0_f64.to_degrees(),
             RateUnit::Counts | RateUnit::MetresPerS2 => f64::INFINITY,
         };
-    let levels = level(&mut sensor.groups, &mut sensor.tallies, sensor.stream.temperature_unit, rotation_threshold);
+    let mut levels = level(&mut sensor.groups, &mut sensor.tallies, unit, rotation_threshold);
+    levels.excluded.extend(untrue);
+    levels.excluded.sort_by_key(|interval| interval.rows);
     extend_to_the_start(&mut sensor.groups);
     levels
 }

@@ -1,6 +1,7 @@
 //! Whether a log's temperature went both ways, without which nobody has seen hysteresis.
 
 use zerorate_fit::direction::warming;
+use zerorate_fit::intervals::{common, joined, length};
 
 use crate::quality::{Reason, ReasonKind};
 
@@ -12,7 +13,7 @@ const NONE: f64 = 0.005;
 
 /// A reason, where a log's temperatures went one way over most of their span; those of a log each, in the order of time, and
 /// whether a rate was measured there.
-pub(super) fn reason(logs: &[Vec<(f64, bool)>]) -> Option<Reason> {
+pub(crate) fn reason(logs: &[Vec<(f64, bool)>]) -> Option<Reason> {
     let (mut up, mut down) = (Vec::new(), Vec::new());
     for log in logs {
         let warming = warming(&log.iter().map(|(temperature, _)| *temperature).collect::<Vec<_>>());
@@ -50,33 +51,6 @@ pub(super) fn reason(logs: &[Vec<(f64, bool)>]) -> Option<Reason> {
         "{how_much}: the log says nothing of hysteresis, and on the way back the drift may be another by more than the held-out residual tells"
     );
     Some(Reason::new(ReasonKind::OneDirection, text))
-}
-
-/// An interval of temperature.
-type Interval = (f64, f64);
-
-/// Intervals without overlap, in order.
-fn joined(mut intervals: Vec<Interval>) -> Vec<Interval> {
-    intervals.retain(|(from, to)| from <= to);
-    intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut joined: Vec<Interval> = Vec::new();
-    for (from, to) in intervals {
-        match joined.last_mut() {
-            Some(last) if from <= last.1 => last.1 = last.1.max(to),
-            _ => joined.push((from, to)),
-        }
-    }
-    joined
-}
-
-/// What two sets of joined intervals have in common.
-fn common(a: &[Interval], b: &[Interval]) -> Vec<Interval> {
-    let both = |a: &Interval, b: &Interval| (a.0.max(b.0), a.1.min(b.1));
-    a.iter().flat_map(|a| b.iter().map(move |b| both(a, b))).filter(|(from, to)| from < to).collect()
-}
-
-fn length(intervals: &[Interval]) -> f64 {
-    intervals.iter().map(|(from, to)| to - from).sum()
 }
 
 #[cfg(test)]

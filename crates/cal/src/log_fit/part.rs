@@ -1,8 +1,8 @@
 //! Where in one of several logs something is: logs of one unit are joined, and people look in a file.
 
-use super::still::Still;
 use crate::condition::{Excluded, Step};
 use crate::quality::Reason;
+use zerorate_fit::still::Still;
 
 /// One log's rows among those of all.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,10 +1,10 @@
 //! What conditioning found, in words.
 
 use zerorate_fit::auto::BEYOND;
+use zerorate_fit::still::Still;
 
 use super::FitOptions;
 use super::gather::Gathered;
-use super::still::Still;
 use crate::condition::{DropReason, Excluded, Levels, Step};
 use crate::log::Stream;
 use crate::quality::{Judgement, Reason, ReasonKind};
@@ -117,7 +117,8 @@ fn of_excluded(interval: &Excluded, unit: &str) -> Option<Reason> {
     let (kind, what) = match interval.reason {
         DropReason::Rotation => (ReasonKind::Rotation, "the unit was moved"),
         DropReason::StartUp => (ReasonKind::StartUp, "the readings settled after the start"),
-        DropReason::FrozenTemperature => (ReasonKind::FrozenTemperature, "the temperature stood still, then jumped,"),
+        DropReason::TemperatureSpike => (ReasonKind::Spikes, "the temperature jumped faster than a part can heat"),
+        DropReason::FrozenTemperature => (ReasonKind::FrozenTemperature, "the temperature stood still"),
         DropReason::Gap => {
             let ((from, to), (least, most)) = (interval.time_s, interval.temperature);
             // Between groups it has no rows; within one, those of the group.
@@ -173,7 +174,7 @@ fn lasting(seconds: f64) -> String {
 fn of_step(step: &Step, name: &str, does: &str, scale: RateScale, unit: &str) -> String {
     format!(
         "{name}: the rate {does} by {} somewhere {} and stays, with no temperature change to match",
-        scale.told(step.size),
+        scale.with_error(step.size, step.error),
         place(step.time_s, step.rows, step.temperature, unit)
     )
 }

@@ -1,4 +1,7 @@
 use super::*;
+use crate::recording::{Phase, RecordingInfo};
+use zerorate_core::compensate::Mode;
+use zerorate_core::group::GroupSums;
 
 fn group_of(group: u32, temperature: f64, reading: f64) -> RampGroup {
     RampGroup { group, time_s: f64::from(group) * 1.5, temperature, reading, samples: 500, status_bits: 0, tap: 511 }
@@ -159,4 +162,55 @@ fn every_group_lies_in_one_of_eight_equal_folds() {
     let folds: Vec<usize> = (20..2420).map(|group| fold_of(group, span)).collect();
     assert!((0..8).all(|fold| folds.iter().filter(|own| **own == fold).count() == 300));
     assert!(folds.is_sorted());
+}
+
+/// The recording of a heating ramp of so many groups where the set-up plans 2400, and of the way back if there is one; the
+/// chamber's air is told where the bench drives it.
+fn recording(groups: u32, back: bool, chamber_c: f64) -> Recording {
+    let set_up = format!("[chamber]\nramp_groups = 2400\ncooling_ramp = {back}\n");
+    let info = RecordingInfo { procedure: "full-temperature".into(), set_up, ..RecordingInfo::default() };
+    let mut rows = Vec::new();
+    for group in 0..groups * if back { 2 } else { 1 } {
+        let heating = group < groups;
+        let place = if heating { group } else { 2 * groups - 1 - group };
+        let (temperature, zro) = (8500 + 3400 * place / groups, 8000 + place / 8 + group * 7919 % 3);
+        let mut sums = GroupSums::default();
+        sums.push(u16::try_from(temperature).unwrap(), u16::try_from(zro).unwrap());
+        rows.extend(Axis::BOTH.map(|axis| GroupRow {
+            group,
+            t_s: f64::from(group) * 1.5,
+            phase: if heating { Phase::Heating } else { Phase::Cooling },
+            axis,
+            sums,
+            corrected_counts: f64::from(zro),
+            tap: 511,
+            mode: Mode::Off,
+            chamber_set_c: 60.0,
+            chamber_c,
+            status_bits: 0,
+        }));
+    }
+    Recording { info, rows, cut: false }
+}
+
+fn kinds_of(recording: &Recording) -> Vec<ReasonKind> {
+    let options = FitOptions { model: Model::Poly(2), ..FitOptions::default() };
+    let source = Source::bytes("full-temperature.parquet", Vec::new());
+    let fit = fit_recording(recording, &source, &options);
+    fit.judgement.reasons.iter().map(|reason| reason.kind).collect()
+}
+
+#[test]
+fn a_ramp_by_a_chamber_that_cannot_be_asked_ends_where_that_arrives() {
+    // 2189 of 2400 groups: the chamber was there before the plan's end.
+    assert_eq!(kinds_of(&recording(2189, true, f64::NAN)), []);
+    assert_eq!(kinds_of(&recording(2189, true, 25.0)), [ReasonKind::CutRun]);
+    let unfinished = Recording { cut: true, ..recording(2189, true, f64::NAN) };
+    assert_eq!(kinds_of(&unfinished), [ReasonKind::CutRun]);
+}
+
+#[test]
+fn a_recording_that_only_heats_says_so_as_a_log_does() {
+    assert_eq!(kinds_of(&recording(2400, false, 25.0)), [ReasonKind::OneDirection]);
+    assert_eq!(kinds_of(&recording(2400, true, 25.0)), []);
 }

@@ -68,6 +68,17 @@ impl RateScale {
         format!("{} {}", self.number(rate), self.name)
     }
 
+    /// A rate with its standard error and its unit: both to two digits of the error.
+    #[must_use]
+    pub fn with_error(self, rate: f64, error: f64) -> String {
+        let (rate, error) = (self.of_rate(rate), self.of_rate(error).abs());
+        let written = format!("{error:.1e}");
+        let exponent = written.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok());
+        // Without an error that is a number, as many as a rate has alone.
+        let places = exponent.map_or(3, |exponent| usize::try_from(1 - exponent).unwrap_or(0).min(12));
+        format!("{rate:.places$} \u{b1} {error:.places$} {}", self.name)
+    }
+
     /// The unit's name.
     #[must_use]
     pub fn unit(self) -> &'static str {
@@ -110,6 +121,15 @@ mod tests {
         assert_eq!(told(RateUnit::Counts, 40_123.4), "40123 counts");
         assert_eq!(told(RateUnit::RadPerS, 2.5e-9), "2.500e-6 mrad/s");
         assert_eq!(told(RateUnit::Counts, f64::NAN), "NaN counts");
+    }
+
+    #[test]
+    fn a_rate_is_told_to_two_digits_of_its_error() {
+        let told = |rate, error| RateScale::own(RateUnit::Dps).with_error(rate, error);
+        assert_eq!(told(-0.200_34, 0.004_96), "-0.2003 \u{b1} 0.0050 dps");
+        assert_eq!(told(12.346, 1.51), "12.3 \u{b1} 1.5 dps");
+        assert_eq!(told(1234.6, 151.0), "1235 \u{b1} 151 dps");
+        assert_eq!(told(1.0, f64::NAN), "1.000 \u{b1} NaN dps");
     }
 
     #[test]

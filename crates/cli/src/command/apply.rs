@@ -96,11 +96,13 @@ struct Done<'a> {
     rows: u64,
     rows_without_temperature: u64,
     rows_outside_calibrated_range: u64,
+    rows_outside_measured_range: u64,
     rows_with_unknown_history: u64,
     /// The last line, where the file ends without a line feed; it was left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     cut_line: Option<u64>,
     calibrated_temperature: [f64; 2],
+    measured_temperature: [f64; 2],
     temperature_unit: &'static str,
 }
 
@@ -110,6 +112,7 @@ struct Told {
     columns: Vec<String>,
     applied: Applied,
     calibrated_temperature: [f64; 2],
+    measured_temperature: [f64; 2],
     notes: Vec<String>,
 }
 
@@ -143,9 +146,11 @@ impl Apply {
                 rows: told.applied.rows,
                 rows_without_temperature: told.applied.without_temperature,
                 rows_outside_calibrated_range: told.applied.outside,
+                rows_outside_measured_range: told.applied.unmeasured,
                 rows_with_unknown_history: told.applied.uncertain,
                 cut_line: told.applied.cut_line,
                 calibrated_temperature: told.calibrated_temperature,
+                measured_temperature: told.measured_temperature,
                 temperature_unit: calibration.temperature_unit.name(),
             })?;
         } else {
@@ -162,12 +167,16 @@ impl Apply {
             self.log.display()
         );
         let mut done = self.written(|out| apply_to_sensors(log, calibration, self.sensor, self.start(), out))?;
-        if !done.passed_over.is_empty() {
-            let passed_over = done.passed_over.join(", ");
-            done.notes.push(format!("{passed_over}: not in the calibration, and not written"));
+        for (sensors, why) in
+            [(&done.passed_over, "not in the calibration"), (&done.not_asked_for, "not asked for by --sensor")]
+        {
+            if !sensors.is_empty() {
+                done.notes.push(format!("{}: {why}, and not written", sensors.join(", ")));
+            }
         }
-        let AppliedSensors { corrected: columns, applied, calibrated_temperature, notes, .. } = done;
-        Ok(Told { columns, applied, calibrated_temperature, notes })
+        let AppliedSensors { corrected: columns, applied, calibrated_temperature, measured_temperature, notes, .. } =
+            done;
+        Ok(Told { columns, applied, calibrated_temperature, measured_temperature, notes })
     }
 
     /// A table.
@@ -175,11 +184,15 @@ impl Apply {
         let Found { table, time, time_unit, models, notes } = self.columns(calibration)?;
         let to = AppliedTo { time: time.as_deref(), time_unit, start: self.start() };
         let applied = self.written(|out| apply(&table, &to, &models, out))?;
-        let valid = || models.iter().map(|own| own.model.drift.valid);
-        let min = valid().map(|valid| valid.min()).fold(f64::NEG_INFINITY, f64::max);
-        let calibrated_temperature = [min, valid().map(|valid| valid.max()).fold(f64::INFINITY, f64::min)];
+        // What all have in common.
+        let common = |least: &dyn Fn(&AppliedModel) -> f64, most: &dyn Fn(&AppliedModel) -> f64| {
+            let min = models.iter().map(least).fold(f64::NEG_INFINITY, f64::max);
+            [min, models.iter().map(most).fold(f64::INFINITY, f64::min)]
+        };
+        let calibrated_temperature = common(&|own| own.model.drift.valid.min(), &|own| own.model.drift.valid.max());
+        let measured_temperature = common(&|own| own.measured.min(), &|own| own.measured.max());
         let columns = models.into_iter().map(|own| own.column).collect();
-        Ok(Told { columns, applied, calibrated_temperature, notes })
+        Ok(Told { columns, applied, calibrated_temperature, measured_temperature, notes })
     }
 
     fn start(&self) -> Start {
@@ -196,21 +209,31 @@ impl Apply {
             ApplyError::Write(error) => anyhow::Error::new(error).context(cannot()),
             other => other.into(),
         })?;
-        let file = out.into_inner().map_err(IntoInnerError::into_error);
-        file.and_then(WholeFile::finish).with_context(cannot)?;
+        let file = out.into_inner().map_err(IntoInnerError::into_error).with_context(cannot)?;
+        if let Some(new) = file.written() {
+            self.force.corrected_log_of_another("--out", &self.out, new)?;
+        }
+        file.finish().with_context(cannot)?;
         drop(busy);
         Ok(done)
     }
 
     fn page(&self, told: &Told, unit: &str) -> Page {
-        let Told { columns, applied, calibrated_temperature: [min, max], notes } = told;
+        let Told { columns, applied, calibrated_temperature: [min, max], measured_temperature, notes } = told;
         let mut page = Page::default();
         let (rows, columns) = (thousands(applied.rows), columns.join(", "));
         page.sentence("", &format!("Wrote {}: {rows} rows, {columns} corrected.", self.out.display()));
+        if applied.unmeasured > 0 {
+            let (rows, [coldest, hottest]) = (thousands(applied.unmeasured), measured_temperature);
+            let text = format!(
+                "{rows} rows are outside {coldest:.1} to {hottest:.1} {unit}, which was measured: there the curve rests on nothing"
+            );
+            page.sentence("  - ", &text);
+        }
         if applied.outside > 0 {
             let rows = thousands(applied.outside);
             let text = format!(
-                "{rows} rows are outside {min:.1} to {max:.1} {unit}, over which the curve is believed: it was held at its end"
+                "{rows} rows are outside {min:.1} to {max:.1} {unit}, over which the curve is believed: there it was held at its end"
             );
             page.sentence("  - ", &text);
         }
@@ -280,6 +303,7 @@ impl Apply {
                     temperature: temperature.clone(),
                     written_temperature: sensor.written_temperature,
                     model: axis.fit.model.clone(),
+                    measured: axis.fit.measured,
                     factor: rate.factor * to_own,
                 };
                 models.push((rate.column, model));

@@ -240,6 +240,7 @@ impl Bar {
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed} gone") {
             bar.set_style(style);
         }
+        bar.set_message("about to begin");
         Self::on(bar, true)
     }
 

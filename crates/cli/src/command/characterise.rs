@@ -221,8 +221,8 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
                 let share = Some(found.share).filter(|share| share.is_finite());
                 let share = share.map(|share| format!(" ({:.0} %)", 100.0 * share)).unwrap_or_default();
                 format!(
-                    "{:.2e} +- {:.0e}; {:.2e} at {:.0}{share}",
-                    found.mean, found.mean_standard_error, found.largest, found.at
+                    "{:.2e} +- {:.0e}; {:.2e} +- {:.0e} at {:.0}{share}",
+                    found.mean, found.mean_standard_error, found.largest, found.standard_error, found.at
                 )
             }),
             ramp.map_or("-".to_owned(), |found| format!("{:.1e} +- {:.1e}", found.value, found.standard_error)),

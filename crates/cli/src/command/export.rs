@@ -82,8 +82,8 @@ impl Export {
             return Ok(Outcome::Done);
         };
         // A table has no place for a word about where it came from.
-        let first_line = exported.text.lines().next().filter(|_| !exported.text.contains("zerorate"));
-        self.force.text("--out", out, &calibration.sources, first_line)?;
+        let nameless = Some(exported.text.as_str()).filter(|text| !text.contains("zerorate"));
+        self.force.text("--out", out, &calibration.sources, nameless)?;
         output::write(out, &exported.text)?;
         if self.json {
             let Exported { sensors, notes, .. } = &exported;

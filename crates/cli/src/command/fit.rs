@@ -161,7 +161,8 @@ impl Fit {
             written.push(path.clone());
         }
         if let Some(path) = &places.out {
-            output::write(path, &calibration.to_json()?)?;
+            let text = calibration.to_json();
+            output::write(path, &text.with_context(|| format!("{}: damaged, it seems", fit.source()))?)?;
             written.push(path.clone());
         }
         Ok(written)

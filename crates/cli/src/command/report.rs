@@ -12,7 +12,7 @@ use zerorate_cal::log::{Sensor, SensorChoice};
 use zerorate_cal::log_fit::{FitOptions, LogFit};
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
-use zerorate_cal::units::{RateScale, WrittenRate};
+use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
 use zerorate_fit::drift_fit::{FitStatistics, ResidualOver};
 use zerorate_fit::model::Model;
 use zerorate_report::board_page;
@@ -132,7 +132,9 @@ impl Report {
         let inputs = FILES.map(|file| folder.join(file));
         output::check("--out", out, &inputs.each_ref().map(PathBuf::as_path))?;
         let busy = Busy::reading(folder);
-        let page = board_page(&BoardRun::read(folder)?);
+        // The page is in counts, with rates beside them.
+        let units = self.shown.of([RateUnit::Counts, RateUnit::Dps].into_iter())?;
+        let page = board_page(&BoardRun::read(folder)?, units);
         drop(busy);
         self.force.text("--out", out, &calibration.sources, None)?;
         output::write(out, &page)?;

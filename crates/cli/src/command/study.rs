@@ -107,7 +107,12 @@ fn page(
 ) -> Page {
     let mut page = Page::default();
     let units = results.len() + rejected.len();
-    page.sentence("", &format!("{within_limits} of {units} units meet the limits of the set-up."));
+    page.sentence(
+        "",
+        &format!(
+            "{within_limits} of {units} units meet the limits of the set-up on the X axis, which alone is tested."
+        ),
+    );
     page.gap();
     page.line(format!("{} {plant} units, X axis, heating; counts peak to peak over the ramp, held out", results.len()));
     page.gap();

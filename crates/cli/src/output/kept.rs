@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use zerorate_apply::apply::are_of_one_log;
 use zerorate_cal::calibration::{Calibration, Origin};
 use zerorate_cal::device_record::StoredRecord;
 
@@ -55,12 +56,18 @@ impl Force {
     }
 
     /// Refuses the place of a page or an export, each of which names its sources by their SHA-256, of other sources, and
-    /// of what zerorate has not written. `first_line` is an export's that has nowhere to name them.
-    pub fn text(self, option: &str, path: &Path, sources: &[Origin], first_line: Option<&str>) -> Result<()> {
+    /// of what zerorate has not written. Of an export that has nowhere to name them, `nameless`, only the same text is known.
+    pub fn text(self, option: &str, path: &Path, sources: &[Origin], nameless: Option<&str>) -> Result<()> {
         self.keep(option, path, || {
-            let text = text(path).filter(|text| text.contains("zerorate") || first_line == text.lines().next());
-            let Some(text) = text else { return There::Other("something that zerorate has not written".into()) };
-            if first_line.is_some() || sources.iter().all(|source| text.contains(&source.sha256)) {
+            let there = text(path);
+            if nameless.is_some() {
+                let other = || There::Other("another table, which does not say what it came of".into());
+                return if there.as_deref() == nameless { There::Same } else { other() };
+            }
+            let Some(text) = there.filter(|text| text.contains("zerorate")) else {
+                return There::Other("something that zerorate has not written".into());
+            };
+            if sources.iter().all(|source| text.contains(&source.sha256)) {
                 There::Same
             } else if sources.iter().all(|source| names(&text, &source.file)) {
                 There::Earlier
@@ -82,7 +89,7 @@ impl Force {
         })
     }
 
-    /// Refuses the place of what is no corrected log.
+    /// Refuses the place of what is no corrected log, before one is made for it.
     pub fn corrected_log(self, option: &str, path: &Path) -> Result<()> {
         self.keep(option, path, || {
             let mut head = String::new();
@@ -90,6 +97,18 @@ impl Force {
                 fs::File::open(path).and_then(|file| BufReader::new(file.take(LARGEST_BYTES)).read_line(&mut head));
             let is_one = read.is_ok() && ["predicted_", "corrected_"].iter().all(|column| head.contains(column));
             if is_one { There::Same } else { There::Other("no corrected log".into()) }
+        })
+    }
+
+    /// Refuses the place of the corrected rows of another log than those of `new`, which was made for it.
+    pub fn corrected_log_of_another(self, option: &str, path: &Path, new: &Path) -> Result<()> {
+        self.keep(option, path, || {
+            let opened = fs::File::open(path).ok().zip(fs::File::open(new).ok());
+            if opened.is_some_and(|(old, new)| are_of_one_log(old, new)) {
+                There::Same
+            } else {
+                There::Other("the corrected rows of another log".into())
+            }
         })
     }
 
@@ -218,5 +237,15 @@ mod tests {
         assert!(KEEP.corrected_log("--out", &path).is_err());
         fs::write(&path, "t,temperature,gx,predicted_gx,corrected_gx\n1,2,3,4,5\n").unwrap();
         assert!(KEEP.corrected_log("--out", &path).is_ok());
+    }
+
+    #[test]
+    fn a_table_that_names_no_source_is_written_over_by_itself_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("curve.csv");
+        fs::write(&path, "temperature_c,\"gx bias, dps\"\n1,2\n").unwrap();
+        let refused = |text: &str| KEEP.text("--out", &path, &[origin("ab12")], Some(text)).is_err();
+        assert!(!refused("temperature_c,\"gx bias, dps\"\n1,2\n"));
+        assert!(refused("temperature_c,\"gx bias, dps\"\n1,3\n"));
     }
 }

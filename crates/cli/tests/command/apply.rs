@@ -185,6 +185,40 @@ fn an_autopilots_log_is_corrected_sensor_by_sensor() {
 }
 
 #[test]
+fn a_sensor_that_was_not_asked_for_is_told_as_that_and_not_as_unknown() {
+    let log = Log::cycle().ulg_of_topics(&[("sensor_gyro", 3), ("sensor_accel", 5)]);
+    let folder = folder_with("flight.ulg", log);
+    assert_eq!(zerorate(folder.path(), &["fit", "flight.ulg", "--out", "calibration.json"]).code, 0);
+    let apply = |sensor: &[&str], out: &str| {
+        let common = ["apply", "calibration.json", "flight.ulg", "--out", out];
+        let ran = zerorate(folder.path(), &[&common[..], sensor].concat());
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        ran.out
+    };
+    let told = apply(&["--sensor", "gyro"], "gyro.csv");
+    assert!(told.contains("accel0: not asked for by --sensor, and not written"), "{told}");
+    assert!(!told.contains("not in the calibration"), "{told}");
+    assert!(!apply(&[], "all.csv").contains("not written"));
+    let gyro = ["fit", "flight.ulg", "--sensor", "gyro", "--out", "calibration.json"];
+    assert_eq!(zerorate(folder.path(), &gyro).code, 0);
+    assert!(apply(&[], "by-gyro.csv").contains("accel0: not in the calibration, and not written"));
+}
+
+#[test]
+fn rows_outside_of_what_was_measured_are_told_whether_the_curve_is_believed_there_or_not() {
+    let folder = calibrated(&Log::cycle());
+    // Measured from -17 to 73 C and believed an eighth of that, 11 C, further. By hand: 3, of them 1, and 2 within.
+    fs::write(
+        folder.path().join("hot.csv"),
+        "t_s,temperature_c,x_rad_s,y_rad_s\n0,20,0,0\n1,72,0,0\n2,76,0,0\n3,80,0,0\n4,95,0,0\n",
+    )
+    .unwrap();
+    let ran = apply(folder.path(), "hot.csv");
+    ran.says(&["3 rows are outside -17.0 to 73.0 C, which was measured: there the curve rests on nothing"]);
+    ran.says(&["1 rows are outside -28.", "over which the curve is believed: there it was held at its end"]);
+}
+
+#[test]
 fn an_autopilots_log_without_an_axis_of_the_calibration_is_refused_by_name() {
     let folder = folder_with("flight.ulg", Log::cycle().ulg());
     fs::write(folder.path().join("log.csv"), Log::cycle().csv().replace("x_rad_s,y_rad_s", "roll_rad_s,pitch_rad_s"))

@@ -400,7 +400,7 @@ fn rates_are_told_in_the_unit_asked_for_on_the_screen_and_in_the_report_and_json
     zerorate(folder.path(), &["fit", "log.csv", "--units", "counts"]).is_error(&[
         "--units counts",
         "rad/s",
-        "nobody knows",
+        "leave --units out",
     ]);
     let unnamed = zerorate(folder.path(), &["fit", "log.csv", "--label", "operator"]);
     assert!(unnamed.code == 2 && unnamed.err.contains("give NAME=WORDS"), "{}", unnamed.err);

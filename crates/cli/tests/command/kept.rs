@@ -74,9 +74,15 @@ fn apply_export_and_report_write_over_their_own_alone() {
         assert_eq!((export("a.json", format, &out).code, export("a.json", format, &out).code), (0, 0), "{format}");
     }
     export("b.json", "px4", "exported.px4").is_error(&["another source", "--force"]);
+    export("b.json", "csv", "exported.csv").is_error(&["does not say what it came of", "--force"]);
 
     let apply = |log: &str, out: &str| run(&["apply", "a.json", log, "--out", out]);
     assert_eq!((apply("a.csv", "c.csv").code, apply("a.csv", "c.csv").code), (0, 0));
+    apply("b.csv", "c.csv").is_error(&["the corrected rows of another log", "--force"]);
+    let by_hand = String::from_utf8(read(folder.path(), "c.csv")).unwrap().replace('\n', ",mine\n");
+    fs::write(folder.path().join("c.csv"), &by_hand).unwrap();
+    apply("a.csv", "c.csv").is_error(&["the corrected rows of another log", "--force"]);
+    assert_eq!(read(folder.path(), "c.csv"), by_hand.as_bytes());
     apply("a.csv", "b.csv").is_error(&["no corrected log", "--force"]);
     apply("a.csv", "a.csv").is_error(&["would be lost"]);
 

@@ -64,6 +64,11 @@ impl Log {
 
     /// The same with another topic, whose fields are alike.
     pub fn ulg_of(&self, topic: &str) -> Vec<u8> {
+        self.ulg_of_topics(&[(topic, 3)])
+    }
+
+    /// The same with several topics, each under its number; 4 is the receiver's.
+    pub fn ulg_of_topics(&self, topics: &[(&str, u16)]) -> Vec<u8> {
         let message = |kind: u8, body: &[u8]| {
             let size = u16::try_from(body.len()).unwrap();
             [&size.to_le_bytes()[..], &[kind], body].concat()
@@ -71,15 +76,18 @@ impl Log {
         let mut log = [&b"\x55\x4c\x6f\x67\x01\x12\x35\x01"[..], &0_u64.to_le_bytes()].concat();
         log.extend(message(b'B', &[0; 40]));
         let fields = "uint64_t timestamp;uint32_t device_id;float x;float y;float z;float temperature;";
-        log.extend(message(b'F', format!("{topic}:{fields}").as_bytes()));
-        log.extend(message(b'A', &[&[0, 3, 0], topic.as_bytes()].concat()));
+        for (topic, number) in topics {
+            log.extend(message(b'F', format!("{topic}:{fields}").as_bytes()));
+            log.extend(message(b'A', &[&[0], &number.to_le_bytes()[..], topic.as_bytes()].concat()));
+        }
         log.extend(message(b'F', b"sensor_gps:uint64_t timestamp;uint64_t time_utc_usec;"));
         log.extend(message(b'A', &[&[0, 4, 0], &b"sensor_gps"[..]].concat()));
         // `date -u -d 2026-03-01T14:03:00Z +%s`
         let fix = [0_u64, 1_772_373_780_000_000].map(u64::to_le_bytes).concat();
         log.extend(message(b'D', &[&4_u16.to_le_bytes(), &fix[..]].concat()));
-        for row in 0..self.time_s.len() {
-            let mut body = 3_u16.to_le_bytes().to_vec();
+        let rows = (0..self.time_s.len()).flat_map(|row| topics.iter().map(move |(_, number)| (row, number)));
+        for (row, number) in rows {
+            let mut body = number.to_le_bytes().to_vec();
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             body.extend(((self.time_s[row] * 1e6) as u64).to_le_bytes());
             body.extend(2_621_448_u32.to_le_bytes());

@@ -68,6 +68,17 @@ fn a_boards_report_made_again_is_the_one_that_calibrate_or_fit_made() {
     assert_eq!(ran.code, 0, "{}", ran.err);
     ran.says(&["again.html, from 1/calibration.json and the files beside it"]);
     assert!(read("again.html") == first, "another report");
+    let hourly = zerorate(folder.path(), &["report", "1", "--units", "deg/h", "--out", "hourly.html"]);
+    assert_eq!(hourly.code, 0, "{}", hourly.err);
+    let page = String::from_utf8(read("hourly.html")).unwrap();
+    let summary: serde_json::Value = serde_json::from_slice(&read("1/summary.json")).unwrap();
+    let counts = summary["tests"][0]["residual_pp_counts"].as_f64().unwrap();
+    let hourly = 3600.0 * counts / summary["counts_per_dps"].as_f64().unwrap().abs();
+    let told = page.split("Left, pp, deg/h").nth(1).and_then(|rest| rest.split("<td").nth(3)).unwrap();
+    let told: String =
+        told.chars().skip_while(|letter| *letter != '>').skip(1).take_while(|letter| *letter != '<').collect();
+    let told: f64 = told.replace(['\u{a0}', ' '], "").parse().expect("a number");
+    assert!((told / hourly - 1.0).abs() < 0.006 && !page.contains("Left, pp, deg/s"), "{told} for {hourly}");
     fs::remove_file(folder.path().join("1/report.html")).unwrap();
     assert_eq!(zerorate(&folder.path().join("1"), &["report", ".", "--json"]).json()["out"], "report.html");
     assert!(read("1/report.html") == first, "another report");

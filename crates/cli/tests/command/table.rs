@@ -175,6 +175,15 @@ fn several_gyros_of_one_table_are_fitted_each_by_itself() {
         f64::midpoint(range[0].as_f64().unwrap(), range[1].as_f64().unwrap())
     };
     assert!((middle("gyro0_x_dps") - middle("gyro1_x_dps") - 10.0).abs() < 0.1, "each by its own temperature");
+    // Each range is told of those that have it, on the screen and on the page, and no range that none has.
+    let ran = zerorate(folder.path(), &["fit", "log.csv", "--out", "c.json", "--report", "r.html", "--force"]);
+    let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
+    for (told, degree) in [(ran.out.replace('\n', " "), "C"), (page, "°C")] {
+        let of_first = format!("-17.0 to 73.0 {degree} (gyro0_x_dps, gyro0_y_dps)");
+        let of_second = format!("-27.0 to 63.0 {degree} (gyro1_x_dps, gyro1_y_dps)");
+        assert!(told.contains(&format!("{of_first} and {of_second}")), "{told}");
+        assert!(!told.contains(&format!("-27.0 to 73.0 {degree}")), "{told}");
+    }
     let one = zerorate(folder.path(), &["fit", "log.csv", "--sensor", "gyro1", "--json"]).json();
     assert_eq!(one["axes"].as_object().unwrap().keys().collect::<Vec<_>>(), ["gyro1_x_dps", "gyro1_y_dps"]);
     let applied = zerorate(folder.path(), &["apply", "c.json", "log.csv", "--out", "out.csv"]);

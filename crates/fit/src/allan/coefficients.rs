@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::AllanPoint;
-use super::confidence::{Noise, interval};
+use super::confidence::{LEVEL, Noise, beyond, interval};
 
 /// Terms of the Allan variance over averaging time (IEEE Std 952-1997, annex C): quantization `3 Q^2 / tau^2`, angle random
 /// walk `N^2 / tau`, bias instability `(2 ln 2 / pi) B^2` (its flat part), rate random walk `K^2 tau / 3`.
@@ -16,6 +16,10 @@ const K: usize = 3;
 
 /// A term that makes up less than this of the variance at every averaging time is not seen: there is only a bound for it.
 const SEEN: f64 = 0.5;
+
+/// Nor is one without which the curve is as likely: at every averaging time it is within what chance makes of the best sum of the
+/// other terms. All times together are to be beyond it in so many of the curves that have none of the term.
+const BY_CHANCE: f64 = 1.0 - LEVEL;
 
 /// Rounds of the fit: four terms settle in a few hundred.
 const ROUNDS: usize = 20_000;
@@ -83,7 +87,7 @@ const NOISES: [Noise; TERMS] =
 impl Coefficients {
     /// Fits the terms to the variances, each weighed by its degrees of freedom; `points` must not be empty.
     pub(super) fn of(points: &[AllanPoint]) -> Self {
-        let squares = fitted(points);
+        let squares = fitted(points, None);
         Self {
             angle_random_walk: coefficient(points, &squares, N),
             bias_instability: coefficient(points, &squares, B),
@@ -95,7 +99,7 @@ impl Coefficients {
 /// The noise that is the largest part at each point, by a fit: at long averaging times the curve is too rough for its own
 /// slope to tell.
 pub(super) fn noises(points: &[AllanPoint]) -> Vec<Noise> {
-    let squares = fitted(points);
+    let squares = fitted(points, None);
     let largest = |point: &AllanPoint| {
         let parts = terms(point.tau_s);
         let by_size = |a: &usize, b: &usize| (parts[*a] * squares[*a]).total_cmp(&(parts[*b] * squares[*b]));
@@ -106,12 +110,12 @@ pub(super) fn noises(points: &[AllanPoint]) -> Vec<Noise> {
 
 /// The squares of the coefficients that minimise the sum over points of `w ((variance - model) / model)^2` with none below
 /// zero, `w` the degrees of freedom. The model in the denominator is that of the round before: were it the variance
-/// found, points that came out low by chance would pull the fit down.
-fn fitted(points: &[AllanPoint]) -> [f64; TERMS] {
+/// found, points that came out low by chance would pull the fit down. `without` is a term that is left out.
+fn fitted(points: &[AllanPoint], without: Option<usize>) -> [f64; TERMS] {
     let mut sizes: Vec<f64> = points.iter().map(|point| point.deviation.powi(2)).collect();
     let mut squares = [0.0; TERMS];
     for _ in 0..REWEIGHTED {
-        squares = fitted_by(points, &sizes);
+        squares = fitted_by(points, &sizes, without);
         sizes = points.iter().map(|point| dot(&terms(point.tau_s), &squares)).collect();
     }
     squares
@@ -122,7 +126,7 @@ fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
 }
 
 /// The same with given denominators: by turns, one coefficient at a time, which a convex sum of squares allows.
-fn fitted_by(points: &[AllanPoint], sizes: &[f64]) -> [f64; TERMS] {
+fn fitted_by(points: &[AllanPoint], sizes: &[f64], without: Option<usize>) -> [f64; TERMS] {
     let rows: Vec<([f64; TERMS], f64, f64)> = points
         .iter()
         .zip(sizes)
@@ -145,7 +149,7 @@ fn fitted_by(points: &[AllanPoint], sizes: &[f64]) -> [f64; TERMS] {
     let mut parts = [0.0_f64; TERMS];
     for _ in 0..ROUNDS {
         let mut moved = 0.0_f64;
-        for i in 0..TERMS {
+        for i in (0..TERMS).filter(|i| Some(*i) != without) {
             let rest: f64 = (0..TERMS).filter(|j| *j != i).map(|j| products[i][j] * parts[j]).sum();
             let best = ((targets[i] - rest) / products[i][i]).max(0.0);
             moved = moved.max((best - parts[i]).abs());
@@ -158,6 +162,15 @@ fn fitted_by(points: &[AllanPoint], sizes: &[f64]) -> [f64; TERMS] {
     std::array::from_fn(|j| parts[j] / size[j])
 }
 
+/// Whether the curve lies above the best sum of the other terms somewhere, by more than chance makes at any of its points.
+fn is_needed(points: &[AllanPoint], term: usize) -> bool {
+    let others = fitted(points, Some(term));
+    points.iter().any(|point| {
+        let ratio = point.deviation.powi(2) / dot(&terms(point.tau_s), &others);
+        beyond(ratio, point.degrees_of_freedom) < BY_CHANCE / points.len() as f64
+    })
+}
+
 /// One coefficient with its bounds: those of the point at which its term is the largest part.
 fn coefficient(points: &[AllanPoint], squares: &[f64; TERMS], of: usize) -> Coefficient {
     let share = |point: &AllanPoint| {
@@ -165,7 +178,7 @@ fn coefficient(points: &[AllanPoint], squares: &[f64; TERMS], of: usize) -> Coef
         parts[of] * squares[of] / dot(&parts, squares)
     };
     let best = points.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
-    match best.filter(|point| share(point) >= SEEN) {
+    match best.filter(|point| share(point) >= SEEN && is_needed(points, of)) {
         Some(point) => {
             let value = squares[of].sqrt();
             let (low, high) = interval(value, point.degrees_of_freedom);

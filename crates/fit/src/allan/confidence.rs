@@ -51,6 +51,15 @@ pub(super) fn interval(deviation: f64, degrees_of_freedom: f64) -> (f64, f64) {
     (bound(f64::midpoint(1.0, LEVEL)), bound((1.0 - LEVEL) / 2.0))
 }
 
+/// How likely chance alone makes a variance so many times the true one, or more.
+pub(super) fn beyond(ratio: f64, degrees_of_freedom: f64) -> f64 {
+    // Of a true variance of 0 nothing is above it by chance.
+    if !ratio.is_finite() {
+        return 0.0;
+    }
+    ChiSquared::new(degrees_of_freedom).map_or(1.0, |chi_squared| chi_squared.sf(ratio * degrees_of_freedom))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -61,6 +61,25 @@ fn white_noise_has_its_angle_random_walk_and_no_other() {
 }
 
 #[test]
+fn white_noise_shows_a_bias_instability_or_a_walk_in_no_more_logs_than_are_told() {
+    let mut noise = Uniform(20_261);
+    let (mut flicker, mut walks) = (0, 0);
+    const LOGS: usize = 200;
+    for _ in 0..LOGS {
+        let rates: Vec<f64> = (0..3000).map(|_| noise.next()).collect();
+        let found = Allan::of(&rates, 0.5).unwrap().coefficients;
+        flicker += usize::from(found.bias_instability.value().is_some());
+        walks += usize::from(found.rate_random_walk.value().is_some());
+        assert!(
+            found.angle_random_walk.value().is_some_and(|value| (value - 0.5_f64.sqrt()).abs() < 0.05),
+            "{found:?}"
+        );
+    }
+    // One in twenty, at the confidence of the intervals.
+    assert!(flicker <= LOGS / 20 && walks <= LOGS / 20, "{flicker} {walks} of {LOGS}");
+}
+
+#[test]
 fn a_walk_below_white_noise_is_found_with_both_its_coefficients() {
     let mut noise = Uniform(7);
     let (n, k, period) = (0.01_f64, 0.002_f64, 0.5_f64);

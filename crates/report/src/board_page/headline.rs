@@ -61,6 +61,10 @@ fn lead(board: &Board) -> Markup {
             "the remainder subtracted in numbers, " (fixed(hybrid.residual_pp_counts, 1)) " counts, "
             (hybrid.times()) "."
         }
+        @if let Some(cooling) = board.summary.cooling() {
+            " On the way back down, in mode " (cooling.mode.name()) ", it moves "
+            (fixed(cooling.residual_pp_counts, 1)) " counts, " (cooling.times()) "."
+        }
     }
 }
 
@@ -86,7 +90,7 @@ fn bars(board: &Board) -> Markup {
                     span {
                         b { (fixed(bar.counts, 1)) " counts" }
                         @if let Some(times) = &bar.times { " · " (times) }
-                        " " small { (significant(bar.counts / board.summary.counts_per_dps.abs(), 3)) " deg/s" }
+                        " " small { (board.rate(bar.counts)) " " (board.rate_unit()) }
                     }
                 }
             }
@@ -105,13 +109,12 @@ fn left(board: &Board) -> Markup {
     let summary = board.summary;
     let limits = summary.checks.len();
     let row = |test: &TestResult| {
-        let dps = |counts: f64| html! { (significant(counts / summary.counts_per_dps.abs(), 3)) };
         let mut cells = vec![
             html! { (name_of(test.axis)) " " (test.mode.name()) ", " (test.direction.name()) },
             html! { (fixed(test.residual_pp_counts, 1)) },
         ];
         cells.extend(Known::of(summary).floor.then(|| html! { (fixed_or_none(test.floor_pp_counts, 1)) }));
-        cells.extend([dps(test.residual_pp_counts), html! { (fixed(test.residual_rms_counts, 2)) }]);
+        cells.extend([html! { (board.rate(test.residual_pp_counts)) }, html! { (fixed(test.residual_rms_counts, 2)) }]);
         cells.extend([html! { (fixed(test.uncompensated_pp_counts, 1)) }, html! { (fixed(test.ratio(), 1)) }]);
         let by_quadratic = [test.quadratic_pp_counts, test.ratio_to_quadratic()];
         cells.extend(by_quadratic.map(|figure| html! { (fixed_or_none(figure, 1)) }));
@@ -119,7 +122,8 @@ fn left(board: &Board) -> Markup {
     };
     let mut heads = vec!["Axis, mode, ramp", "Left, pp, counts"];
     heads.extend(Known::of(summary).floor.then_some("Floor, pp, counts"));
-    heads.extend(["Left, pp, deg/s", "Left, rms, counts", "Without, pp, counts", "Without / left"]);
+    let in_rates = format!("Left, pp, {}", board.rate_unit());
+    heads.extend([in_rates.as_str(), "Left, rms, counts", "Without, pp, counts", "Without / left"]);
     heads.extend(["Quadratic, pp, counts", "Quadratic / left"]);
     html! {
         @if !summary.tests.is_empty() {
@@ -158,6 +162,12 @@ fn unit_facts(board: &Board) -> Markup {
         ("Scale factor", html! { (significant(summary.counts_per_dps, 4)) " counts per deg/s" }),
     ]);
     let recorded = &board.run.full_temperature.info;
+    if board.run.full_temperature.rows.iter().all(|row| row.chamber_c.is_nan()) {
+        facts.push((
+            "Chamber",
+            html! { "not driven by the bench: soaks and ramps are seen in the board’s own reading" },
+        ));
+    }
     // A simulated run has no date, so that it gives the same bytes again.
     facts.extend(recorded.started.map(|started| ("Begun", html! { (started.format("%Y-%m-%d %H:%M UTC")) })));
     if !recorded.firmware.is_empty() {

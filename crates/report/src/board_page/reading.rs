@@ -98,11 +98,11 @@ pub(super) fn definitions(board: &Board) -> Markup {
         if taps_crossed { "Writes / taps crossed" } else { "Writes" },
         html! {
             @if taps_crossed {
-                "Writes to the wiper beside the least possible number, that of the law without noise. More writes than taps "
-                "crossed is chatter: each is a step of one tap."
+                "Writes to the wiper beside the taps that the law without noise crosses from where the ramp began. More writes than "
+                "taps crossed is chatter: each is a step of one tap. At an end of the ramp noise may save one."
             } @else {
-                "Writes to the wiper. The least possible number needs the temperature without noise, which a real bench does not "
-                "know."
+                "Writes to the wiper. How many the law without noise would make needs the temperature without noise, which a real "
+                "bench does not know."
             }
         },
     ));

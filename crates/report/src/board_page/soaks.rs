@@ -39,7 +39,7 @@ pub(super) fn chapter(soaks: &Soaks, board: &Board) -> Markup {
         p {
             "The paper’s claim is that one ramp replaces many soaks. Here it is tried: the unit was also held at "
             (counted(count, "temperature")) ", as the traditional test does. "
-            @if outside.is_empty() { "All of them lie on the ramp." }
+            @if outside.is_empty() { "All of them lie on the ramp, or within half a kelvin of an end of it." }
             @else {
                 (count - outside.len()) " of them lie on the ramp and are compared with it; at " (outside.join(", "))
                 "\u{a0}°C it measured nothing."

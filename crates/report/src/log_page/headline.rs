@@ -11,6 +11,7 @@ use zerorate_fit::residual::ResidualStatistics;
 use super::{LogPage, degree};
 use crate::number::{decimals_for, fixed, whole, with_error};
 use crate::page::{self, Table, told};
+use crate::ranges::measured_temperatures;
 use crate::trend::trend_sentences;
 
 impl LogPage<'_> {
@@ -156,19 +157,11 @@ fn lead(fit: &LogFit) -> Markup {
         (Verdict::Rejected, _) | (_, 0) => html! { "No calibration comes of this log." },
         (_, axes) => html! {
             (axes) @if axes == 1 { " axis was" } @else { " axes were" }
-            " fitted" @if let Some(measured) = measured(fit) { ", from " (measured) } ". What counts is "
+            " fitted" ", from " (measured_temperatures(&fit.axes.iter().collect::<Vec<_>>(), degree(fit))) ". What counts is "
             @if is_deployed(fit) { "what a deployed device has left" } @else { "the held-out residual" }
             ", of data that the model has not seen."
         },
     }
-}
-
-/// The temperatures that were measured, of all axes.
-fn measured(fit: &LogFit) -> Option<String> {
-    let ranges = || fit.axes.iter().map(|axis| axis.calibration.fit.measured);
-    let min = ranges().map(|range| range.min()).reduce(f64::min)?;
-    let max = ranges().map(|range| range.max()).reduce(f64::max)?;
-    Some(format!("{} to {} {}", fixed(min, 1), fixed(max, 1), degree(fit)))
 }
 
 /// The units of the rates, each once, in the order of the axes.

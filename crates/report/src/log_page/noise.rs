@@ -65,7 +65,7 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
         cells.push(match &found.hysteresis {
             Ok(found) => html! {
                 (axis.rate(found.mean, 3)) " ± " (axis.rate(found.mean_standard_error, 1)) "; "
-                (axis.rate(found.largest, 3)) " at " (fixed(found.at, 0))
+                (axis.rate(found.largest, 3)) " ± " (axis.rate(found.standard_error, 1)) " at " (fixed(found.at, 0))
                 @if found.share.is_finite() { " (" (fixed(100.0 * found.share, 0)) " %)" }
             },
             Err(_) => html! { "–" },
@@ -80,7 +80,7 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
     let missing = missing(axes.iter().map(|(axis, found)| (axis.axis.name.as_str(), found)));
     let caption = html! {
         "Sensitivities of the bias, as IEEE Std 952 names them. Hysteresis is heating less cooling at equal temperature: its mean, "
-        "and where it is largest, in brackets over the peak to peak of the curve. ± is one standard error by the noise from one average "
+        "and where it is likely to be largest, in brackets over the peak to peak of the curve. ± is one standard error by the noise from one average "
         "to the next; a rate that wanders differs by more. The ramp sensitivity is of what the curve leaves."
     };
     let heads = [

@@ -89,7 +89,8 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
 fn headline(page: &mut Page, summary: &Summary) {
     let colour = match summary.verdict {
         Verdict::Rejected => Style::new().red(),
-        Verdict::Good | Verdict::Warning => Style::new().green(),
+        Verdict::Warning => Style::new().yellow(),
+        Verdict::Good => Style::new().green(),
     };
     let verdict = screen::style(colour.bold(), summary.verdict.name());
     let plant = summary.plant.as_ref().zip(summary.seed);
@@ -109,5 +110,10 @@ fn headline(page: &mut Page, summary: &Summary) {
         let (left, times) = (hybrid.residual_pp_counts, hybrid.times());
         told += &format!("; with the rest subtracted in numbers {left:.1} ({times})");
     }
-    page.sentence("", &(told + "."));
+    told += ".";
+    if let Some(cooling) = summary.cooling() {
+        let (mode, left, times) = (cooling.mode.name(), cooling.residual_pp_counts, cooling.times());
+        told += &format!(" On the way back down mode {mode} leaves {left:.1} ({times}).");
+    }
+    page.sentence("", &told);
 }

@@ -9,7 +9,7 @@ use zerorate_cal::quality::Verdict;
 use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
 use zerorate_fit::drift_fit::{FitStatistics, LogLeft, ResidualOver};
 use zerorate_fit::residual::ResidualStatistics;
-use zerorate_report::{by_log_sentence, trend_sentences};
+use zerorate_report::{believed_temperatures, by_log_sentence, measured_temperatures, trend_sentences};
 
 use super::models;
 use crate::screen::{Grid, Page, aligned, style, thousands};
@@ -98,7 +98,9 @@ fn verdict(page: &mut Page, fit: &LogFit) {
 fn curves(page: &mut Page, fit: &LogFit, scale: RateScale, unit: RateUnit) {
     let axes: Vec<&AxisFit> = fit.axes.iter().filter(|axis| axis.calibration.rate_unit == unit).collect();
     let drifts: Vec<f64> = axes.iter().map(|axis| axis.calibration.measured_drift().peak_to_peak()).collect();
-    page.heading(&format!("Drift over {}, in {}", measured(&axes), scale.unit()));
+    let degree = axes[0].temperature_unit.name();
+    let (measured, believed) = (measured_temperatures(&axes, degree), believed_temperatures(&axes, degree));
+    page.heading(&format!("Drift over {measured}, in {}", scale.unit()));
     let (left_head, left): (_, Figure) = match deployed(&axes) {
         true => ("deployed", |fit| fit.deployed),
         false => ("held out", |fit| fit.held_out),
@@ -116,10 +118,9 @@ fn curves(page: &mut Page, fit: &LogFit, scale: RateScale, unit: RateUnit) {
         grid.row([axis.name.clone(), axis.verdict.name().to_owned(), model].into_iter().chain(cells).chain([used]));
     }
     page.grid(&grid);
-    if believed(&axes) != measured(&axes) {
+    if believed != measured {
         let held = format!(
-            "The curves are believed a little beyond what was measured, over {}, and held at the ends of that.",
-            believed(&axes)
+            "The curves are believed a little beyond what was measured, over {believed}, and held at the ends of that."
         );
         page.sentence("  ", &held);
     }
@@ -209,7 +210,7 @@ fn terms(page: &mut Page, fit: &LogFit) {
                  takes its zero in the {zero_taken_in} and the prediction off from then on: each eighth of the log as a model \
                  predicts it that was chosen and fitted on the other seven. The log's own drift in time, which no device knows, is \
                  left in it.{steps} Uncorrected is the same without a model. zerorate verify measures the same two of \
-                 another run, over 10 s. \u{b1} is one standard error of the rms, by how much the eight folds differ and by \
+                 another run. \u{b1} is one standard error of the rms, by how much the eight folds differ and by \
                  the noise of the zero; pp is peak to peak."
             ),
         );
@@ -244,21 +245,6 @@ fn terms_in_recording(page: &mut Page, fit: &LogFit, over: ResidualOver) {
              cross-validation: of each of eight folds of the log, predicted by a fit of the other seven.{levels}{believed}"
         ),
     );
-}
-
-/// What was measured; of several axes, the least and the greatest.
-fn measured(axes: &[&AxisFit]) -> String {
-    range(axes, axes.iter().map(|axis| axis.calibration.fit.measured).map(|range| (range.min(), range.max())))
-}
-
-/// How far the curves are believed.
-fn believed(axes: &[&AxisFit]) -> String {
-    range(axes, axes.iter().map(|axis| axis.calibration.drift().valid).map(|range| (range.min(), range.max())))
-}
-
-fn range(axes: &[&AxisFit], ranges: impl Iterator<Item = (f64, f64)>) -> String {
-    let (min, max) = ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (min, max)| (a.min(min), b.max(max)));
-    format!("{min:.1} to {max:.1} {}", axes[0].temperature_unit.name())
 }
 
 fn left_out(page: &mut Page, fit: &LogFit) {

@@ -99,7 +99,11 @@ impl Facts {
                     found.sensor.map_or_else(String::new, |sensor| sensor.to_string()),
                     id.map_or_else(|| "-".to_owned(), |id| id.to_string()),
                     thousands(found.rows),
-                    format!("{:.1}", found.rows as f64 / found.seconds.max(f64::MIN_POSITIVE)),
+                    if found.seconds > 0.0 {
+                        format!("{:.1}", found.rows as f64 / found.seconds)
+                    } else {
+                        "-".to_owned()
+                    },
                     least[place].clone(),
                     greatest[place].clone(),
                     thousands(found.without_temperature),

@@ -1,7 +1,5 @@
 //! An axis that reads one number and no other: a gyro that is dead, unplugged, or stuck.
 
-use crate::log::Rows;
-
 /// Below so many rows one number may come by chance.
 const LEAST_ROWS: u64 = 64;
 
@@ -11,7 +9,7 @@ const SHARE: f64 = 1.0 / 8.0;
 
 /// Rows in which an axis read one number.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Still {
+pub struct Still {
     /// The number.
     pub rate: f64,
     /// The first row of the log, and the first one after the last.
@@ -26,7 +24,7 @@ pub(super) struct Still {
 
 /// Looks for it while rows go by.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Stillness {
+pub struct Stillness {
     now: Option<Still>,
     /// Those of [`LEAST_ROWS`] over which the temperature went furthest.
     longest: Option<Still>,
@@ -35,16 +33,8 @@ pub(super) struct Stillness {
 }
 
 impl Stillness {
-    pub(super) fn push_rows(&mut self, rows: &Rows<'_>, axis: usize) {
-        for (place, (&rate, &temperature)) in rows.values[axis].iter().zip(rows.temperature).enumerate() {
-            if rate.is_finite() && temperature.is_finite() {
-                let time_s = rows.time_s.get(place).copied().unwrap_or(f64::NAN);
-                self.push(rows.first_row + place as u64, rate, temperature, time_s);
-            }
-        }
-    }
-
-    fn push(&mut self, row: u64, rate: f64, temperature: f64, time_s: f64) {
+    /// Takes in a row: its number, what it reads, and its temperature and time.
+    pub fn push(&mut self, row: u64, rate: f64, temperature: f64, time_s: f64) {
         self.rows += 1;
         let one = (temperature, temperature);
         self.temperature = Some(widened(self.temperature.unwrap_or(one), temperature));
@@ -63,7 +53,8 @@ impl Stillness {
     }
 
     /// Where the axis was stuck, if it was.
-    pub(super) fn found(&self) -> Option<Still> {
+    #[must_use]
+    pub fn found(&self) -> Option<Still> {
         let longest = longer(self.longest, self.now)?;
         let long = longest.count >= LEAST_ROWS && longest.count as f64 >= SHARE * self.rows as f64;
         (long && longest.span() >= SHARE * length(self.temperature?)).then_some(longest)
@@ -72,7 +63,7 @@ impl Stillness {
 
 impl Still {
     /// Counts rows and times from the first of several logs.
-    pub(super) fn come_after(&mut self, rows: u64, seconds: f64) {
+    pub fn come_after(&mut self, rows: u64, seconds: f64) {
         self.rows = (self.rows.0 + rows, self.rows.1 + rows);
         self.time_s = (self.time_s.0 + seconds, self.time_s.1 + seconds);
     }
@@ -121,22 +112,10 @@ mod tests {
     #[test]
     fn rows_without_a_number_are_numbered_and_not_counted() {
         // 1000 rows of a ramp; in the first half every other rate is missing, in the second all are one.
-        let half = |row: u32| if row.is_multiple_of(2) { f64::NAN } else { f64::from(row * 7919 % 100) };
-        let rates: Vec<f64> = (0..1000).map(|row| if row < 500 { half(row) } else { 0.125 }).collect();
-        let temperatures: Vec<f64> = (0..1000).map(|row| 0.05 * f64::from(row)).collect();
         let mut stillness = Stillness::default();
-        for (first_row, part) in [(0, 0..300), (300, 300..1000)] {
-            stillness.push_rows(
-                &Rows {
-                    sensor: 0,
-                    part: 0,
-                    first_row,
-                    time_s: &temperatures[part.clone()],
-                    temperature: &temperatures[part.clone()],
-                    values: &[rates[part].to_vec()],
-                },
-                0,
-            );
+        for row in (0..1000_u32).filter(|row| *row >= 500 || !row.is_multiple_of(2)) {
+            let rate = if row < 500 { f64::from(row * 7919 % 100) } else { 0.125 };
+            stillness.push(row.into(), rate, 0.05 * f64::from(row), f64::from(row));
         }
         let found = stillness.found().unwrap();
         assert_eq!((found.rows, found.count), ((500, 1000), 500));
