@@ -1,7 +1,8 @@
 //! What is there already where a command writes: kept, unless it is what the same command made of the same source before.
 //!
 //! A source is the same by its SHA-256. A log of the same name that has changed since is the user's own log, gone on: what
-//! came of it before is set aside, and the command goes on. Whatever else is there is refused.
+//! came of it before is set aside, and the command goes on; so are the corrected rows of another log, which are quickly made
+//! again and not quickly asked for. Whatever else is there is refused.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
@@ -18,12 +19,15 @@ use crate::screen;
 /// No page and no export is as large as this: what is there is something else.
 const LARGEST_BYTES: u64 = 64 << 20;
 
+/// Of a log of the same name, before that changed.
+const CHANGED: &str = "came of a log of this name before it changed";
+
 /// What is there.
 enum There {
     /// What the same command made of the same source.
     Same,
-    /// What it made of a log of the same name, before that changed.
-    Earlier,
+    /// What it made before of something else, in words: it is set aside.
+    Earlier(&'static str),
     /// Something else, in words.
     Other(String),
 }
@@ -48,7 +52,7 @@ impl Force {
             if sorted(&there.sources, |source| &source.sha256) == sorted(sources, |source| &source.sha256) {
                 There::Same
             } else if sorted(&there.sources, |source| &source.file) == sorted(sources, |source| &source.file) {
-                There::Earlier
+                There::Earlier(CHANGED)
             } else {
                 There::Other(format!("the calibration of {}", named(&there.sources)))
             }
@@ -70,7 +74,7 @@ impl Force {
             if sources.iter().all(|source| text.contains(&source.sha256)) {
                 There::Same
             } else if sources.iter().all(|source| names(&text, &source.file)) {
-                There::Earlier
+                There::Earlier(CHANGED)
             } else {
                 There::Other("what came of another source".into())
             }
@@ -100,14 +104,14 @@ impl Force {
         })
     }
 
-    /// Refuses the place of the corrected rows of another log than those of `new`, which was made for it.
+    /// Sets aside the corrected rows of another log than those of `new`, which was made for their place.
     pub fn corrected_log_of_another(self, option: &str, path: &Path, new: &Path) -> Result<()> {
         self.keep(option, path, || {
             let opened = fs::File::open(path).ok().zip(fs::File::open(new).ok());
             if opened.is_some_and(|(old, new)| are_of_one_log(old, new)) {
                 There::Same
             } else {
-                There::Other("the corrected rows of another log".into())
+                There::Earlier("are the corrected rows of another log")
             }
         })
     }
@@ -120,13 +124,9 @@ impl Force {
         }
         match what() {
             There::Same => Ok(()),
-            There::Earlier => {
+            There::Earlier(what) => {
                 let aside = set_aside(path).with_context(|| format!("{}: cannot be set aside", path.display()))?;
-                screen::note(&format!(
-                    "{}: what is there came of a log of this name before it changed; it is kept as {}",
-                    path.display(),
-                    aside.display()
-                ));
+                screen::note(&format!("{}: what is there {what}; it is kept as {}", path.display(), aside.display()));
                 Ok(())
             }
             There::Other(what) => bail!(

@@ -78,11 +78,21 @@ fn apply_export_and_report_write_over_their_own_alone() {
 
     let apply = |log: &str, out: &str| run(&["apply", "a.json", log, "--out", out]);
     assert_eq!((apply("a.csv", "c.csv").code, apply("a.csv", "c.csv").code), (0, 0));
-    apply("b.csv", "c.csv").is_error(&["the corrected rows of another log", "--force"]);
+    let set_aside = |log: &str, aside: &str| {
+        let there = read(folder.path(), "c.csv");
+        let ran = apply(log, "c.csv");
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        assert!(
+            ran.err.contains("the corrected rows of another log; it is kept as") && ran.err.contains(aside),
+            "{}",
+            ran.err
+        );
+        assert_eq!(read(folder.path(), aside), there);
+    };
+    set_aside("b.csv", "c.earlier.csv");
     let by_hand = String::from_utf8(read(folder.path(), "c.csv")).unwrap().replace('\n', ",mine\n");
     fs::write(folder.path().join("c.csv"), &by_hand).unwrap();
-    apply("a.csv", "c.csv").is_error(&["the corrected rows of another log", "--force"]);
-    assert_eq!(read(folder.path(), "c.csv"), by_hand.as_bytes());
+    set_aside("b.csv", "c.earlier-2.csv");
     apply("a.csv", "b.csv").is_error(&["no corrected log", "--force"]);
     apply("a.csv", "a.csv").is_error(&["would be lost"]);
 
