@@ -6,6 +6,7 @@
 
 mod gap;
 mod group;
+mod left_out;
 mod level;
 mod motion;
 mod settle;

@@ -1,7 +1,7 @@
 //! What can be seen on groups: intervals that are no drift, and steps of the rate.
 
 use super::gap::{gaps, mark_gaps_within};
-use super::group::all_of;
+use super::left_out::{excluded, leave_out, leave_out_marked};
 use super::motion::mark_moved;
 use super::settle::mark_settling;
 use super::step::{are_opposite, take_out_steps};
@@ -84,30 +84,6 @@ pub fn leave_out_times(groups: &mut [Group], tallies: &mut [Tally], times_s: &[(
     leave_out_marked(groups, tallies, &marks)
 }
 
-/// Leaves out the groups that are marked, and counts their rows.
-pub(super) fn leave_out_marked(
-    groups: &mut [Group],
-    tallies: &mut [Tally],
-    marks: &[Option<DropReason>],
-) -> Vec<Excluded> {
-    for (group, reason) in groups.iter().zip(marks).filter_map(|(group, mark)| Some((group, (*mark)?))) {
-        for (tally, part) in tallies.iter_mut().zip(&group.axes) {
-            tally.add(reason, u64::from(part.rows));
-        }
-    }
-    leave_out(groups, marks);
-    excluded(groups, marks)
-}
-
-fn leave_out(groups: &mut [Group], marks: &[Option<DropReason>]) {
-    for (group, _) in groups.iter_mut().zip(marks).filter(|(_, mark)| mark.is_some()) {
-        for part in &mut group.axes {
-            part.rows = 0;
-            part.weight = 0.0;
-        }
-    }
-}
-
 /// A step up and one back down by as much are a rotation that lasted, or a disturbance: the interval between is left out and
 /// the level after it is as it was.
 fn join_opposite_steps(groups: &mut [Group], steps: &mut Vec<Step>, marks: &mut [Option<DropReason>]) {
@@ -166,29 +142,4 @@ fn take_back_jumps(groups: &mut [Group], rows: &[Vec<u32>], steps: &[Step], mark
             }
         }
     }
-}
-
-fn excluded(groups: &[Group], marks: &[Option<DropReason>]) -> Vec<Excluded> {
-    let mut found: Vec<Excluded> = Vec::new();
-    let mut log = None;
-    for (group, mark) in groups.iter().zip(marks) {
-        let Some(reason) = *mark else { continue };
-        // No interval goes on in another log.
-        let same_log = log.replace(group.log) == Some(group.log);
-        let goes_on = |interval: &&mut Excluded| interval.rows.1 == group.first_row && interval.reason == reason;
-        match found.last_mut().filter(|interval| same_log && goes_on(interval)) {
-            Some(interval) => {
-                interval.rows.1 = group.end_row;
-                interval.time_s.1 = group.times_s.1;
-                interval.temperature = all_of(interval.temperature, group.temperatures);
-            }
-            None => found.push(Excluded {
-                reason,
-                rows: (group.first_row, group.end_row),
-                time_s: group.times_s,
-                temperature: group.temperatures,
-            }),
-        }
-    }
-    found
 }

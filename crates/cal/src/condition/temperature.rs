@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::level::leave_out_marked;
+use super::left_out::leave_out_marked;
 use super::{DropReason, Excluded, Group, Tally};
 use crate::units::TemperatureUnit;
 use zerorate_fit::dropouts::{Shown, dropouts};
