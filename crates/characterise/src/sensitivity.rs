@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use zerorate_cal::log_fit::AxisFit;
+use zerorate_core::drift::Shape;
 
 /// Points at which a curve's slope is looked at.
 const SLOPES: u32 = 400;
@@ -11,8 +12,12 @@ const SLOPES: u32 = 400;
 pub struct TemperatureSensitivity {
     /// The slope of the straight line nearest to the curve, rate a degree.
     pub mean: f64,
+    /// One standard error of it, by the curve's covariance.
+    pub mean_standard_error: f64,
     /// The curve's steepest slope, rate a degree, with its sign.
     pub steepest: f64,
+    /// One standard error of the slope there. Of a curve that is level the steepest piece is the noisiest.
+    pub steepest_standard_error: f64,
     /// Where it is.
     pub steepest_at: f64,
 }
@@ -27,9 +32,44 @@ impl TemperatureSensitivity {
         let steepest = (0..SLOPES).max_by(|a, b| slope(*a).abs().total_cmp(&slope(*b).abs())).unwrap_or(0);
         // Least squares over equally spaced temperatures.
         let middle = f64::midpoint(min, max);
-        let (products, squares) = (0..=SLOPES).fold((0.0, 0.0), |(products, squares), i| {
-            (products + (at(i) - middle) * value(i), squares + (at(i) - middle).powi(2))
-        });
-        Self { mean: products / squares, steepest: slope(steepest), steepest_at: at(steepest) + step / 2.0 }
+        let squares: f64 = (0..=SLOPES).map(|i| (at(i) - middle).powi(2)).sum();
+        let share = |i: u32| (at(i) - middle) / squares;
+        let error = |of: &[(u32, f64)]| {
+            let shape = &axis.calibration.drift().shape;
+            let by_coefficient: Vec<Vec<f64>> = of
+                .iter()
+                .map(|(i, share)| weights(shape, at(*i)).into_iter().map(|weight| share * weight).collect())
+                .collect();
+            standard_error(&by_coefficient, &axis.calibration.fit.statistics.covariance)
+        };
+        Self {
+            mean: (0..=SLOPES).map(|i| share(i) * value(i)).sum(),
+            mean_standard_error: error(&(0..=SLOPES).map(|i| (i, share(i))).collect::<Vec<_>>()),
+            steepest: slope(steepest),
+            steepest_standard_error: error(&[(steepest, -1.0 / step), (steepest + 1, 1.0 / step)]),
+            steepest_at: at(steepest) + step / 2.0,
+        }
     }
+}
+
+/// What each scaled coefficient, or each knot, of a curve weighs at a temperature.
+fn weights(shape: &Shape, temperature: f64) -> Vec<f64> {
+    match shape {
+        Shape::Polynomial(polynomial) => {
+            let x = polynomial.scale().x(temperature);
+            std::iter::successors(Some(1.0), |power| Some(power * x)).take(polynomial.coefficients().len()).collect()
+        }
+        Shape::Table(table) => {
+            let pieces = table.knots().len() - 1;
+            let place = 0.5 * (table.scale().x(temperature).clamp(-1.0, 1.0) + 1.0) * pieces as f64;
+            (0..=pieces).map(|knot| (1.0 - (place - knot as f64).abs()).max(0.0)).collect()
+        }
+    }
+}
+
+/// One standard error of a sum of parts, each so much of every coefficient.
+fn standard_error(parts: &[Vec<f64>], covariance: &[Vec<f64>]) -> f64 {
+    let whole: Vec<f64> = (0..covariance.len()).map(|k| parts.iter().map(|part| part[k]).sum()).collect();
+    let along = |row: &Vec<f64>| row.iter().zip(&whole).map(|(own, weight)| own * weight).sum::<f64>();
+    covariance.iter().zip(&whole).map(|(row, weight)| weight * along(row)).sum::<f64>().max(0.0).sqrt()
 }

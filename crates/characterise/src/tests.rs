@@ -47,6 +47,22 @@ fn a_straight_drift_has_its_slope_and_neither_hysteresis_nor_ramp_sensitivity() 
     assert!(found.ramp_sensitivity.unwrap().value.abs() < 1e-3);
 }
 
+/// By hand: of 4000 rows whose temperatures have a deviation of 30 / sqrt 2, and noise of 1e-3. And of a table on noise alone
+/// neither slope is more than its error makes of it.
+#[test]
+fn a_slope_has_the_error_that_its_rows_give_it() {
+    let mut state = 3;
+    let found = two_cycles("poly:1", |_, t, _| 1e-3 * t + 1e-3 * normal(&mut state)).temperature_sensitivity;
+    let by_hand = 1e-3 / (4000_f64.sqrt() * 30.0 / 2_f64.sqrt());
+    for error in [found.mean_standard_error, found.steepest_standard_error] {
+        assert!((error / by_hand - 1.0).abs() < 0.15, "{found:?}, not {by_hand}");
+    }
+    assert!((found.mean - 1e-3).abs() < 4.0 * by_hand, "{found:?}");
+    let found = two_cycles("table:16", |_, _, _| 1e-3 * normal(&mut state)).temperature_sensitivity;
+    assert!(found.mean.abs() < 4.0 * found.mean_standard_error, "{found:?}");
+    assert!(found.steepest.abs() < 4.0 * found.steepest_standard_error, "{found:?}");
+}
+
 #[test]
 fn hysteresis_is_heating_less_cooling() {
     let found = cycle(0.01, 0.0).hysteresis.unwrap();

@@ -21,7 +21,10 @@ fn sentence(axis: &str, trend: &Trend, scale: RateScale) -> String {
     let verb = if trend.change < 0.0 { "falls" } else { "rises" };
     let numbers = aligned(&[trend.change.abs(), trend.standard_error].map(|rate| scale.of_rate(rate)));
     let (ends, meaning) = match trend.against {
-        Against::Time => ("the log's start to its end", "a drift in time, which no calibration knows"),
+        Against::Time => (
+            "the log's start to its end",
+            "a drift in time, which no calibration knows, and of which the curve may hold a part besides",
+        ),
         Against::Temperature => {
             ("the coldest to the hottest", "the model does not follow the whole drift over temperature")
         }
@@ -50,7 +53,7 @@ mod tests {
         assert_eq!(
             told,
             "gyro_x: what the model leaves still falls by 0.400 \u{b1} 0.025 mrad/s from the log's start to its end: a drift \
-             in time, which no calibration knows."
+             in time, which no calibration knows, and of which the curve may hold a part besides."
         );
     }
 }

@@ -215,8 +215,8 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
         let ramp = found.ramp_sensitivity.as_ref();
         grid.row([
             axis.name.clone(),
-            format!("{:.2e}", slope.mean),
-            format!("{:.2e} at {:.0}", slope.steepest, slope.steepest_at),
+            format!("{:.2e} +- {:.0e}", slope.mean, slope.mean_standard_error),
+            format!("{:.2e} +- {:.0e} at {:.0}", slope.steepest, slope.steepest_standard_error, slope.steepest_at),
             found.hysteresis.as_ref().map_or("-".to_owned(), |found| {
                 let share = Some(found.share).filter(|share| share.is_finite());
                 let share = share.map(|share| format!(" ({:.0} %)", 100.0 * share)).unwrap_or_default();

@@ -59,8 +59,11 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
         let slope = found.temperature_sensitivity;
         let mut cells = vec![
             axis.name(),
-            axis.rate(slope.mean, 3),
-            html! { (axis.rate(slope.steepest, 3)) " at " (fixed(slope.steepest_at, 0)) },
+            html! { (axis.rate(slope.mean, 3)) " ± " (axis.rate(slope.mean_standard_error, 1)) },
+            html! {
+                (axis.rate(slope.steepest, 3)) " ± " (axis.rate(slope.steepest_standard_error, 1)) " at "
+                (fixed(slope.steepest_at, 0))
+            },
         ];
         cells.push(match &found.hysteresis {
             Ok(found) => html! {
