@@ -17,7 +17,7 @@ use std::ops::Range;
 use zerorate_core::drift::ValidRange;
 
 use crate::drift_fit::{Candidate, DriftFit, FitStatistics, ResidualOver};
-use crate::evidence::{Evidence, Found};
+use crate::evidence::{Evidence, Likeliest};
 use crate::folds::TELLING;
 use crate::least_squares::FitError;
 use crate::model::Model;
@@ -71,7 +71,7 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
     // A curve that is drawn to nothing is settled by one temperature; a line is not.
     let mut tried = vec![plain(Model::Poly(1), false).ok_or(undetermined)?];
     tried.extend((2..=CUBIC).filter_map(|order| plain(Model::Poly(order), false)));
-    let attempt = |(evidence, found): (Evidence<'_>, Found)| Attempt::new(series, |keep| evidence.fit(&found, keep));
+    let attempt = |(evidence, found): Likeliest<'_>| Attempt::new(series, |keep| evidence.fit(&found, keep));
     let own = Evidence::likeliest(series, measured, valid).and_then(|(together, with_parts_behind)| {
         let (together, behind) = (attempt(together), with_parts_behind.and_then(attempt));
         let is_worse =

@@ -35,6 +35,9 @@ const ROUNDS: usize = 2;
 /// line too easily takes hysteresis for time.
 const STRONG: f64 = 3.0;
 
+/// Columns, and what is the likeliest of them.
+pub(crate) type Likeliest<'a> = (Evidence<'a>, Found);
+
 /// A series with its columns.
 pub(crate) struct Evidence<'a> {
     series: &'a Series<'a>,
@@ -49,7 +52,7 @@ impl<'a> Evidence<'a> {
         series: &'a Series<'a>,
         measured: ValidRange,
         valid: ValidRange,
-    ) -> Option<((Self, Found), Option<(Self, Found)>)> {
+    ) -> Option<(Likeliest<'a>, Option<Likeliest<'a>>)> {
         let searched = |slow, before, near: Option<&Found>| {
             Searched::of(Self { series, columns: Columns::new(series, measured, valid, slow, before)? }, near)
         };
@@ -126,7 +129,7 @@ impl<'a> Searched<'a> {
     }
 
     /// The one with a straight drift in time where that is strongly likelier.
-    fn likelier(dying: Self, straight: Option<Self>) -> (Evidence<'a>, Found) {
+    fn likelier(dying: Self, straight: Option<Self>) -> Likeliest<'a> {
         let likelier = straight.filter(|straight| straight.surprise < dying.surprise - STRONG).unwrap_or(dying);
         (likelier.evidence, likelier.found)
     }
