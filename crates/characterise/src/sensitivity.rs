@@ -67,8 +67,11 @@ fn weights(shape: &Shape, temperature: f64) -> Vec<f64> {
     }
 }
 
-/// One standard error of a sum of parts, each so much of every coefficient.
+/// One standard error of a sum of parts, each so much of every coefficient; NaN where the covariance is another curve's.
 fn standard_error(parts: &[Vec<f64>], covariance: &[Vec<f64>]) -> f64 {
+    if parts.iter().any(|part| part.len() != covariance.len()) {
+        return f64::NAN;
+    }
     let whole: Vec<f64> = (0..covariance.len()).map(|k| parts.iter().map(|part| part[k]).sum()).collect();
     let along = |row: &Vec<f64>| row.iter().zip(&whole).map(|(own, weight)| own * weight).sum::<f64>();
     covariance.iter().zip(&whole).map(|(row, weight)| weight * along(row)).sum::<f64>().max(0.0).sqrt()
