@@ -41,7 +41,7 @@ fn start(plant: &SharedPlant, flash: &Part) -> Result<Native> {
         kept: Kepts::default(),
         started: Started::POWER,
         unit: UnitSerial::try_from(paper_record::UNIT).unwrap_or_default(),
-        timing: Timing::IN_USE,
+        timing: Timing::PAPER,
         board: BoardNumbers::PAPER,
         health: Health::default,
     }))

@@ -32,9 +32,6 @@ impl Timing {
     /// The paper's: 40 groups a minute of 500 samples (S5), a conversion each.
     pub const PAPER: Self = Self { scan_period_us: 3000, set_length: 500, oversampling: 1 };
 
-    /// The same for a board whose platform may vibrate: at the scan rate that would fold onto the zero.
-    pub const IN_USE: Self = Self { oversampling: 16, ..Self::PAPER };
-
     /// How long a set takes, microseconds.
     #[must_use]
     pub(crate) const fn period_us(self) -> u64 {

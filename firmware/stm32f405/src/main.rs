@@ -129,7 +129,7 @@ mod app {
             kept: zerorate_firmware::kept(),
             started,
             unit: String::try_from(option_env!("ZERORATE_UNIT").unwrap_or_default()).unwrap_or_default(),
-            timing: Timing::IN_USE,
+            timing: Timing::PAPER,
             board: BoardNumbers::PAPER,
             health: health::health,
         });
