@@ -34,6 +34,11 @@ pub struct AppliedModel {
     pub factor: f64,
 }
 
+/// The temperatures that all of some ranges hold, least and greatest.
+pub fn in_common(ranges: impl Iterator<Item = ValidRange>) -> [f64; 2] {
+    ranges.fold([f64::NEG_INFINITY, f64::INFINITY], |[min, max], range| [min.max(range.min()), max.min(range.max())])
+}
+
 /// The time of a log, and what is known where it begins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AppliedTo<'a> {

@@ -85,7 +85,7 @@ pub struct Acquisition {
     /// Time from sample to sample, microseconds.
     pub sample_period_us: u32,
     /// Conversions that a sample is the mean of: 1, 2, 4, 8 or 16, 100 microseconds apart at least. The paper's board has one,
-    /// and a vibration at its sampling rate folds onto the zero; the STM32F405's firmware asks its port for 16.
+    /// and a vibration at its sampling rate folds onto the zero. As many as the board's firmware asks its port for.
     pub oversampling: u8,
 }
 

@@ -34,7 +34,7 @@ use crate::source::Source;
 use crate::units::TemperatureUnit;
 
 /// The version of the file that this code writes. It reads 1 as well, which has no history, drift in time, static cubic
-/// or band.
+/// or band, and 2, whose histories have no parts that are behind.
 pub const SCHEMA: u32 = 3;
 
 /// The oldest version that this code reads.

@@ -34,19 +34,16 @@ impl TemperatureSensitivity {
         let middle = f64::midpoint(min, max);
         let squares: f64 = (0..=SLOPES).map(|i| (at(i) - middle).powi(2)).sum();
         let share = |i: u32| (at(i) - middle) / squares;
-        let error = |of: &[(u32, f64)]| {
-            let shape = &axis.calibration.drift().shape;
-            let by_coefficient: Vec<Vec<f64>> = of
-                .iter()
-                .map(|(i, share)| weights(shape, at(*i)).into_iter().map(|weight| share * weight).collect())
-                .collect();
-            standard_error(&by_coefficient, &axis.calibration.fit.statistics.covariance)
+        let error = |shares: &[(f64, f64)]| {
+            standard_error(&axis.calibration.drift().shape, &axis.calibration.fit.statistics.covariance, shares)
         };
+        let of_all: Vec<(f64, f64)> = (0..=SLOPES).map(|i| (at(i), share(i))).collect();
+        let of_piece = [(at(steepest), -1.0 / step), (at(steepest + 1), 1.0 / step)];
         Self {
             mean: (0..=SLOPES).map(|i| share(i) * value(i)).sum(),
-            mean_standard_error: error(&(0..=SLOPES).map(|i| (i, share(i))).collect::<Vec<_>>()),
+            mean_standard_error: error(&of_all),
             steepest: slope(steepest),
-            steepest_standard_error: error(&[(steepest, -1.0 / step), (steepest + 1, 1.0 / step)]),
+            steepest_standard_error: error(&of_piece),
             steepest_at: at(steepest) + step / 2.0,
         }
     }
@@ -67,12 +64,16 @@ fn weights(shape: &Shape, temperature: f64) -> Vec<f64> {
     }
 }
 
-/// One standard error of a sum of parts, each so much of every coefficient; NaN where the covariance is another curve's.
-fn standard_error(parts: &[Vec<f64>], covariance: &[Vec<f64>]) -> f64 {
-    if parts.iter().any(|part| part.len() != covariance.len()) {
-        return f64::NAN;
+/// One standard error of a sum of the curve's values, `(temperature, share)` each; NaN where the covariance is another curve's.
+fn standard_error(shape: &Shape, covariance: &[Vec<f64>], shares: &[(f64, f64)]) -> f64 {
+    let mut whole = vec![0.0; covariance.len()];
+    for (temperature, share) in shares {
+        let own = weights(shape, *temperature);
+        if own.len() != whole.len() {
+            return f64::NAN;
+        }
+        whole.iter_mut().zip(own).for_each(|(sum, weight)| *sum += share * weight);
     }
-    let whole: Vec<f64> = (0..covariance.len()).map(|k| parts.iter().map(|part| part[k]).sum()).collect();
     let along = |row: &Vec<f64>| row.iter().zip(&whole).map(|(own, weight)| own * weight).sum::<f64>();
     covariance.iter().zip(&whole).map(|(row, weight)| weight * along(row)).sum::<f64>().max(0.0).sqrt()
 }

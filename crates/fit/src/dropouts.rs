@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use crate::folds::FOLDS;
 use crate::robust::median;
 
 /// A jump is this many times what the rows around typically change by from one to the next.
@@ -13,9 +14,6 @@ const JUMP: f64 = 5.0;
 
 /// Groups on each side from which that is taken.
 const NEIGHBOURS: usize = 10;
-
-/// What is longer than one in so many of the groups, a fold, is no dropout.
-const LONGEST: usize = 8;
 
 /// What some successive rows show.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +51,8 @@ pub fn dropouts(shown: &[Shown], margin: f64) -> Vec<Range<usize>> {
                 && 2.0 * (after - before).abs() < size
         })
     };
-    let longest = shown.len() / LONGEST;
+    // What is longer than a fold is no dropout.
+    let longest = shown.len() / FOLDS;
     let mut found = Vec::new();
     let mut start = 0;
     while start < shown.len() {

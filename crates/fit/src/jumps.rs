@@ -3,6 +3,7 @@
 use zerorate_core::drift::{Scale, Shape};
 
 use crate::least_squares::{Basis, Fit};
+use crate::line::Line;
 
 /// Groups on each side of a boundary from which a line is drawn to it: close by, so that the temperature's slope is in
 /// the lines and no more of the drift than a line holds.
@@ -64,10 +65,18 @@ pub fn jumps(used: &[usize], values: &[f64], between: usize) -> Vec<Jump> {
         .map(|(window, groups)| {
             let (before, after) = (&window[..REACH], &window[REACH + between..]);
             let boundary = f64::midpoint(before[REACH - 1].0, after[0].0);
-            let error = [before, after].map(|points| line_error(points, boundary)).into_iter().fold(0.0, f64::hypot);
-            let ((before, before_rms), (after, after_rms)) = (line_at(before, boundary), line_at(after, boundary));
-            let unsteadiness = before_rms.max(after_rms);
-            Jump { before: groups[0], group: groups[1 + between], size: after - before, error, unsteadiness }
+            let sides = [before, after].map(|points| {
+                let line = Line::through(points);
+                (line.at(boundary), line.error(points, boundary), line.rms(points))
+            });
+            let [(from, from_error, from_rms), (to, to_error, to_rms)] = sides;
+            Jump {
+                before: groups[0],
+                group: groups[1 + between],
+                size: to - from,
+                error: from_error.hypot(to_error),
+                unsteadiness: from_rms.max(to_rms),
+            }
         })
         .collect()
 }
@@ -97,43 +106,4 @@ fn beside_a_curve(temperatures: &[f64], values: &[f64]) -> Option<Vec<f64>> {
     temperatures.iter().zip(values).for_each(|(temperature, value)| fit.push(*temperature, *value));
     let curve: Shape = fit.finish().ok()?.shape()?;
     Some(temperatures.iter().zip(values).map(|(temperature, value)| value - curve.evaluate(*temperature)).collect())
-}
-
-/// The least-squares line through points at a place, and the rms of the points about it.
-#[must_use]
-pub fn line_at(points: &[(f64, f64)], place: f64) -> (f64, f64) {
-    let ((x, y), run) = centre_and_run(points);
-    let rise: f64 = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum();
-    let slope = rise / run;
-    let squares: f64 = points.iter().map(|point| (point.1 - y - slope * (point.0 - x)).powi(2)).sum();
-    (y + slope * (place - x), (squares / points.len() as f64).sqrt())
-}
-
-/// The standard error of that line there, by the points' own distances from it: `s sqrt(1 / n + (x - mean)^2 / Sxx)`, s of
-/// n - 2 degrees of freedom.
-fn line_error(points: &[(f64, f64)], place: f64) -> f64 {
-    let ((x, _), run) = centre_and_run(points);
-    let (n, rms) = (points.len() as f64, line_at(points, place).1);
-    rms * (n / (n - 2.0)).sqrt() * (1.0 / n + (place - x).powi(2) / run).sqrt()
-}
-
-/// The mean of points, and the sum of the squares of their first coordinates about it.
-fn centre_and_run(points: &[(f64, f64)]) -> ((f64, f64), f64) {
-    let n = points.len() as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / n, y + point.1 / n));
-    ((x, y), points.iter().map(|point| (point.0 - x).powi(2)).sum())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_lines_error_is_numpys() {
-        // p, c = numpy.polyfit([0, 1, 2, 3, 4], [0.1, 0.9, 2.2, 2.8, 4.1], 1, cov=True); x = numpy.array([5.5, 1])
-        // numpy.polyval(p, 5.5), numpy.sqrt(x @ c @ x)
-        let points = [(0.0, 0.1), (1.0, 0.9), (2.0, 2.2), (3.0, 2.8), (4.0, 4.1)];
-        let (at, _) = line_at(&points, 5.5);
-        assert!((at - 5.485000000).abs() < 1e-9 && (line_error(&points, 5.5) - 0.225444006).abs() < 1e-9, "{at}");
-    }
 }

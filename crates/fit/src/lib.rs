@@ -13,6 +13,7 @@ pub mod folds;
 pub mod intervals;
 pub mod jumps;
 pub mod least_squares;
+pub mod line;
 pub mod model;
 mod model_fit;
 pub mod nearest;

@@ -1,5 +1,7 @@
 //! Statistics that a few outliers cannot move.
 
+use crate::line::Line;
+
 /// The median absolute deviation times this is the standard deviation of a normal distribution: 1 / 0.6745.
 pub const MAD_TO_SIGMA: f64 = 1.4826;
 
@@ -42,17 +44,12 @@ pub fn noise(values: &[f64]) -> f64 {
     centre_and_sigma(&differences).1 / 6.0_f64.sqrt()
 }
 
-/// The line through points, drawn to a place, and how uncertain it is there by how far they are from it.
+/// The line through points, drawn to a place, and how uncertain a point is there by how far they are from it.
 #[must_use]
 pub fn extrapolated(points: &[(f64, f64)], place: f64) -> (f64, f64) {
-    let n = points.len() as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / n, y + point.1 / n));
-    let run: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
-    let rise: f64 = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum();
-    let slope = if run > 0.0 { rise / run } else { 0.0 };
-    let mut off: Vec<f64> = points.iter().map(|point| (point.1 - y - slope * (point.0 - x)).abs()).collect();
-    let far = if run > 0.0 { (place - x).powi(2) / run } else { 0.0 };
-    (y + slope * (place - x), MAD_TO_SIGMA * median(&mut off) * (1.0 + 1.0 / n + far).sqrt())
+    let line = Line::through(points);
+    let mut off: Vec<f64> = points.iter().map(|point| line.off(*point).abs()).collect();
+    (line.at(place), MAD_TO_SIGMA * median(&mut off) * (1.0 + line.leverage(place)).sqrt())
 }
 
 #[cfg(test)]

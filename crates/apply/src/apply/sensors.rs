@@ -7,7 +7,7 @@ use zerorate_core::drift::ValidRange;
 use zerorate_fit::drift_fit::DriftFit;
 use zerorate_fit::predict::{DriftModel, Predictor, Start};
 
-use super::{Applied, ApplyError, RowTold, cell};
+use super::{Applied, ApplyError, RowTold, cell, in_common};
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::log::{LogFile, Rows, SensorChoice, Sink, Stream};
 use zerorate_cal::matching::{Known, Unmatched, calibrated, places, renamed};
@@ -96,17 +96,19 @@ pub fn apply_to_sensors(
     let own = calibrated(calibration, choice);
     let faulty = |fault: SensorFault| ApplyError::from(log.faulty::<SensorFault>(fault));
     let places = places(&own, &logged).map_err(|error| faulty(error.into()))?;
+    let placed = || own.iter().zip(&places).filter_map(|(own, place)| Some((own, (*place)?)));
+    let fits = || placed().map(|(own, _)| &calibration.axes[own.name].fit);
     let mut done = AppliedSensors {
         applied: Applied::default(),
         corrected: Vec::new(),
-        calibrated_temperature: [f64::NEG_INFINITY, f64::INFINITY],
-        measured_temperature: [f64::NEG_INFINITY, f64::INFINITY],
+        calibrated_temperature: in_common(fits().map(|fit| fit.model.drift.valid)),
+        measured_temperature: in_common(fits().map(|fit| fit.measured)),
         passed_over: Vec::new(),
         not_asked_for: Vec::new(),
         notes: Vec::new(),
     };
     let mut sensors: Vec<Corrected<'_>> = met.0.iter().map(Corrected::none).collect();
-    for (own, place) in own.iter().zip(places).filter_map(|(own, place)| Some((own, place?))) {
+    for (own, place) in placed() {
         let unit = |found: &str, expected: &str| SensorFault::Unit {
             axis: logged[place].name.to_owned(),
             found: found.to_owned(),
@@ -119,10 +121,6 @@ pub fn apply_to_sensors(
         }
         let (sensor, at) = axes[place];
         sensors[sensor].axes[at] = Some(Axis::new(&calibration.axes[own.name].fit, start, factor));
-        let (valid, [min, max]) = (calibration.axes[own.name].drift().valid, done.calibrated_temperature);
-        done.calibrated_temperature = [min.max(valid.min()), max.min(valid.max())];
-        let (measured, [min, max]) = (calibration.axes[own.name].fit.measured, done.measured_temperature);
-        done.measured_temperature = [min.max(measured.min()), max.min(measured.max())];
         done.corrected.push(logged[place].name.to_owned());
         done.notes.extend(renamed(logged[place].name, own.name));
     }

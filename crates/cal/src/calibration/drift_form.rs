@@ -168,8 +168,8 @@ impl HistoryForm {
         };
         let terms: Vec<Term> = self.terms.iter().map(term).collect();
         History::new(self.curve.checked()?.shape, &terms).ok_or_else(|| {
-            "a history has 1 to 6 terms, each with a half_width or time_constant_s above zero a finite weight and \
-             behind, and shares that add up to 1"
+            "a history has 1 to 6 terms, each with a half_width or time_constant_s above zero and a finite weight \
+             and behind, and shares that add up to 1"
                 .to_owned()
         })
     }

@@ -6,7 +6,7 @@ use super::left_out::leave_out_marked;
 use super::{DropReason, Excluded, Group, Tally};
 use crate::units::TemperatureUnit;
 use zerorate_fit::dropouts::{Shown, dropouts};
-use zerorate_fit::jumps::line_at;
+use zerorate_fit::line::Line;
 use zerorate_fit::robust::median;
 
 /// A dropout of the temperature is a jump of more than this share of the least span, 1 C, and of more than two steps of a coarse
@@ -84,21 +84,16 @@ pub(super) fn mark_frozen(groups: &[Group], marks: &mut [Option<DropReason>]) {
     if still_groups == 0 || 2 * still_groups > groups.len() {
         return;
     }
-    let change = |pair: &[Group]| (pair[1].temperature - pair[0].temperature).abs();
-    let mut changes: Vec<f64> =
-        groups.windows(2).filter(|pair| !flat(&pair[0]) && !flat(&pair[1])).map(change).collect();
-    let typical = median(&mut changes);
+    let change = |from: &Group, to: &Group| (to.temperature - from.temperature).abs();
+    let moving = groups.windows(2).filter(|pair| !flat(&pair[0]) && !flat(&pair[1]));
+    let typical = median(&mut moving.map(|pair| change(&pair[0], &pair[1])).collect::<Vec<_>>());
     let jumps = |run: &Range<usize>| {
-        groups.get(run.end).is_some_and(|next| change_to(&groups[run.start], next) > FROZEN_JUMP * typical)
+        groups.get(run.end).is_some_and(|next| change(&groups[run.start], next) > FROZEN_JUMP * typical)
     };
     for run in still(groups).filter(|run| run.len() >= FROZEN_GROUPS && jumps(run)) {
         let unmarked = marks[run].iter_mut().filter(|mark| mark.is_none());
         unmarked.for_each(|mark| *mark = Some(DropReason::FrozenTemperature));
     }
-}
-
-fn change_to(group: &Group, next: &Group) -> f64 {
-    (next.temperature - group.temperature).abs()
 }
 
 /// Whether two averages are of one number: of more or fewer rows it is rounded otherwise.
@@ -144,8 +139,9 @@ pub fn extend_to_the_start(groups: &mut [Group]) {
         if points.len() < BACKWARD_GROUPS {
             continue;
         }
+        let line = Line::through(&points);
         for group in &mut log[first.saturating_sub(BACKWARD_GROUPS)..first] {
-            group.temperature = line_at(&points, place(group)).0;
+            group.temperature = line.at(place(group));
         }
     }
 }

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate_apply::apply::{Applied, AppliedModel, AppliedSensors, AppliedTo, ApplyError, apply, apply_to_sensors};
+use zerorate_apply::apply::{
+    Applied, AppliedModel, AppliedSensors, AppliedTo, ApplyError, apply, apply_to_sensors, in_common,
+};
 use zerorate_bench::whole_file::WholeFile;
 use zerorate_cal::calibration::{Calibration, Kind};
 use zerorate_cal::log::{SensorChoice, autopilot_format, doubts};
@@ -184,13 +186,8 @@ impl Apply {
         let Found { table, time, time_unit, models, notes } = self.columns(calibration)?;
         let to = AppliedTo { time: time.as_deref(), time_unit, start: self.start() };
         let applied = self.written(|out| apply(&table, &to, &models, out))?;
-        // What all have in common.
-        let common = |least: &dyn Fn(&AppliedModel) -> f64, most: &dyn Fn(&AppliedModel) -> f64| {
-            let min = models.iter().map(least).fold(f64::NEG_INFINITY, f64::max);
-            [min, models.iter().map(most).fold(f64::INFINITY, f64::min)]
-        };
-        let calibrated_temperature = common(&|own| own.model.drift.valid.min(), &|own| own.model.drift.valid.max());
-        let measured_temperature = common(&|own| own.measured.min(), &|own| own.measured.max());
+        let calibrated_temperature = in_common(models.iter().map(|own| own.model.drift.valid));
+        let measured_temperature = in_common(models.iter().map(|own| own.measured));
         let columns = models.into_iter().map(|own| own.column).collect();
         Ok(Told { columns, applied, calibrated_temperature, measured_temperature, notes })
     }

@@ -157,7 +157,7 @@ fn lead(fit: &LogFit) -> Markup {
         (Verdict::Rejected, _) | (_, 0) => html! { "No calibration comes of this log." },
         (_, axes) => html! {
             (axes) @if axes == 1 { " axis was" } @else { " axes were" }
-            " fitted" ", from " (measured_temperatures(&fit.axes.iter().collect::<Vec<_>>(), degree(fit))) ". What counts is "
+            " fitted, from " (measured_temperatures(&fit.axes.iter().collect::<Vec<_>>(), degree(fit))) ". What counts is "
             @if is_deployed(fit) { "what a deployed device has left" } @else { "the held-out residual" }
             ", of data that the model has not seen."
         },
