@@ -2,19 +2,22 @@
 //! device's port.
 //!
 //! Its clock is simulated edge by edge, so it scans as fast as its SPI port lets it ([`scan_period_us`]), while the plant
-//! goes on with every scan by the period that the set-up asks for: the plant's time is the plant's. What the device reads
-//! does not depend on it, as long as a set is read before the next scan begins.
+//! goes on with every scan by the period that the set-up asks for, and with every byte on the bus by its clock's time: the
+//! plant's time is the plant's. What the device reads does not depend on the block's, as long as a set is read before the next
+//! scan begins.
 //!
 //! Whole sets are read with their samples, so a group costs as the square of its length: 0.2 s of a processor's time at
 //! 50 scans, 10 s at 500. A shortened test has few and short groups, further apart.
 
+use core::convert::Infallible;
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
+use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use zerorate_device::acquisition::{Acquisition, NumberedScan, Set, Timing};
 use zerorate_device::port::{PortAcquisition, PortError};
 use zerorate_gateware::{Bench, Port, Scale, SharedPort, Timing as Clocking};
-use zerorate_sim::{Scanned, SharedPlant, Truth};
+use zerorate_sim::{SPI_BYTE_NS, Scanned, SharedPlant, Truth};
 
 use crate::simulated::OnPlant;
 
@@ -29,9 +32,48 @@ pub fn scan_period_us(set_length: u16, oversampling: u8) -> u32 {
 /// For the phases in which the clocks of block and processor meet. What is read does not depend on it.
 const SEED: u32 = 1;
 
+/// The block's port as the board's bus reaches it: its bytes take their time on the plant.
+struct BoardBus {
+    block: SharedPort,
+    plant: SharedPlant,
+}
+
+/// A write to CONTROL begins so, and its last byte has RUN.
+const CONTROL_WRITTEN: [u8; 5] = [0x82, 0, 0, 0, 0];
+const RUN: u8 = 1;
+
+impl ErrorType for BoardBus {
+    type Error = Infallible;
+}
+
+impl SpiDevice for BoardBus {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
+        self.block.transaction(operations)?;
+        let bytes: usize = operations.iter().map(length).sum();
+        let plant = &mut *self.plant.borrow_mut();
+        plant.pass_ns(bytes as u64 * SPI_BYTE_NS);
+        if let Some(Operation::Write(written)) = operations.first()
+            && let Some([control, ..]) = written.strip_prefix(&CONTROL_WRITTEN)
+        {
+            if control & RUN == 0 { plant.block_stops() } else { plant.block_starts() }
+        }
+        Ok(())
+    }
+}
+
+/// Bytes of an operation on the bus.
+fn length(operation: &Operation<'_, u8>) -> usize {
+    match operation {
+        Operation::Read(words) | Operation::TransferInPlace(words) => words.len(),
+        Operation::Write(words) => words.len(),
+        Operation::Transfer(read, write) => read.len().max(write.len()),
+        Operation::DelayNs(_) => 0,
+    }
+}
+
 /// The device's port with the verilated block at its other end.
 pub struct GatewareAcquisition {
-    port: PortAcquisition<SharedPort>,
+    port: PortAcquisition<BoardBus>,
     board: SharedPort,
     /// Scans a set, while it runs.
     running: Option<Timing>,
@@ -42,7 +84,7 @@ pub struct GatewareAcquisition {
 }
 
 impl Acquisition for GatewareAcquisition {
-    type Error = PortError<core::convert::Infallible>;
+    type Error = PortError<Infallible>;
 
     fn start(&mut self, timing: Timing, first: u16) -> Result<(), Self::Error> {
         self.pass.set((0, u32::from(timing.oversampling)));
@@ -85,7 +127,8 @@ impl OnPlant for GatewareAcquisition {
             moving.borrow_mut().next_pass(number, of);
         });
         let board = SharedPort(Rc::new(RefCell::new(Port::new(board, Clocking::FASTEST, u64::from(SEED)))));
-        Self { port: PortAcquisition::new(board.clone()), board, running: None, sets: 0, pass }
+        let bus = BoardBus { block: board.clone(), plant: Rc::clone(plant) };
+        Self { port: PortAcquisition::new(bus), board, running: None, sets: 0, pass }
     }
 
     /// A whole set: within one the block's clock goes on by itself.

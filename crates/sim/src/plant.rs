@@ -58,6 +58,8 @@ pub struct Plant {
     scanned_ns: u64,
     /// When the port scans next, while it runs.
     port_scan_ns: u64,
+    /// When a block outside of the plant does, while it runs: [`Plant::block_starts`].
+    block_scan_ns: Option<u64>,
     chamber: Chamber,
     board: Lag,
     channels: [Channel; 2],
@@ -103,6 +105,7 @@ impl Plant {
             filtered_ns: 0,
             scanned_ns: 0,
             port_scan_ns: 0,
+            block_scan_ns: None,
             chamber: Chamber::new(parameters.chamber.clone()),
             board: Lag { temperature_c: air_c },
             channels,

@@ -14,11 +14,27 @@ impl Plant {
     /// What is drawn for a pass is the port's own, so whoever converts sees the same from the same seed.
     pub fn next_pass(&mut self, number: u32, of: u32) {
         let period_ns = u64::from(self.parameters.direct_scan_period_us) * 1000;
-        let scan_ns = match self.scanned_ns + period_ns {
-            missed_ns if missed_ns < self.now_ns => self.now_ns + period_ns,
-            scan_ns => scan_ns,
+        let scan_ns = match (self.block_scan_ns, self.scanned_ns + period_ns) {
+            (Some(scan_ns), _) => scan_ns,
+            (None, missed_ns) if missed_ns < self.now_ns => self.now_ns + period_ns,
+            (None, scan_ns) => scan_ns,
         };
-        self.pass(Pass { number, of, scan_ns, period_ns });
+        let pass = Pass { number, of, scan_ns, period_ns };
+        self.pass(pass);
+        if pass.is_last() {
+            self.block_scan_ns = self.block_scan_ns.map(|scan_ns| scan_ns + period_ns);
+        }
+    }
+
+    /// A block outside of the plant, with a clock of its own, starts to scan through [`Self::next_pass`]: its first scan is a
+    /// period from now and the others are on its grid, however long a set takes to be read meanwhile.
+    pub fn block_starts(&mut self) {
+        self.block_scan_ns = Some(self.now_ns + u64::from(self.parameters.direct_scan_period_us) * 1000);
+    }
+
+    /// It stands still.
+    pub fn block_stops(&mut self) {
+        self.block_scan_ns = None;
     }
 
     /// Takes a scan of so many passes, and holds its samples.
@@ -67,7 +83,7 @@ impl Plant {
         }
         self.filtered_ns = at_ns;
         if pass.is_last() {
-            self.now_ns = at_ns;
+            self.now_ns = self.now_ns.max(at_ns);
             self.scanned_ns = at_ns;
         }
     }

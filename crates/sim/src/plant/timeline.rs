@@ -44,7 +44,7 @@ impl Plant {
         while self.port_scans() && self.port_scan_ns <= until_ns {
             _ = self.port_scan();
         }
-        if !self.port_scans() {
+        if !self.port_scans() && self.block_scan_ns.is_none() {
             while self.slow_ns + WAIT_STEP_NS <= until_ns {
                 self.move_slow(self.slow_ns + WAIT_STEP_NS);
             }
