@@ -20,17 +20,17 @@ const SETTLING_SIGMA: f64 = 10.0;
 /// away from a line, and with some noise the bend of one group comes closer fast enough.
 const SURE: f64 = 3.0;
 
-/// Marks the groups at the beginning of each log that settle, in one axis.
-pub(super) fn mark_settling(groups: &[Group], axis: usize, marks: &mut [Option<DropReason>]) {
+/// Marks the groups at the beginning of each log that settle, in one axis, by more than `margin`.
+pub(super) fn mark_settling(groups: &[Group], axis: usize, margin: f64, marks: &mut [Option<DropReason>]) {
     let mut start = 0;
     while start < groups.len() {
         let end = start + groups[start..].iter().take_while(|group| group.log == groups[start].log).count();
-        mark_start(&groups[start..end], axis, &mut marks[start..end]);
+        mark_start(&groups[start..end], axis, margin, &mut marks[start..end]);
         start = end;
     }
 }
 
-fn mark_start(groups: &[Group], axis: usize, marks: &mut [Option<DropReason>]) {
+fn mark_start(groups: &[Group], axis: usize, margin: f64, marks: &mut [Option<DropReason>]) {
     if groups.len() < 2 * (MOST + REFERENCE) {
         return;
     }
@@ -50,7 +50,7 @@ fn mark_start(groups: &[Group], axis: usize, marks: &mut [Option<DropReason>]) {
     let sigma = noise(&later);
     let off = |place: usize| {
         let (predicted, spread) = extrapolated(&settled, point(place).0);
-        ((point(place).1 - predicted).abs(), SETTLING_SIGMA * sigma.max(spread))
+        ((point(place).1 - predicted).abs(), (SETTLING_SIGMA * sigma.max(spread)).max(margin))
     };
     let settling = (0..MOST).take_while(|place| off(*place).0 > off(*place).1).count();
     let fast = (0..settling).all(|place| off(place).0 > DECAY * off(place + 1).0);

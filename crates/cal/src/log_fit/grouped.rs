@@ -14,8 +14,8 @@ use crate::condition::{
 };
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::source::Source;
-use crate::trace::{self, TracePoint};
 use crate::units::RateUnit;
+use zerorate_fit::trace::{self, TracePoint};
 
 /// The order of the polynomial that tells what an accelerometer shows at its reference temperature.
 const REFERENCE_ORDER: usize = 3;
@@ -80,7 +80,7 @@ fn condition(sensor: &mut Gathered) -> Levels {
             RateUnit::Dps => 1.0_f64.to_degrees(),
             RateUnit::Counts | RateUnit::MetresPerS2 => f64::INFINITY,
         };
-    let mut levels = level(&mut sensor.groups, &mut sensor.tallies, unit, rotation_threshold);
+    let mut levels = level(&mut sensor.groups, &mut sensor.tallies, unit, rotation_threshold, &sensor.rate_steps);
     levels.excluded.extend(untrue);
     levels.excluded.sort_by_key(|interval| interval.rows);
     extend_to_the_start(&mut sensor.groups);
@@ -123,8 +123,10 @@ fn overlap(a: (f64, f64), b: (f64, f64)) -> bool {
 }
 
 fn fit_sensor(sensor: &Gathered, levels: &Levels, options: &FitOptions, fit: &mut LogFit) {
+    let untrue = words::of_temperature(sensor);
     for (axis, name) in sensor.stream.names.iter().enumerate() {
         let mut judgement = Judgement::default();
+        untrue.iter().for_each(|reason| judgement.add(reason.clone()));
         words::report(&mut judgement, sensor, axis, levels, options);
         fit.axes.extend(fit_axis(sensor, options, axis, &mut judgement));
         fit.verdicts.push(AxisVerdict { name: name.clone(), judgement });

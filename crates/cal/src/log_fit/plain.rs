@@ -11,7 +11,7 @@ use crate::condition::{DropReason, Tally};
 use crate::log::{AxisSurvey, LogError, LogFile, Rows, Sink, Stream};
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::source::Source;
-use crate::trace::{Trace, TracePoint};
+use zerorate_fit::trace::{Trace, TracePoint};
 
 /// Fits every axis: a pass to see what there is, one for the fits, one for the residuals.
 pub(super) fn fit(source: &Source, options: &FitOptions, fit: &mut LogFit) -> Result<(), LogFitError> {
