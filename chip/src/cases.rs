@@ -28,14 +28,17 @@ use crate::paper_record;
 pub type Case = fn(&Given) -> Result<String>;
 
 /// Every case, in the order in which they are run.
-pub const ALL: [(&str, Case); 37] = [
+pub const ALL: [(&str, Case); 42] = [
     ("power comes, no record", power::without_a_record),
     ("a record committed over the line", power::commit),
     ("power comes, a record and no host", power::alone),
+    ("an FPGA that is configured late", power::late_port),
+    ("how deep the stack was", power::stack),
     ("from the last scan to the wipers", power::latency),
     ("the second line, power comes", real_time::power_up),
     ("the second line, every scan", real_time::every_scan),
     ("the second line beside the groups", real_time::beside_the_groups),
+    ("the second line, a scan missed", real_time::missed),
     ("the second line, chip select cut", real_time::cut),
     ("the longest erasure, the fastest watchdog", power::longest_commit),
     ("native board and image, 1000 groups", same_bits::groups),
@@ -53,6 +56,7 @@ pub const ALL: [(&str, Case); 37] = [
     ("a dip of the analogue supply", faults::brown_out),
     ("a potentiometer that does not hear", faults::deaf_potentiometer),
     ("a temperature stuck, jumping, torn off", faults::temperature),
+    ("temperatures that disagree", faults::disagreement),
     ("outside the range, and a saturated reading", faults::range_and_reading),
     ("a record damaged, in flash and on its way", records::damaged),
     ("another unit's record", records::another_unit),
@@ -60,6 +64,7 @@ pub const ALL: [(&str, Case); 37] = [
     ("numbers that make no law", records::no_law),
     ("a damaged line", line::damaged),
     ("a slow line", line::slow),
+    ("a host that asks without end", line::without_end),
     ("a crystal that does not start", restarts::dead_crystal),
     ("a program that hangs", restarts::hang),
     ("a program that stops itself", restarts::panic),
@@ -70,9 +75,10 @@ pub const ALL: [(&str, Case); 37] = [
 
 /// Each row of the fault table (crates/device/README.md), and the cases in which it is run.
 #[cfg(test)]
-const FAULTS: [(&str, &[&str]); 22] = [
+const FAULTS: [(&str, &[&str]); 23] = [
     ("temperature stuck", &["a temperature stuck, jumping, torn off"]),
     ("temperature jumping", &["a temperature stuck, jumping, torn off"]),
+    ("temperatures disagree", &["temperatures that disagree"]),
     ("temperature sensor torn off", &["a temperature stuck, jumping, torn off"]),
     ("temperature outside the calibrated range", &["outside the range, and a saturated reading"]),
     ("A/D saturated", &["outside the range, and a saturated reading"]),
@@ -85,7 +91,7 @@ const FAULTS: [(&str, &[&str]); 22] = [
     ),
     ("SPI error, potentiometer", &["a potentiometer that does not hear"]),
     ("dip of the analogue supply: the potentiometer is at its tap of power-up", &["a dip of the analogue supply"]),
-    ("SPI error, a scan read alone", &["the second line, chip select cut"]),
+    ("SPI error, a scan read alone", &["the second line, a scan missed", "the second line, chip select cut"]),
     ("data ready served in vain", &["data ready served in vain"]),
     ("sets stop coming", &["an acquisition that forgets its work", "the same, the fastest watchdog"]),
     (

@@ -13,6 +13,9 @@ use crate::machine::Machine;
 /// Longer than any command, a commit among them.
 const PATIENCE: Ticks = 10 * SECOND;
 
+/// The timer's overflows in a second.
+const OVERFLOWS: u32 = 50;
+
 /// The chip in turns with its plant.
 pub struct ChipBoard {
     machine: Machine,
@@ -77,8 +80,12 @@ impl SteppedBoard for ChipBoard {
         self.until_idle()
     }
 
+    /// The timer overflows so often in it.
     fn give_second(&mut self) -> Result<()> {
-        self.machine.chip().timer.overflow();
-        self.until_idle()
+        for _ in 0..OVERFLOWS {
+            self.machine.chip().timer.overflow();
+            self.until_idle()?;
+        }
+        Ok(())
     }
 }

@@ -9,6 +9,8 @@ use zerorate_core::wire::frame::{self, Receiver};
 use zerorate_core::wire::{Command, GroupReport, Health, Message, Request, SampleWindow, ScanReport, Upload};
 use zerorate_device::acquisition::Timing;
 use zerorate_device::application::{Application, Parts};
+use zerorate_device::compensator::Memory;
+use zerorate_device::console::Buffer;
 use zerorate_device::port::PortAcquisition;
 use zerorate_device::restart::{Kept, Started};
 use zerorate_device::store::{FlashStore, RecordStore};
@@ -44,6 +46,8 @@ fn start(plant: &SharedPlant, flash: &Part) -> Result<Native> {
         timing: Timing::PAPER,
         board: BoardNumbers::PAPER,
         health: Health::default,
+        memory: Memory::new(),
+        buffer: Buffer::new(),
     }))
 }
 

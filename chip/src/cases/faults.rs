@@ -119,6 +119,42 @@ pub fn temperature(given: &Given) -> Result<String> {
     ))
 }
 
+/// X's temperature runs away while Y's stands: neither is believed, and both are when it is back.
+pub fn disagreement(given: &Given) -> Result<String> {
+    /// 0.1 K/s.
+    const COUNTS: i32 = 5;
+    let mut bench = given.at_work()?;
+    let (mut doubtful, mut held) = (0, None);
+    for k in 1..=60 {
+        let off = Fault::TemperatureOff { axis: Axis::X, counts: COUNTS * k, scans: 10 * GROUP };
+        bench.plant.borrow_mut().clear_faults();
+        bench.plant.borrow_mut().inject(off);
+        let groups = bench.groups(1)?;
+        let checks = groups[0].axes.each_ref().map(|axis| axis.temperature);
+        if checks == [TemperatureCheck::Jumped, TemperatureCheck::Stuck] {
+            let taps = wipers(&bench);
+            ensure!(*held.get_or_insert(taps) == taps, "held at {held:?}, and at {taps:?}");
+            doubtful += 1;
+        } else {
+            ensure!(checks == [TemperatureCheck::Believed; 2] && held.is_none(), "{checks:?} in group {k}");
+        }
+    }
+    ensure!(doubtful >= 30, "{doubtful} groups");
+    bench.plant.borrow_mut().clear_faults();
+    bench.groups(4)?;
+    let back = bench.groups(2)?;
+    ensure!(
+        back.iter().flat_map(|group| &group.axes).all(|axis| axis.temperature == TemperatureCheck::Believed),
+        "{back:?}"
+    );
+    let faults = bench.faults()?;
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "X runs away by 0.1 K/s: both held after 3 K, {doubtful} groups, {} counted as stuck and {} as jumped; believed when it is back",
+        faults.temperature_stuck, faults.temperature_jumped
+    ))
+}
+
 /// A temperature outside the record's range, and a reading at the converter's end.
 pub fn range_and_reading(given: &Given) -> Result<String> {
     let mut bench = given.at_work()?;
@@ -132,6 +168,12 @@ pub fn range_and_reading(given: &Given) -> Result<String> {
     bench.groups(1)?;
     let groups = bench.groups(3)?;
     ensure!(groups.iter().all(|group| group.axes[1].saturated && !group.axes[0].saturated), "{:?}", groups[0]);
+    // At the other end it is the amplifier that ends first.
+    bench.order(Request::SetMode { axis: Axis::X, mode: Mode::Off })?;
+    bench.order(Request::SetTap { axis: Axis::X, tap: Taps::FIRST })?;
+    bench.groups(2)?;
+    let low = bench.groups(2)?;
+    ensure!(low.iter().all(|group| group.axes[0].saturated), "{:?}", low[0]);
     let faults = bench.faults()?;
     ensure!(faults.out_of_range > 0 && faults.saturated > 0, "{faults:?}");
     bench.nothing_wrong()?;

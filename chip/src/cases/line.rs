@@ -68,3 +68,33 @@ pub fn slow(given: &Given) -> Result<String> {
         1 + GROUPS
     ))
 }
+
+/// A host that asks again and again, faster than it can be answered: the watchdog is fed and the groups come all the same.
+pub fn without_end(given: &Given) -> Result<String> {
+    /// Longer than the watchdog's time.
+    const ASKED: Ticks = 15 * SECOND;
+    const GROUPS: usize = 9;
+    let mut bench = given.at_work()?;
+    let mut asked = 0;
+    for period in [2, 5, 12] {
+        bench.forget_groups();
+        let until = bench.now() + ASKED;
+        while bench.now() < until {
+            bench.call(Request::Faults)?;
+            bench.pass(period * MILLISECOND)?;
+            asked += 1;
+        }
+        let resets = bench.machine.resets.len();
+        ensure!(resets == 1, "{} restarts of a board that was asked every {period} ms", resets - 1);
+        // What has come while it was asked; no time passes.
+        let groups: Vec<_> = (0..GROUPS).map(|_| bench.group_within(MILLISECOND)).collect::<Result<_>>()?;
+        consecutive(&groups)?;
+        bench.pass(SECOND)?;
+    }
+    let faults = bench.faults()?;
+    ensure!(faults.lost_sets == 0 && faults.restarts == 0, "{faults:?}");
+    bench.nothing_wrong()?;
+    Ok(format!(
+        "{asked} questions, every 2, 5 and 12 ms for 15 s each: no restart, {GROUPS} groups in each time, none lost"
+    ))
+}

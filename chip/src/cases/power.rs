@@ -1,8 +1,9 @@
 //! Power comes, records are committed, and how long it all takes.
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use zerorate_core::units::{Axis, Celsius};
-use zerorate_core::wire::{CalibrationState, Request, ResetCause, SampleWindow};
+use zerorate_core::wire::{Answer, CalibrationState, Health, Request, ResetCause, SampleWindow};
+use zerorate_sim::Fault;
 
 use super::{Given, paper, wipers};
 use crate::bench::Bench;
@@ -79,6 +80,57 @@ pub fn alone(given: &Given) -> Result<String> {
         "the wipers are written {:.2} ms after power, the first set's last scan {:.2} ms after it (150 ms of it the set's)",
         milliseconds(at),
         milliseconds(set_at)
+    ))
+}
+
+/// The FPGA is configured when the processor has long started.
+pub fn late_port(given: &Given) -> Result<String> {
+    /// From one try to the next.
+    const TRY: Ticks = 21 * MILLISECOND;
+    let mut longest = 0;
+    for configured in [18, 25, 33, 60, 250].map(|ms| ms * MILLISECOND) {
+        let mut bench = given.calibrated()?;
+        bench.plant.borrow_mut().inject(Fault::MutePort { transfers: u32::MAX });
+        bench.pass(configured)?;
+        bench.plant.borrow_mut().clear_faults();
+        let is_written = bench.machine.run(configured + 3 * SECOND, |machine| {
+            let board = &machine.chip().board;
+            board.sets > 0 && board.written_after.len() >= 4
+        })?;
+        ensure!(is_written, "no wiper written within 3 s");
+        longest = longest.max(bench.now() - configured);
+        let errors = bench.faults()?.acquisition_errors;
+        ensure!(errors <= 1, "{errors} errors: each try between ticks counts");
+        bench.nothing_wrong()?;
+    }
+    ensure!(longest <= TRY + FIRST_SET + MILLISECOND, "{:.1} ms after the FPGA", milliseconds(longest));
+    Ok(format!(
+        "configured 18 to 250 ms after power: wipers written {:.1} ms after it at most (150 ms of it the set's)",
+        milliseconds(longest)
+    ))
+}
+
+/// How deep the stack was, a record in flash and another one committed: the self-test refuses more than 75 %.
+pub fn stack(given: &Given) -> Result<String> {
+    let mut bench = given.at_work()?;
+    let stack = |bench: &mut Bench| match bench.ask(Request::Health)? {
+        Answer::Health(Health { stack: Some(stack), .. }) => Ok(stack),
+        other => bail!("an answer to another question: {other:?}"),
+    };
+    let started = stack(&mut bench)?;
+    bench.order(Request::SetStream { groups: true, samples: SampleWindow::ALL })?;
+    bench.groups(2)?;
+    bench.deploy(&given.record)?;
+    bench.groups(2)?;
+    let worked = stack(&mut bench)?;
+    bench.nothing_wrong()?;
+    ensure!(worked.used * 2 < worked.size, "{} and {} of {} bytes", started.used, worked.used, worked.size);
+    Ok(format!(
+        "{} bytes after the start with a record, {} after a commit, of {}: {:.0} %",
+        started.used,
+        worked.used,
+        worked.size,
+        f64::from(worked.used) / f64::from(worked.size) * 100.0
     ))
 }
 

@@ -8,11 +8,11 @@ use zerorate_core::record::DeviceRecord;
 use zerorate_core::trim::TapEffects;
 use zerorate_core::units::{Axis, Celsius, Counts, Taps};
 use zerorate_core::wire::{Request, SampleWindow, ScanFlags, ScanReport};
-use zerorate_sim::{ChamberParameters, Plant, PlantParameters, PotentiometerParameters};
+use zerorate_sim::{ChamberParameters, Fault, Plant, PlantParameters, PotentiometerParameters};
 
 use super::same_bits::start_of_port;
 use super::select::registers;
-use super::{Given, VALID, committed, wipers};
+use super::{Given, VALID, committed, consecutive, wipers};
 use crate::bench::Bench;
 use crate::chip::board::Cut;
 use crate::chip::time::{MILLISECOND, SECOND, Ticks, milliseconds};
@@ -212,6 +212,39 @@ pub fn beside_the_groups(given: &Given) -> Result<String> {
         milliseconds(written),
         milliseconds(longest)
     ))
+}
+
+/// A scan that the port did not give: its group has no samples, and every other one has.
+pub fn missed(given: &Given) -> Result<String> {
+    const GROUPS: usize = 6;
+    /// The first 25 samples of each axis are a block.
+    const BLOCKS: u32 = 2;
+    let mut bench = listened_to(given)?;
+    bench.pass(SECOND / 10)?;
+    bench.order(Request::SetStream { groups: true, samples: SampleWindow { axes: [true; 2], first: 25, last: 0 } })?;
+    bench.groups(2)?;
+    let before = bench.faults()?;
+    pass_over(&mut bench)?;
+    let (first, _) = next(&mut bench)?;
+    bench.plant.borrow_mut().inject(Fault::MutePort { transfers: 1 });
+    bench.forget_groups();
+    bench.blocks = 0;
+    consecutive(&bench.groups(GROUPS)?)?;
+    let (mut last, mut missed) = (first.scan, 0);
+    let now = bench.now();
+    while let Some((report, _)) = bench.scan(now)? {
+        (missed, last) = (missed + report.scan - last - 1, report.scan);
+    }
+    let faults = bench.faults()?;
+    let dropped = faults.dropped_uploads - before.dropped_uploads;
+    let blocks = bench.blocks;
+    ensure!(
+        (missed, dropped, blocks) == (1, 1, BLOCKS * (GROUPS as u32 - 1)),
+        "{missed} scans missed, {dropped} dropped, {blocks} blocks of {GROUPS} groups"
+    );
+    ensure!(faults.lost_sets == 0, "{faults:?}");
+    bench.nothing_wrong()?;
+    Ok(format!("1 scan missed: of {GROUPS} groups 1 without its samples, which is counted; no other scan missed"))
 }
 
 /// Chip select cut at any bit of a scan's reading: no frame says what the A/D did not.

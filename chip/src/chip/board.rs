@@ -55,6 +55,8 @@ pub struct Board {
     expected_ns: Option<u64>,
     /// A cut to come, or under way.
     pub cut: Option<Cut>,
+    /// Clocks of the port's bus before a bit of its answer that is bent; 0: none is.
+    pub bend_after: u32,
     /// Cuts that have happened.
     pub cuts: u32,
     clocked: u32,
@@ -82,6 +84,7 @@ impl Board {
             odd_scans: 0,
             expected_ns: None,
             cut: None,
+            bend_after: 0,
             cuts: 0,
             clocked: 0,
             written_after: Vec::new(),
@@ -187,7 +190,8 @@ impl Board {
             if bus == Bus::Port {
                 self.disturb();
             }
-            answer << 1 | u8::from(self.pins(bus).clock(byte >> place & 1 == 1))
+            let bit = self.pins(bus).clock(byte >> place & 1 == 1);
+            answer << 1 | u8::from(bit != (bus == Bus::Port && self.is_bent()))
         })
     }
 
@@ -206,6 +210,13 @@ impl Board {
             Bus::Port => &mut self.port,
             Bus::Potentiometer => &mut self.potentiometer,
         }
+    }
+
+    /// Whether a bit of the port's answer is the one that is bent.
+    const fn is_bent(&mut self) -> bool {
+        let is_it = self.bend_after == 1;
+        self.bend_after = self.bend_after.saturating_sub(1);
+        is_it
     }
 
     /// Chip select goes high and low by itself, where it is to, before a bit of the port's.

@@ -2,6 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+/// How near its amplifier comes to ground: AD8630's V_OL, 20 mV at most with 10 kOhm (Analog Devices, AD8628/AD8629/AD8630, 5 V
+/// characteristics), which is the rail that the simulated board has.
+const AMPLIFIER_LOW_MV: u32 = 20;
+/// The converter's reference, ADR4540B.
+const REFERENCE_MV: u32 = 4096;
+
 /// A board's converter and temperature sensors. A record carries them; a board without a record has those that it was built
 /// with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,6 +53,16 @@ impl BoardNumbers {
         })
     }
 
+    /// The lowest and the highest reading that the circuit reaches, counts: what stands there, or beyond, is no measurement. At the
+    /// top the converter ends before the amplifier. At the bottom the amplifier ends first, at [`AMPLIFIER_LOW_MV`] at most:
+    /// 80 counts of 14 bits. (A typical one goes down to 27 to 37: hardware/README.md.)
+    #[must_use]
+    pub fn reach(&self) -> [u16; 2] {
+        let readings = u32::from(self.full_scale) + 1;
+        let lowest = (readings * AMPLIFIER_LOW_MV).div_ceil(REFERENCE_MV);
+        [u16::try_from(lowest).unwrap_or(u16::MAX).min(self.full_scale), self.full_scale]
+    }
+
     /// Whether they make sense: what a device asks of a record's.
     #[must_use]
     pub(crate) fn are_sound(&self) -> bool {
@@ -68,6 +84,13 @@ mod tests {
         let of_14 = BoardNumbers::new(14, 34.0, 3.0).unwrap();
         assert_eq!(of_14, BoardNumbers::PAPER);
         assert!(of_14.are_sound());
+    }
+
+    #[test]
+    fn the_circuit_reaches_from_its_amplifiers_rail_to_the_converters_end() {
+        let reach = |bits| BoardNumbers::new(bits, 34.0, 3.0).unwrap().reach();
+        assert_eq!((reach(14), reach(16)), ([80, 16_383], [320, 65_535]));
+        assert!((1..=16).all(|bits| reach(bits)[0] <= reach(bits)[1]));
     }
 
     #[test]

@@ -25,6 +25,9 @@ pub struct GroupSums {
 }
 
 impl GroupSums {
+    /// Those of no samples.
+    pub const NONE: Self = Self { n: 0, temperature: 0, temperature_sq: 0, zro: 0, zro_sq: 0 };
+
     /// Takes in one sample of temperature and zero-rate output, counts.
     pub fn push(&mut self, temperature: u16, zro: u16) {
         let (temperature, zro) = (u64::from(temperature), u64::from(zro));
@@ -55,17 +58,17 @@ impl GroupSums {
         spread(self.n, self.temperature, self.temperature_sq) as f64 / (f64::from(self.n) * f64::from(self.n))
     }
 
-    /// Whether the zero-rate output lies within four standard deviations of an end of the converter, so that samples
-    /// may have been cut off there. `full_scale` is its highest reading, counts.
+    /// Whether the zero-rate output lies within four standard deviations of an end of what the circuit reaches, or beyond it, so
+    /// that samples may have been cut off there. `reach` are the lowest and the highest reading, counts.
     #[must_use]
-    pub fn is_saturated(&self, full_scale: u16) -> bool {
-        is_at_end(self.n, self.zro, self.zro_sq, full_scale)
+    pub fn is_saturated(&self, reach: [u16; 2]) -> bool {
+        is_at_end(self.n, self.zro, self.zro_sq, reach)
     }
 
     /// Whether the temperature does, by the same rule: then it is no temperature.
     #[must_use]
-    pub fn is_temperature_saturated(&self, full_scale: u16) -> bool {
-        is_at_end(self.n, self.temperature, self.temperature_sq, full_scale)
+    pub fn is_temperature_saturated(&self, reach: [u16; 2]) -> bool {
+        is_at_end(self.n, self.temperature, self.temperature_sq, reach)
     }
 
     /// Whether the temperature samples scatter about their mean by more than so much, in steps of 1/256 count rms.
@@ -91,9 +94,10 @@ fn spread(n: u32, sum: u64, squares: u64) -> u128 {
     (u128::from(n) * u128::from(squares)).saturating_sub(u128::from(sum) * u128::from(sum))
 }
 
-fn is_at_end(n: u32, sum: u64, squares: u64, full_scale: u16) -> bool {
-    let to_bottom = u128::from(sum);
-    let to_top = (u128::from(n) * u128::from(full_scale)).saturating_sub(to_bottom);
+fn is_at_end(n: u32, sum: u64, squares: u64, [lowest, highest]: [u16; 2]) -> bool {
+    let of_group = |reading: u16| u128::from(n) * u128::from(reading);
+    let to_bottom = u128::from(sum).saturating_sub(of_group(lowest));
+    let to_top = of_group(highest).saturating_sub(u128::from(sum));
     // All times n: the nearer end's distance against four sigma, both squared.
     let nearer = to_bottom.min(to_top);
     nearer * nearer <= 16 * spread(n, sum, squares) || nearer == 0
@@ -133,10 +137,15 @@ mod tests {
         let around = |centre: u16| {
             let mut sums = GroupSums::default();
             (0..500).for_each(|k: u16| sums.push(9000, (centre + k % 5).clamp(2, 16_385) - 2));
-            sums.is_saturated(16_383)
+            sums
         };
-        assert!(!around(8200) && !around(100) && !around(16_000));
-        assert!(around(0) && around(4) && around(16_381) && around(16_500));
+        let saturated = |centre| around(centre).is_saturated([0, 16_383]);
+        assert!(!saturated(8200) && !saturated(100) && !saturated(16_000));
+        assert!(saturated(0) && saturated(4) && saturated(16_381) && saturated(16_500));
+        // An amplifier that ends before the converter does: at its rail, near it, and beyond.
+        let at_rail = |centre| around(centre).is_saturated([80, 16_383]);
+        assert!(at_rail(27) && at_rail(73) && at_rail(80) && at_rail(84) && at_rail(16_381));
+        assert!(!at_rail(100) && !at_rail(8200));
     }
 
     proptest! {

@@ -120,19 +120,62 @@ pub enum RecordRefused {
     Law,
 }
 
+/// What stands before a record's axes.
+#[derive(Deserialize)]
+struct Head {
+    unit: UnitSerial,
+    #[allow(dead_code)] // it is the host's
+    temperature_scale: TemperatureScale,
+    board: BoardNumbers,
+}
+
 /// The laws in a record's bytes, checked in every respect, for the unit of a serial; without one for any.
+///
+/// An axis is read after the other: a whole record and its laws together are a sixth of a board's memory.
 ///
 /// # Errors
 /// [`RecordRefused`].
 pub fn laws_for(serial: Option<&[u8]>, bytes: &[u8]) -> Result<Laws, RecordRefused> {
-    let record = DeviceRecord::decode(bytes).map_err(RecordRefused::Bytes)?;
-    if serial.is_some_and(|serial| serial != record.unit.as_bytes()) {
+    let body = body_of(bytes).map_err(RecordRefused::Bytes)?;
+    let (Head { unit, board, .. }, axes) = postcard::take_from_bytes(body).map_err(|_| MALFORMED)?;
+    if serial.is_some_and(|serial| serial != unit.as_bytes()) {
         return Err(RecordRefused::OtherUnit);
     }
-    let board = Some(record.board).filter(BoardNumbers::are_sound).ok_or(RecordRefused::Law)?;
-    let law = |axis| record.axis(axis).law().map_err(|_| RecordRefused::Law);
-    let start_up_modes = Axis::BOTH.map(|axis| record.axis(axis).start_up_mode);
-    Ok(Laws { axes: [law(Axis::X)?, law(Axis::Y)?], start_up_modes, board })
+    if !board.are_sound() {
+        return Err(RecordRefused::Law);
+    }
+    let mut axes = axes;
+    let (x, x_mode) = next_law(&mut axes)?;
+    let (y, y_mode) = next_law(&mut axes)?;
+    Ok(Laws { axes: [x, y], start_up_modes: [x_mode, y_mode], board })
+}
+
+const MALFORMED: RecordRefused = RecordRefused::Bytes(RecordError::Malformed);
+
+/// The law of the axis that the bytes begin with, and its mode at the start; what follows is left.
+#[inline(never)]
+fn next_law(bytes: &mut &[u8]) -> Result<(AxisLaw, Mode), RecordRefused> {
+    let (axis, rest): (AxisRecord, _) = postcard::take_from_bytes(bytes).map_err(|_| MALFORMED)?;
+    *bytes = rest;
+    Ok((axis.law().map_err(|_| RecordRefused::Law)?, axis.start_up_mode))
+}
+
+/// What stands between a record's version and its CRC.
+fn body_of(bytes: &[u8]) -> Result<&[u8], RecordError> {
+    let head = MAGIC.len() + 2;
+    if bytes.len() < head + 4 || !bytes.starts_with(&MAGIC) {
+        return Err(RecordError::NotARecord);
+    }
+    let (content, crc) = bytes.split_at(bytes.len() - 4);
+    let found = u16::from_le_bytes([content[4], content[5]]);
+    // The version comes first: an unknown one may keep its CRC elsewhere.
+    if found != RECORD_VERSION {
+        return Err(RecordError::UnknownVersion { found });
+    }
+    if CRC_32.checksum(content).to_le_bytes() != crc {
+        return Err(RecordError::Damaged);
+    }
+    Ok(&content[head..])
 }
 
 impl DeviceRecord {
@@ -166,20 +209,7 @@ impl DeviceRecord {
     /// # Errors
     /// [`RecordError`], by what is wrong first: form, version, CRC, body.
     pub fn decode(bytes: &[u8]) -> Result<Self, RecordError> {
-        let head = MAGIC.len() + 2;
-        if bytes.len() < head + 4 || !bytes.starts_with(&MAGIC) {
-            return Err(RecordError::NotARecord);
-        }
-        let (content, crc) = bytes.split_at(bytes.len() - 4);
-        let found = u16::from_le_bytes([content[4], content[5]]);
-        // The version comes first: an unknown one may keep its CRC elsewhere.
-        if found != RECORD_VERSION {
-            return Err(RecordError::UnknownVersion { found });
-        }
-        if CRC_32.checksum(content).to_le_bytes() != crc {
-            return Err(RecordError::Damaged);
-        }
-        postcard::from_bytes(&content[head..]).map_err(|_| RecordError::Malformed)
+        postcard::from_bytes(body_of(bytes)?).map_err(|_| RecordError::Malformed)
     }
 }
 

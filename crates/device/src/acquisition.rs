@@ -52,6 +52,14 @@ pub struct Set {
     pub scans: Vec<Scan, MAX_SET_LENGTH>,
 }
 
+impl Set {
+    /// None yet: the same as the default.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { number: 0, lost: 0, sums: [GroupSums::NONE; 2], scans: Vec::new() }
+    }
+}
+
 /// A scan as it was read alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NumberedScan {

@@ -6,11 +6,14 @@
 mod axis;
 mod command;
 mod continuity;
+mod memory;
 mod outbox;
 mod report;
 mod samples;
 mod scans;
 mod temperature;
+
+use core::borrow;
 
 use heapless::Vec;
 use zerorate_core::board::BoardNumbers;
@@ -22,12 +25,13 @@ use zerorate_core::wire::{AxisScan, FaultCounts, GroupReport, Refusal, ScanFlags
 use self::axis::AxisAtWork;
 use self::continuity::Continuity;
 use self::outbox::Outbox;
-use self::scans::ScanByScan;
+use self::scans::Came;
 use self::temperature::Believable;
-use crate::acquisition::{Acquisition, Set, Timing, axis_samples};
+use crate::acquisition::{Acquisition, Timing, axis_samples};
 use crate::trim_part::TrimPart;
 
 pub use self::command::{Action, Scheduled};
+pub use self::memory::Memory;
 pub use self::report::{Outcome, Report, Status};
 
 /// Commands that may wait for their group.
@@ -39,16 +43,15 @@ const MAX_WAITING: usize = 8;
 const FIRST_GROUP: u16 = 50;
 
 /// The compensator: an acquisition, a trim part, and both axes at work.
-pub struct Compensator<A, P> {
+pub struct Compensator<A, P, M = Memory> {
     acquisition: A,
     part: P,
+    memory: M,
     timing: Timing,
     /// Scans of the first set when the acquisition is started, until one has come.
     first_length: u16,
     board: BoardNumbers,
     axes: [AxisAtWork; 2],
-    set: Set,
-    scans: ScanByScan,
     /// The group that is being filled, or the first that will be.
     group: GroupNumber,
     running: bool,
@@ -58,15 +61,14 @@ pub struct Compensator<A, P> {
     /// Sets that have arrived since start-up.
     sets: u32,
     waiting: Vec<Scheduled, MAX_WAITING>,
-    outbox: Outbox,
     faults: FaultCounts,
 }
 
-impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
+impl<A: Acquisition, P: TrimPart, M: borrow::BorrowMut<Memory>> Compensator<A, P, M> {
     /// A compensator at start-up: acquisition stopped, both wipers commanded to the middle tap, no calibration.
     #[must_use]
-    pub fn new(acquisition: A, part: P, timing: Timing) -> Self {
-        let mut compensator = Self::holding(acquisition, part, timing, [Taps::MIDDLE; 2]);
+    pub fn new(acquisition: A, part: P, memory: M, timing: Timing) -> Self {
+        let mut compensator = Self::holding(acquisition, part, memory, timing, [Taps::MIDDLE; 2]);
         compensator.rest();
         compensator
     }
@@ -74,40 +76,37 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     /// A compensator after a restart that nobody asked for: the wipers are left where they stand, which are the taps that
     /// the board has kept through it. With the first group each is written what it should have.
     #[must_use]
-    pub fn holding(acquisition: A, part: P, timing: Timing, taps: [Taps; 2]) -> Self {
-        let axes = Axis::BOTH.map(|axis| AxisAtWork::new(axis, taps[axis.index()]));
-        let corrections = sample_corrections(&axes);
+    pub fn holding(acquisition: A, part: P, memory: M, timing: Timing, taps: [Taps; 2]) -> Self {
         Self {
             acquisition,
             part,
+            memory,
             timing,
             first_length: timing.set_length,
             board: BoardNumbers::PAPER,
-            axes,
-            set: Set::default(),
-            scans: ScanByScan::beginning(corrections, timing.set_length, timing.set_length),
+            axes: Axis::BOTH.map(|axis| AxisAtWork::new(axis, taps[axis.index()])),
             group: GroupNumber(0),
             running: false,
             continuity: Continuity::beginning(true),
             lost: 0,
             sets: 0,
             waiting: Vec::new(),
-            outbox: Outbox::new(),
             faults: FaultCounts::default(),
         }
     }
 
     /// Commands both wipers to the middle tap.
     pub fn rest(&mut self) {
-        for axis in &mut self.axes {
+        for axis in Axis::BOTH {
             // One that fails is counted; with the next group all are written again.
-            let _ = axis.write(&mut self.part, Taps::MIDDLE, &mut self.faults);
+            let _ = self.write(axis, Taps::MIDDLE);
         }
     }
 
     /// What the task below may look at.
     #[must_use]
-    pub const fn status(&self) -> Status {
+    pub fn status(&self) -> Status {
+        let memory: &Memory = self.memory.borrow();
         let [AxisAtWork { state: x, .. }, AxisAtWork { state: y, .. }] = &self.axes;
         Status {
             group: self.group,
@@ -115,7 +114,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             sets: self.sets,
             taps: [x.tap(), y.tap()],
             modes: [x.mode(), y.mode()],
-            faults: FaultCounts { dropped_uploads: self.outbox.dropped, ..self.faults },
+            faults: FaultCounts { dropped_uploads: memory.outbox.dropped, ..self.faults },
         }
     }
 
@@ -130,12 +129,15 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     }
 
     /// Takes laws into use, keeping modes and taps.
-    pub fn install(&mut self, laws: Laws) {
+    pub fn install(&mut self, laws: &Laws) {
+        let memory: &mut Memory = self.memory.borrow_mut();
         self.board = laws.board;
-        for (axis, law) in self.axes.iter_mut().zip(laws.axes) {
+        for ((axis, law), place) in self.axes.iter_mut().zip(&laws.axes).zip(&mut memory.laws) {
             axis.install(law);
+            place.clear();
+            let _ = place.extend_from_slice(core::slice::from_ref(law));
         }
-        self.scans.replace(sample_corrections(&self.axes));
+        memory.scans.replace(sample_corrections(&self.axes));
     }
 
     /// Puts both axes in the modes of start-up.
@@ -156,31 +158,59 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
 
     /// The interrupt: called when a set is ready.
     pub fn service(&mut self) {
-        let with_samples = self.outbox.wants_samples();
-        // Scans that came one by one need not be read again.
-        let came = with_samples && self.scans.has_all();
-        if self.running && self.read_set(with_samples && !came) {
-            self.sets = self.sets.wrapping_add(1);
-            let before = with_samples.then(|| sample_corrections(&self.axes));
-            let report = self.close_group();
-            match before {
-                None => {
-                    self.outbox.group(report);
-                    self.run_commands();
-                }
-                Some(before) => {
-                    // A wiper that was commanded waits no more than the law's for samples, which take 6 ms on the bus.
-                    self.run_commands();
-                    let are_there = if came { self.take_scans() } else { self.read_scans() };
-                    if are_there {
-                        self.outbox.group_and_samples(report, before, self.set.scans.len());
-                    } else {
-                        self.outbox.group(report);
-                    }
-                }
-            }
-            self.scans.group_begins(self.set.number, sample_corrections(&self.axes));
+        let mut waits = self.running && self.read_set();
+        while waits {
+            waits = self.take_set();
         }
+    }
+
+    /// Closes the group of the set that was just read and lets the set go; whether another one has come in its place, which is
+    /// then read.
+    fn take_set(&mut self) -> bool {
+        self.sets = self.sets.wrapping_add(1);
+        let number = self.memory().set.number;
+        let wants_samples = self.outbox().wants_samples();
+        let before = wants_samples.then(|| sample_corrections(&self.axes));
+        let report = self.close_group();
+        // A wiper that was commanded waits no more than the law's, neither for samples, which take 6 ms on the bus, nor for the
+        // set to be let go.
+        let follows = match before {
+            None => {
+                self.outbox().group(report);
+                self.run_commands();
+                self.let_go(number)
+            }
+            Some(before) => {
+                self.run_commands();
+                self.complete_scans();
+                // Scans that came one by one need not be read again. Where one was missed they are not read either: that takes
+                // longer than two scans, which the next group would miss, and so on for ever.
+                let (are_there, follows) = match self.memory().scans.came() {
+                    Came::All => {
+                        let follows = self.let_go(number);
+                        (self.take_scans(number), follows)
+                    }
+                    Came::Some => {
+                        self.outbox().samples_are_missing();
+                        (false, self.let_go(number))
+                    }
+                    Came::None => self.read_scans(number),
+                };
+                let Memory { outbox, set, .. } = self.memory();
+                if are_there {
+                    outbox.group_and_samples(report, before, set.scans.len());
+                } else {
+                    outbox.group(report);
+                }
+                follows
+            }
+        };
+        let corrections = sample_corrections(&self.axes);
+        self.memory().scans.group_begins(number, corrections);
+        if follows {
+            self.outbox().set_goes();
+        }
+        follows
     }
 
     /// The interrupt of a scan: called when one is ready, before [`service`](Self::service) for the set that it fills. The scan,
@@ -196,13 +226,15 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             self.faults.acquisition_errors += u32::from(read.is_err());
         }
         let scan = read.ok().flatten()?;
-        let corrected = self.scans.correct(scan)?;
+        let memory: &mut Memory = self.memory.borrow_mut();
+        let corrected = memory.scans.correct(scan)?;
+        let [lowest, highest] = self.board.reach();
         let axes = Axis::BOTH.map(|axis| {
             let (corrected, is_settling) = corrected[axis.index()];
             let (_, zro) = axis_samples(&scan.scan, axis);
-            let flags = self.axes[axis.index()].flags();
+            let flags = self.axes[axis.index()].flags(memory.law(axis).is_some());
             let flags = flags.with(ScanFlags::SETTLING, is_settling);
-            let flags = flags.with(ScanFlags::SATURATED, zro == 0 || zro >= self.board.full_scale);
+            let flags = flags.with(ScanFlags::SATURATED, zro <= lowest || zro >= highest);
             AxisScan { corrected_q16: corrected.0, flags }
         });
         Some(ScanReport { scan: scan.number, axes })
@@ -214,9 +246,19 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         self.service();
         if self.running && self.continuity.is_broken(self.timing) {
             self.faults.acquisition_errors += 1;
-            self.continuity.set_up_anew(self.group, self.lost, self.timing);
-            let reached = self.start_acquisition().is_ok();
-            self.continuity.started(reached);
+            self.set_up_anew();
+        }
+    }
+
+    /// Between ticks, as often as a home can tell whether data ready is high. It takes a set whose edge was served in vain before
+    /// the tick does, and tries an acquisition that has never been reached yet: an FPGA may be configured later than the
+    /// processor starts. Such a try is not counted; the tick's is.
+    pub fn look(&mut self, set_waits: bool) {
+        if self.running && self.continuity.is_awaited() {
+            self.set_up_anew();
+        }
+        if set_waits {
+            self.service();
         }
     }
 
@@ -242,76 +284,118 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
 
     /// The next of what there is to say.
     pub fn next_report(&mut self) -> Option<Report> {
-        self.outbox.next(&self.set.scans)
+        self.next_but_samples().or_else(|| {
+            let Memory { outbox, set, .. } = self.memory();
+            outbox.next_of_samples(&set.scans)
+        })
     }
 
-    /// Reads the sums of the set that waits; `false` when there is none, or it cannot be read. A read that failed is tried
-    /// once more: a set that was not read whole still waits.
-    fn read_set(&mut self, then_scans: bool) -> bool {
-        let mut read = self.acquisition.read_set(&mut self.set, then_scans);
+    /// The next of what there is to say but for samples, and for the group that follows them.
+    pub fn next_but_samples(&mut self) -> Option<Report> {
+        self.outbox().next()
+    }
+
+    fn memory(&mut self) -> &mut Memory {
+        self.memory.borrow_mut()
+    }
+
+    fn outbox(&mut self) -> &mut Outbox {
+        &mut self.memory().outbox
+    }
+
+    fn write(&mut self, axis: Axis, tap: Taps) -> Result<(), Refusal> {
+        let memory: &Memory = self.memory.borrow();
+        self.axes[axis.index()].write(&mut self.part, tap, memory.law(axis), &mut self.faults)
+    }
+
+    /// Reads the sums of the set that waits, which goes on waiting; `false` when there is none, or it cannot be read. A read that
+    /// failed is tried once more.
+    fn read_set(&mut self) -> bool {
+        let memory: &mut Memory = self.memory.borrow_mut();
+        let mut read = self.acquisition.read_set(&mut memory.set, true);
         if read.is_err() {
             self.faults.acquisition_errors += 1;
-            self.outbox.set_goes();
-            read = self.acquisition.read_set(&mut self.set, then_scans);
+            memory.outbox.set_goes();
+            read = self.acquisition.read_set(&mut memory.set, true);
             self.faults.acquisition_errors += u32::from(read.is_err());
         }
         let is_read = matches!(read, Ok(true));
         if is_read {
-            self.outbox.set_goes();
+            memory.outbox.set_goes();
         }
-        if is_read && self.continuity.is_known(&self.set) {
-            // Its scans could not be read, so it still waited.
-            self.let_go();
-            return false;
+        if is_read && self.continuity.is_known(&memory.set) {
+            // It could not be let go.
+            let number = memory.set.number;
+            return self.let_go(number);
         }
         is_read
     }
 
     /// Reads the scans of the set whose group was just closed: law and wipers do not wait for them. Those that cannot be read
-    /// are dropped, and the set is let go.
-    fn read_scans(&mut self) -> bool {
+    /// are dropped, and the set is let go. Whether they are there, and whether another set has come in its place.
+    fn read_scans(&mut self, number: u32) -> (bool, bool) {
+        let memory: &mut Memory = self.memory.borrow_mut();
         let is_read = (0..2).any(|_| {
-            let read = self.acquisition.read_scans(&mut self.set);
+            let read = self.acquisition.read_scans(&mut memory.set);
             self.faults.acquisition_errors += u32::from(read.is_err());
             read.is_ok()
         });
-        if !is_read {
-            self.outbox.samples_are_missing();
-            self.let_go();
+        if is_read {
+            return (true, false);
         }
-        is_read
+        memory.outbox.samples_are_missing();
+        (false, self.let_go(number))
+    }
+
+    /// A set may be served before its last scan was read: the port has that one still, and it is reported all the same.
+    fn complete_scans(&mut self) {
+        let scans = &mut self.memory.borrow_mut().scans;
+        if let Some(number) = scans.lacked()
+            && let Ok(Some(latest)) = self.acquisition.latest_scan()
+            && latest.number == number
+        {
+            scans.complete(latest.scan);
+        }
     }
 
     /// Takes the scans of the set whose group was just closed as they came one by one.
-    fn take_scans(&mut self) -> bool {
-        let are_its = self.scans.give(self.set.number, &mut self.set.scans);
+    fn take_scans(&mut self, number: u32) -> bool {
+        let Memory { scans, set, outbox, .. } = self.memory();
+        let are_its = scans.give(number, &mut set.scans);
         if !are_its {
-            self.outbox.samples_are_missing();
+            outbox.samples_are_missing();
         }
         are_its
     }
 
-    /// Lets the set go that was read and still waits. Where that fails it is read once more, with the tick, and known.
-    fn let_go(&mut self) {
-        let released = self.acquisition.read_set(&mut self.set, false);
+    /// Lets the set of a number go, which was read whole and still waits; whether another one has come in its place meanwhile: it
+    /// was read then, for the port lets go what waits. Where this fails it is read once more, with the tick, and known.
+    fn let_go(&mut self, number: u32) -> bool {
+        let memory: &mut Memory = self.memory.borrow_mut();
+        let released = self.acquisition.read_set(&mut memory.set, false);
         self.faults.acquisition_errors += u32::from(released.is_err());
+        matches!(released, Ok(true)) && memory.set.number != number
     }
 
     /// Closes the group whose set was just read.
     fn close_group(&mut self) -> GroupReport {
-        let (group, lost) = self.continuity.set_came(&self.set);
+        let memory: &Memory = self.memory.borrow();
+        let (group, lost) = self.continuity.set_came(&memory.set);
         self.lost = lost;
         let missed = group.0.saturating_sub(self.group.0);
         self.faults.lost_sets += missed;
-        for (axis, sums) in self.axes.iter_mut().zip(&self.set.sums) {
+        for (axis, sums) in self.axes.iter_mut().zip(&memory.set.sums) {
             axis.lose(missed, sums.n);
         }
         self.first_length = self.timing.set_length;
-        let believable = Believable { board: self.board, timing: self.timing };
+        let believable = Believable { board: self.board, timing: self.timing, missed };
+        let watches = self.axes.each_mut().map(|axis| &mut axis.temperature);
+        let temperatures = temperature::check(watches, &memory.set.sums, believable);
+        let reach = self.board.reach();
         let axes = Axis::BOTH.map(|axis| {
-            let sums = self.set.sums[axis.index()];
-            let other = self.axes[1 - axis.index()].temperature.believed();
-            self.axes[axis.index()].close(sums, other, missed, believable, &mut self.part, &mut self.faults)
+            let (sums, temperature) = (memory.set.sums[axis.index()], temperatures[axis.index()]);
+            let law = memory.law(axis);
+            self.axes[axis.index()].close(sums, temperature, reach, law, &mut self.part, &mut self.faults)
         });
         self.group = GroupNumber(group.0.wrapping_add(1));
         let acquisition_errors = self.faults.acquisition_errors;
@@ -330,13 +414,17 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
     }
 
     fn answer(&mut self, sequence: u16, result: Result<(), Refusal>) {
-        self.outbox.answer(sequence, (self.group, result));
+        let outcome = (self.group, result);
+        self.outbox().answer(sequence, outcome);
     }
 
     fn act(&mut self, action: Action) -> Result<(), Refusal> {
         match action {
-            Action::SetMode(axis, mode) => self.axes[axis.index()].set_mode(mode),
-            Action::SetTap(axis, tap) => self.axes[axis.index()].write(&mut self.part, tap, &mut self.faults),
+            Action::SetMode(axis, mode) => {
+                let memory: &Memory = self.memory.borrow();
+                self.axes[axis.index()].set_mode(mode, memory.law(axis))
+            }
+            Action::SetTap(axis, tap) => self.write(axis, tap),
             Action::StorePowerUpTap => self.part.store_power_up().map_err(|_| self.trim_failed()),
             Action::RecallPowerUpTap => {
                 self.part.recall_power_up().map_err(|_| self.trim_failed())?;
@@ -345,7 +433,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
             }
             Action::SetAcquisition(run) => self.set_acquisition(run, self.timing.set_length),
             Action::SetSamples(window) => {
-                self.outbox.set_window(window);
+                self.outbox().set_window(window);
                 Ok(())
             }
         }
@@ -356,10 +444,17 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         Refusal::TrimPartFailed
     }
 
+    fn set_up_anew(&mut self) {
+        self.continuity.set_up_anew(self.group, self.lost, self.timing);
+        let reached = self.start_acquisition().is_ok();
+        self.continuity.started(reached);
+    }
+
     /// Starts the acquisition anew at set 0, of which the scans are counted anew, too.
     fn start_acquisition(&mut self) -> Result<(), A::Error> {
         let corrections = sample_corrections(&self.axes);
-        self.scans = ScanByScan::beginning(corrections, self.first_length, self.timing.set_length);
+        let (first, further) = (self.first_length, self.timing.set_length);
+        self.memory().scans.begin(corrections, first, further);
         self.acquisition.start(self.timing, self.first_length)
     }
 
@@ -369,7 +464,7 @@ impl<A: Acquisition, P: TrimPart> Compensator<A, P> {
         let done = if run { self.start_acquisition() } else { self.acquisition.stop() };
         done.map_err(|_| Refusal::AcquisitionFailed)?;
         self.running = run;
-        self.outbox.forget_samples();
+        self.outbox().forget_samples();
         if run {
             self.group = GroupNumber(0);
             self.lost = 0;

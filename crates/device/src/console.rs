@@ -6,6 +6,8 @@
 mod calibration;
 mod memory;
 
+use core::borrow;
+
 use zerorate_core::record::{Laws, UnitSerial};
 use zerorate_core::units::GroupNumber;
 use zerorate_core::wire::frame::{FrameError, Receiver, encode};
@@ -13,6 +15,7 @@ use zerorate_core::wire::{
     Answer, Command, FaultCounts, Health, Identity, Message, Refusal, Request, Upload, WIRE_VERSION,
 };
 
+pub use self::calibration::Buffer;
 use self::calibration::Calibration;
 use self::memory::Memory;
 use crate::acquisition::Timing;
@@ -33,10 +36,10 @@ impl<F: FnMut(&[u8]) -> bool> Transmit for F {
 }
 
 /// The console: frames in and out, and the calibration on its way.
-pub struct Console<S> {
+pub struct Console<S, B = Buffer> {
     timing: Timing,
     started: Started,
-    calibration: Calibration<S>,
+    calibration: Calibration<S, B>,
     receiver: Receiver,
     uploads: u32,
     with_groups: bool,
@@ -48,15 +51,22 @@ pub struct Console<S> {
     health: fn() -> Health,
 }
 
-impl<S: RecordStore> Console<S> {
+impl<S: RecordStore, B: borrow::BorrowMut<Buffer>> Console<S, B> {
     /// A console at start-up, of the unit of a serial, or without one of a board that takes any record. The stored record, if
     /// it is whole and this unit's, waits in [`take_laws`](Self::take_laws); otherwise the device runs uncompensated, and
     /// keeps talking.
     #[must_use]
-    pub fn new(unit: UnitSerial, timing: Timing, store: S, started: Started, health: fn() -> Health) -> Self {
+    pub fn new(
+        unit: UnitSerial,
+        timing: Timing,
+        store: S,
+        buffer: B,
+        started: Started,
+        health: fn() -> Health,
+    ) -> Self {
         Self {
             timing,
-            calibration: Calibration::stored(store, unit, started.set_aside),
+            calibration: Calibration::stored(store, buffer, unit, started.set_aside),
             started,
             receiver: Receiver::new(),
             uploads: 0,
@@ -73,9 +83,9 @@ impl<S: RecordStore> Console<S> {
         self.calibration.state().is_in_use()
     }
 
-    /// The laws that are to be taken into use now, once; to be asked after a command was obeyed and after a report was sent.
-    pub fn take_laws(&mut self) -> Option<Laws> {
-        self.calibration.take_laws(self.group)
+    /// Gives the laws that are to be taken into use now, once; to be asked after a command was obeyed and after a report was sent.
+    pub fn take_laws<R>(&mut self, take: impl FnOnce(&Laws) -> R) -> Option<R> {
+        self.calibration.take_laws(self.group, take)
     }
 
     /// Takes a byte from the host; the command that it ends, if it ends one.

@@ -24,10 +24,16 @@ use crate::trim_part::TrimPart;
 pub struct Sets {
     pub waiting: Rc<RefCell<VecDeque<Set>>>,
     pub missing: Rc<Cell<bool>>,
+    /// So many sets come bent; what is read to its end is gone then, too.
+    pub bent: Rc<Cell<u32>>,
+    /// Sets are read, and are not let go: another one comes in their place first.
+    pub overtaking: Rc<RefCell<Option<Set>>>,
     /// Sums come, and scans do not.
     pub scans_missing: Rc<Cell<bool>>,
     /// The scan that was taken last.
     pub latest: Rc<Cell<Option<NumberedScan>>>,
+    /// Starts, taken or not.
+    pub starts: Rc<Cell<u32>>,
     /// Scans of the first set, as the last start had it.
     pub first: Rc<Cell<u16>>,
 }
@@ -35,10 +41,15 @@ pub struct Sets {
 impl Sets {
     /// A set of equal samples on both axes.
     pub fn push(&self, number: u32, temperature: u16, zro: u16) {
+        self.waiting.borrow_mut().push_back(Self::set(number, temperature, zro));
+    }
+
+    /// Such a set.
+    pub fn set(number: u32, temperature: u16, zro: u16) -> Set {
         let mut sums = GroupSums::default();
         (0..500).for_each(|_| sums.push(temperature, zro));
         let scans = (0..500).map(|_| [temperature, zro, temperature, zro]).collect();
-        self.waiting.borrow_mut().push_back(Set { number, lost: 0, sums: [sums; 2], scans });
+        Set { number, lost: 0, sums: [sums; 2], scans }
     }
 }
 
@@ -47,6 +58,7 @@ impl Acquisition for Sets {
 
     fn start(&mut self, _: Timing, first: u16) -> Result<(), ()> {
         self.first.set(first);
+        self.starts.set(self.starts.get() + 1);
         self.latest.set(None);
         if self.missing.get() { Err(()) } else { Ok(()) }
     }
@@ -57,11 +69,18 @@ impl Acquisition for Sets {
 
     fn read_set(&mut self, set: &mut Set, then_scans: bool) -> Result<bool, ()> {
         let mut waiting = self.waiting.borrow_mut();
+        if !then_scans && let Some(another) = self.overtaking.take() {
+            *waiting = VecDeque::from([another]);
+        }
         let Some(first) = waiting.front().cloned() else { return Ok(false) };
-        *set = Set { scans: Default::default(), ..first };
         if !then_scans {
             waiting.pop_front();
         }
+        if self.bent.get() > 0 {
+            self.bent.set(self.bent.get() - 1);
+            return Err(());
+        }
+        *set = Set { scans: Default::default(), ..first };
         Ok(true)
     }
 

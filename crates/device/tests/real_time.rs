@@ -11,7 +11,7 @@ use zerorate_core::trim::{TapEffects, Trim, TrimLine};
 use zerorate_core::units::{Axis, Celsius, Counts, GroupNumber, Taps, TemperatureScale};
 use zerorate_core::wire::{SampleWindow, ScanFlags, ScanReport};
 use zerorate_device::acquisition::Timing;
-use zerorate_device::compensator::{Action, Compensator, Report, Scheduled};
+use zerorate_device::compensator::{Action, Compensator, Memory, Report, Scheduled};
 use zerorate_device::port::PortAcquisition;
 use zerorate_device::trim_part::{Max5494Trim, TrimPart};
 use zerorate_sim::{BusFault, Plant, PlantDelay, PlantParameters, PortSpi, PotentiometerSpi, Scanned, SharedPlant};
@@ -63,8 +63,9 @@ impl Board {
         let record = record(&plant);
         let plant = plant.share();
         let trim = Max5494Trim::new(PotentiometerSpi::new(&plant), PlantDelay::new(&plant));
-        let mut compensator = Compensator::new(PortAcquisition::new(PortSpi::new(&plant)), trim, Timing::PAPER);
-        compensator.install(laws_for(None, record.encode(&mut [0; MAX_RECORD_BYTES]).unwrap()).unwrap());
+        let mut compensator =
+            Compensator::new(PortAcquisition::new(PortSpi::new(&plant)), trim, Memory::new(), Timing::PAPER);
+        compensator.install(&laws_for(None, record.encode(&mut [0; MAX_RECORD_BYTES]).unwrap()).unwrap());
         compensator.set_modes([Mode::Hybrid; 2]);
         plant.borrow_mut().chamber_set_point(Celsius(-40.0)).unwrap();
         compensator.begin_alone();
@@ -197,7 +198,8 @@ fn wipers_of_the_law_and_of_commands_are_written_within_a_sample_period_while_al
     let part = Max5494Trim::new(PotentiometerSpi::new(&plant), PlantDelay::new(&plant));
     let mut noting = Noting { part, plant: SharedPlant::clone(&plant), written_s: Vec::new() };
     let written = {
-        let mut compensator = Compensator::new(PortAcquisition::new(PortSpi::new(&plant)), &mut noting, Timing::PAPER);
+        let mut compensator =
+            Compensator::new(PortAcquisition::new(PortSpi::new(&plant)), &mut noting, Memory::new(), Timing::PAPER);
         let mut order = |at, action| compensator.order(Scheduled { sequence: 1, at, action });
         order(None, Action::SetSamples(SampleWindow::ALL));
         order(None, Action::SetAcquisition(true));

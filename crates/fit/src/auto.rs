@@ -3,11 +3,13 @@
 //!
 //! A fit is a function of groups (time, temperature, rate, weight) and of nothing else. The model is by evidence
 //! (`evidence`); a line, a quadratic and a cubic stand beside it (`curve`), and where a drift in time was found a cubic with
-//! one. The numbers that are reported come from folds (`nested`): for each of eight the model is fitted anew to the other
-//! seven. A model that does worse there than the cubic is dropped for it.
+//! one. What is deployed is a mean of the model and the cubic (`mean`). The numbers that are reported come from folds (`fits`,
+//! `nested`): for each of eight the model is fitted anew to the other seven. A model that does worse there than the cubic is
+//! dropped for it.
 
 mod band;
 mod curve;
+mod fits;
 mod levels;
 mod mean;
 mod nested;
@@ -27,6 +29,7 @@ use crate::residual::ResidualStatistics;
 use crate::series::{NextRun, Series};
 use crate::trend::trends;
 use curve::{Curve, Groups};
+use fits::Fits;
 use nested::Outer;
 
 /// How far past the measured temperatures a curve chosen by `auto` is believed before it is held, as a fraction of the span
@@ -83,12 +86,12 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
     });
     let Some(own) = own else { return Ok(finish(&tried, tried.len() - 1, &groups)) };
     let cubic = tried.len() - 1;
-    // On the bench the cubic goes to no autopilot.
-    let own = if series.next == NextRun::Another { own.with_mean_cubic(&tried[cubic]) } else { own };
+    // The bench's next run is this one again: there is nothing to be careful about, and its cubic goes to no autopilot.
+    let own = if series.next == NextRun::Another { own.mean_with(&tried[cubic], series) } else { own };
     let exported = own.outer.cubic_error(series);
     let is_worse = own.outer.error(series) > TELLING * exported.min(tried[cubic].outer.error(series));
     // A drift in time is no part of what is deployed, but a curve fitted as if there were none is bent by it.
-    let told = own.made.model.time_drift.is_some() && series.tells_slope();
+    let told = own.fits.whole.model.time_drift.is_some() && series.tells_slope();
     tried.extend(plain(Model::Poly(CUBIC), true).filter(|_| told));
     let plainest = tried.len() - 1;
     tried.push(own);
@@ -109,33 +112,39 @@ fn finish(tried: &[Attempt], chosen: usize, groups: &Groups<'_>) -> GroupFit {
 
 /// A model fitted to everything, and how well its way of fitting predicts what it has not seen.
 struct Attempt {
-    made: ModelFit,
+    fits: Fits,
     outer: Outer,
 }
 
 impl Attempt {
     /// By `make`, which fits the groups that are kept.
     fn new(series: &Series<'_>, make: impl Fn(&dyn Fn(usize) -> bool) -> Option<ModelFit>) -> Option<Self> {
-        Some(Self { made: make(&|_| true)?, outer: Outer::new(series, make) })
+        Some(Self::of(series, Fits::of(series, make)?))
     }
 
-    /// With the mean of its static cubic and a plain one by which least is left of the folds.
-    fn with_mean_cubic(mut self, plain: &Self) -> Self {
-        if let (Some(own), Some(other)) = (&self.made.cubic, &plain.made.cubic) {
-            let share = mean::share(self.outer.cubic_deployed(), plain.outer.cubic_deployed());
-            self.made.cubic = mean::cubic(own, other, share);
-            self.outer = self.outer.with_mean_cubic(&plain.outer, share);
-        }
-        self
+    fn of(series: &Series<'_>, fits: Fits) -> Self {
+        Self { outer: Outer::new(series, &fits), fits }
+    }
+
+    /// The mean with a plain cubic, and of its static cubic with it, each by what least is left of the folds. A model that
+    /// tells a straight drift in time stays: what the cubic left of the folds has that drift in it, and says little of the two.
+    fn mean_with(self, plain: &Self, series: &Series<'_>) -> Self {
+        let of_model = mean::share(self.outer.warm(), plain.outer.warm());
+        let of_cubic = mean::share(self.outer.cubic_deployed(), plain.outer.cubic_deployed());
+        let is_straight = self.fits.whole.model.time_drift.as_ref().is_some_and(|drift| drift.per_second != 0.0);
+        let share = if is_straight { 1.0 } else { of_model };
+        let joined = self.fits.with(&plain.fits, |own, plain| mean::of_two(own, plain, share, of_cubic));
+        joined.map_or(self, |fits| Self::of(series, fits))
     }
 
     fn candidate(&self, series: &Series<'_>, best: &Self) -> Candidate {
-        let in_sample = ResidualStatistics::of(in_recording(&self.made.model, series)).rms;
-        self.outer.candidate(self.made.model.to_string(), in_sample, series, &best.outer)
+        let in_sample = ResidualStatistics::of(in_recording(&self.fits.whole.model, series)).rms;
+        self.outer.candidate(self.fits.whole.model.to_string(), in_sample, series, &best.outer)
     }
 
     fn finish(&self, groups: &Groups<'_>, candidates: Vec<Candidate>) -> GroupFit {
-        let (Groups { series, measured, .. }, Self { made, outer }) = (*groups, self);
+        let (Groups { series, measured, .. }, Self { fits, outer }) = (*groups, self);
+        let made = &fits.whole;
         let residuals = in_recording(&made.model, series);
         let in_sample = ResidualStatistics::of(residuals.iter().copied());
         let deployed = predict(&made.model, Start::Unknown, series, 0..series.rate.len());
@@ -164,7 +173,7 @@ impl Attempt {
             trends: trends(&deployed, series),
             ..FitStatistics::new(ResidualOver::Groups, used, in_sample, held_out, made.covariance.clone())
         };
-        let static_cubic = nested::static_cubic(series, measured, made, outer);
+        let static_cubic = nested::static_cubic(series, measured, fits);
         GroupFit {
             fit: DriftFit { model: made.model.clone(), measured, static_cubic, band, next_run_band, statistics },
             residuals,

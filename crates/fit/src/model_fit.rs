@@ -9,6 +9,7 @@ use crate::predict::DriftModel;
 pub(crate) const CUBIC: usize = 3;
 
 /// A model of the drift, fitted to some groups.
+#[derive(Debug, Clone)]
 pub(crate) struct ModelFit {
     pub model: DriftModel,
     /// The best static cubic of the same groups; `None` where they do not settle one.

@@ -148,11 +148,49 @@ fn size(workspace: &Workspace, package: &str) -> Result<(u64, u64)> {
     let output = Command::new(PROGRAM).arg("-A").arg(built(workspace, package)).output().context(PROGRAM)?;
     ensure!(output.status.success(), "{PROGRAM}: {}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8_lossy(&output.stdout);
-    let section = |name: &str| -> u64 {
+    sizes(&text).with_context(|| format!("{package} by {PROGRAM}:\n{text}"))
+}
+
+/// The same from what the program says. A section that is not there is no empty one: what it held is somewhere else, and would
+/// not be counted.
+fn sizes(text: &str) -> Result<(u64, u64)> {
+    let section = |name: &str| -> Result<u64> {
         let mut fields = text.lines().map(str::split_whitespace).filter(|line| line.clone().next() == Some(name));
-        fields.find_map(|mut line| line.nth(1)?.parse().ok()).unwrap_or(0)
+        let size = fields.find_map(|mut line| line.nth(1)?.parse().ok());
+        size.with_context(|| format!("the image has no section {name}"))
     };
-    let flash = [".vector_table", ".text", ".rodata", ".data"].map(section);
-    let ram = [".data", ".bss", ".uninit"].map(section);
-    Ok((flash.iter().sum(), ram.iter().sum()))
+    let sum = |names: &[&str]| names.iter().copied().map(section).sum::<Result<u64>>();
+    Ok((sum(&[".vector_table", ".text", ".rodata", ".data"])?, sum(&[".data", ".bss", ".uninit"])?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As `arm-none-eabi-size -A` says it.
+    const SAID: &str = "zerorate-stm32f405  :
+section              size        addr
+.vector_table         392   134217728
+.text               45000   134266880
+.rodata              8000   134312000
+.data                   8   536870912
+.bss                25600   536870920
+.uninit                72   536896520
+.debug_str            999           0
+Total               80071
+";
+
+    #[test]
+    fn what_lies_in_flash_and_in_ram_is_summed() {
+        assert_eq!(sizes(SAID).unwrap(), (392 + 45_000 + 8000 + 8, 8 + 25_600 + 72));
+    }
+
+    #[test]
+    fn an_image_without_a_section_that_is_summed_is_refused() {
+        for name in [".vector_table", ".text", ".rodata", ".data", ".bss", ".uninit"] {
+            let without: String =
+                SAID.lines().filter(|line| !line.starts_with(name)).map(|line| format!("{line}\n")).collect();
+            assert!(sizes(&without).unwrap_err().to_string().contains(name), "{name}");
+        }
+    }
 }

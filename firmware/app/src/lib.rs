@@ -15,7 +15,7 @@ use heapless::spsc::Queue;
 use zerorate_core::wire::{FaultRegisters, Stop};
 use zerorate_device::acquisition::Acquisition;
 use zerorate_device::application::Shared;
-use zerorate_device::compensator::Compensator;
+use zerorate_device::compensator::{Compensator, Memory};
 use zerorate_device::restart::Kept;
 use zerorate_device::trim_part::TrimPart;
 
@@ -25,11 +25,12 @@ pub type Received = Queue<u8, 1024>;
 /// The compensator as RTIC shares it.
 pub struct Locked<M>(pub M);
 
-impl<A: Acquisition, P: TrimPart, M: rtic::Mutex<T = Compensator<A, P>>> Shared for Locked<M> {
+impl<A: Acquisition, P: TrimPart, M: rtic::Mutex<T = Compensator<A, P, &'static mut Memory>>> Shared for Locked<M> {
     type Acquisition = A;
     type Part = P;
+    type Memory = &'static mut Memory;
 
-    fn lock<R>(&mut self, act: impl FnOnce(&mut Compensator<A, P>) -> R) -> R {
+    fn lock<R>(&mut self, act: impl FnOnce(&mut Compensator<A, P, Self::Memory>) -> R) -> R {
         self.0.lock(act)
     }
 }

@@ -15,7 +15,8 @@ use heapless::spsc::{Consumer, Producer};
 use zerorate_core::board::BoardNumbers;
 use zerorate_device::acquisition::Timing;
 use zerorate_device::application::{Application, Parts, Task};
-use zerorate_device::compensator::Compensator;
+use zerorate_device::compensator::{Compensator, Memory};
+use zerorate_device::console::Buffer;
 use zerorate_device::port::PortAcquisition;
 use zerorate_device::restart::{Keeping, Kept, Reset};
 use zerorate_device::store::FlashStore;
@@ -44,21 +45,21 @@ mod app {
 
     #[shared]
     struct Shared {
-        compensator: Compensator<Port, Keeping<Potentiometer, &'static Kept>>,
+        compensator: Compensator<Port, Keeping<Potentiometer, &'static Kept>, &'static mut Memory>,
         /// How far the line to the host has come.
         progress: Poll,
     }
 
     #[local]
     struct Local {
-        task: Task<Store, NoWatchdog, &'static Kept>,
+        task: Task<Store, NoWatchdog, &'static Kept, &'static mut Buffer>,
         sending: Sending,
         receiving: Receiving,
         received: Producer<'static, u8>,
         heard: Consumer<'static, u8>,
     }
 
-    #[init(local = [bytes: Received = Received::new()])]
+    #[init(local = [bytes: Received = Received::new(), memory: Memory = Memory::new(), buffer: Buffer = Buffer::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let board = open();
         let Ok(store) = Store::new(LockstepFlash::new(&CHANNEL), 0..FLASH_BYTES as u32) else { panic!() };
@@ -77,6 +78,8 @@ mod app {
             },
             board: BoardNumbers::PAPER,
             health: health::health,
+            memory: cx.local.memory,
+            buffer: cx.local.buffer,
         });
         let (received, heard) = cx.local.bytes.split();
         let (receiving, sending) = chip::uart0();

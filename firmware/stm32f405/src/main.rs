@@ -24,7 +24,8 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use zerorate_core::board::BoardNumbers;
 use zerorate_device::acquisition::Timing;
 use zerorate_device::application::{Application, Parts, Task};
-use zerorate_device::compensator::Compensator;
+use zerorate_device::compensator::{Compensator, Memory};
+use zerorate_device::console::Buffer;
 use zerorate_device::port::PortAcquisition;
 use zerorate_device::restart::{Keeping, Kept};
 use zerorate_device::store::FlashStore;
@@ -47,8 +48,9 @@ const POTENTIOMETER_KHZ: u32 = 5250;
 const BAUD: u32 = 115_200;
 /// The second line: a scan's frame of 20 bytes takes 0.43 ms there, a seventh of a scan period.
 const SCAN_BAUD: u32 = 460_800;
-/// The tick that `zerorate-device` counts seconds by.
-const TICK_HZ: u32 = 1;
+/// How often the level of data ready is looked at, and a port that is not there yet is tried: an FPGA that is configured as late as
+/// the processor starts is reached within 20 ms. So many looks are the tick that `zerorate-device` counts seconds by.
+const LOOK_HZ: u32 = 50;
 /// By the watchdog's own clock, which may be 47 kHz where its sheet says 32: 6.8 s then. Longer than the 5.5 s from a set to
 /// the next one where the acquisition had to be set up anew.
 const WATCHDOG_MS: u32 = 10_000;
@@ -72,24 +74,25 @@ mod app {
 
     #[shared]
     struct Shared {
-        compensator: Compensator<Port, Keeping<Potentiometer, &'static Kept>>,
+        compensator: Compensator<Port, Keeping<Potentiometer, &'static Kept>, &'static mut Memory>,
         scan_line: ScanLine,
+        #[lock_free]
+        data_ready_pin: PB0<Input>,
     }
 
     #[local]
     struct Local {
-        task: Task<Store, ChipWatchdog, &'static Kept>,
+        task: Task<Store, ChipWatchdog, &'static Kept, &'static mut Buffer>,
         sending: Tx<USART2>,
         receiving: Rx<USART2>,
         received: Producer<'static, u8>,
         heard: Consumer<'static, u8>,
-        data_ready_pin: PB0<Input>,
         scan_ready_pin: PB1<Input>,
         timer: CounterHz<TIM2>,
         exti: EXTI,
     }
 
-    #[init(local = [bytes: Received = Received::new()])]
+    #[init(local = [bytes: Received = Received::new(), memory: Memory = Memory::new(), buffer: Buffer = Buffer::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let device = cx.device;
         // Before anything that can hang: a crystal that does not start is one.
@@ -132,6 +135,8 @@ mod app {
             timing: Timing::PAPER,
             board: BoardNumbers::PAPER,
             health: health::health,
+            memory: cx.local.memory,
+            buffer: cx.local.buffer,
         });
 
         let line = serial::Config::default().baudrate(BAUD.bps());
@@ -154,11 +159,11 @@ mod app {
         scan_ready_pin.enable_interrupt(&mut exti);
 
         let mut timer = device.TIM2.counter_hz(&mut rcc);
-        let Ok(()) = timer.start(TICK_HZ.Hz()) else { panic!() };
+        let Ok(()) = timer.start(LOOK_HZ.Hz()) else { panic!() };
         timer.listen(timer::Event::Update);
         (
-            Shared { compensator, scan_line },
-            Local { task, sending, receiving, received, heard, data_ready_pin, scan_ready_pin, timer, exti },
+            Shared { compensator, scan_line, data_ready_pin },
+            Local { task, sending, receiving, received, heard, scan_ready_pin, timer, exti },
         )
     }
 
@@ -188,18 +193,29 @@ mod app {
     }
 
     /// The acquisition port's data ready line.
-    #[task(binds = EXTI0, priority = 3, shared = [compensator], local = [data_ready_pin])]
+    #[task(binds = EXTI0, priority = 3, shared = [compensator, data_ready_pin])]
     fn data_ready(mut cx: data_ready::Context) {
-        cx.local.data_ready_pin.clear_interrupt_pending_bit();
+        cx.shared.data_ready_pin.clear_interrupt_pending_bit();
         health::timed(|| cx.shared.compensator.lock(|compensator| compensator.service()));
         rtic::pend(pac::Interrupt::EXTI2);
     }
 
-    /// The tick.
-    #[task(binds = TIM2, priority = 3, shared = [compensator], local = [timer])]
+    /// The tick, and the looks between ticks.
+    #[task(binds = TIM2, priority = 3, shared = [compensator, data_ready_pin], local = [timer, looks: u32 = 0])]
     fn tick(mut cx: tick::Context) {
         cx.local.timer.clear_flags(timer::Flag::Update);
-        cx.shared.compensator.lock(|compensator| compensator.tick());
+        let set_waits = cx.shared.data_ready_pin.is_high();
+        let looks = cx.local.looks;
+        *looks += 1;
+        if *looks == LOOK_HZ {
+            *looks = 0;
+            cx.shared.compensator.lock(|compensator| compensator.tick());
+        } else {
+            cx.shared.compensator.lock(|compensator| compensator.look(set_waits));
+            if !set_waits {
+                return;
+            }
+        }
         rtic::pend(pac::Interrupt::EXTI2);
     }
 

@@ -9,6 +9,8 @@ use zerorate_core::units::Seconds;
 use zerorate_core::wire::Health;
 use zerorate_device::acquisition::{Acquisition, Timing};
 use zerorate_device::application::{Application, Parts};
+use zerorate_device::compensator::Memory;
+use zerorate_device::console::Buffer;
 use zerorate_device::direct::DirectAcquisition;
 use zerorate_device::port::PortAcquisition;
 use zerorate_device::restart::{Kept, Reset};
@@ -144,6 +146,8 @@ impl BareBoard {
             timing: self.timing,
             board: self.numbers,
             health: Health::default,
+            memory: Memory::new(),
+            buffer: Buffer::new(),
         })
     }
 }

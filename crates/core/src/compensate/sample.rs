@@ -16,6 +16,9 @@ pub struct SampleCorrection {
 }
 
 impl SampleCorrection {
+    /// Nothing is corrected.
+    pub const NONE: Self = Self { settling: Settling::NONE, drift_from_centre: None };
+
     pub(super) const fn new(settling: Settling, drift_from_centre: Option<i32>) -> Self {
         Self { settling, drift_from_centre }
     }

@@ -20,6 +20,9 @@ pub(super) struct Settling {
 }
 
 impl Settling {
+    /// At rest without an effect.
+    pub(super) const NONE: Self = Self { missing_at_first: 0, missing_per_sample: 0, settled: 0, missing: 0 };
+
     /// At rest at an effect.
     pub(super) fn new(low_pass: LowPassNumbers, effect: Q16) -> Self {
         let LowPassNumbers { missing_at_first, missing_per_sample } = low_pass;

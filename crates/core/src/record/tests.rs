@@ -40,6 +40,21 @@ fn a_record_reads_back_as_it_was_written() {
     assert!(read.axis(Axis::X).law().is_ok());
 }
 
+/// The device reads an axis after the other, the host the whole.
+#[test]
+fn the_laws_of_a_record_are_those_of_its_axes() {
+    let mut other = model();
+    (other.dead_band, other.start_up_mode) = (0.1, Mode::Trim);
+    other.edges = Some(EdgeTable::solve(&other.static_law(SCALE)).unwrap());
+    let record = DeviceRecord { axes: [model().record(SCALE).unwrap(), other.record(SCALE).unwrap()], ..record() };
+    let mut buffer = [0; MAX_RECORD_BYTES];
+    let bytes = record.encode(&mut buffer).unwrap();
+    let laws = laws_for(Some(b"ZR-0001"), bytes).unwrap();
+    assert_eq!(laws.axes, [record.axes[0].law().unwrap(), record.axes[1].law().unwrap()]);
+    assert_eq!((laws.start_up_modes, laws.board), ([Mode::Hybrid, Mode::Trim], record.board));
+    assert_eq!(laws_for(Some(b"ZR-0002"), bytes), Err(RecordRefused::OtherUnit));
+}
+
 #[test]
 fn every_flipped_bit_and_every_cut_is_noticed() {
     let mut buffer = [0; MAX_RECORD_BYTES];

@@ -3,16 +3,15 @@
 use zerorate_core::compensate::{AxisCompensation, AxisLaw, GroupOutcome, Mode};
 use zerorate_core::drift::{Coverage, Knowledge};
 use zerorate_core::group::GroupSums;
-use zerorate_core::units::{Axis, Taps, TemperatureCode};
+use zerorate_core::units::{Axis, Taps};
 use zerorate_core::wire::{AxisReport, FaultCounts, Refusal, ScanFlags, TemperatureCheck};
 
-use super::temperature::{self, Believable, TemperatureWatch};
+use super::temperature::{self, Checked, TemperatureWatch};
 use crate::trim_part::TrimPart;
 
-/// An axis, with a law or without.
+/// An axis, with a law or without: what asks for the law takes it beside.
 pub(super) struct AxisAtWork {
     axis: Axis,
-    law: Option<AxisLaw>,
     pub(super) state: AxisCompensation,
     pub(super) temperature: TemperatureWatch,
     /// The wiper stands where the part's own memory has it, and is left there.
@@ -25,26 +24,18 @@ impl AxisAtWork {
     /// An axis without a law, its wiper left where it stands.
     pub(super) fn new(axis: Axis, tap: Taps) -> Self {
         let state = AxisCompensation::new(None, tap);
-        Self {
-            axis,
-            law: None,
-            state,
-            temperature: TemperatureWatch::default(),
-            recalled: false,
-            of_group: ScanFlags::default(),
-        }
+        Self { axis, state, temperature: TemperatureWatch::default(), recalled: false, of_group: ScanFlags::default() }
     }
 
     /// Takes a law into use, keeping mode and tap.
-    pub(super) fn install(&mut self, law: AxisLaw) {
+    pub(super) fn install(&mut self, law: &AxisLaw) {
         let mode = self.state.mode();
-        self.state = AxisCompensation::new(Some(&law), self.state.tap());
+        self.state = AxisCompensation::new(Some(law), self.state.tap());
         self.state.set_mode(mode);
-        self.law = Some(law);
     }
 
-    pub(super) fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
-        match &self.law {
+    pub(super) fn set_mode(&mut self, mode: Mode, law: Option<&AxisLaw>) -> Result<(), Refusal> {
+        match law {
             None if mode != Mode::Off => return Err(Refusal::NoCalibration),
             Some(law) if mode.moves_wiper() && !law.moves_wiper() => return Err(Refusal::NoEdges),
             _ => self.state.set_mode(mode),
@@ -57,6 +48,7 @@ impl AxisAtWork {
         &mut self,
         part: &mut impl TrimPart,
         tap: Taps,
+        law: Option<&AxisLaw>,
         faults: &mut FaultCounts,
     ) -> Result<(), Refusal> {
         if part.write(self.axis, tap).is_err() {
@@ -65,7 +57,7 @@ impl AxisAtWork {
         }
         self.recalled = false;
         if tap != self.state.tap() {
-            self.state.wiper_written(self.law.as_ref(), tap);
+            self.state.wiper_written(law, tap);
         }
         Ok(())
     }
@@ -77,9 +69,9 @@ impl AxisAtWork {
     }
 
     /// What is to be thought of a sample, but for what the sample itself says.
-    pub(super) fn flags(&self) -> ScanFlags {
+    pub(super) fn flags(&self, has_law: bool) -> ScanFlags {
         let mode = self.state.mode();
-        let at_work = mode != Mode::Off && self.law.is_some() && self.state.has_begun();
+        let at_work = mode != Mode::Off && has_law && self.state.has_begun();
         ScanFlags::of(mode).with(ScanFlags::AT_WORK, at_work).and(self.of_group)
     }
 
@@ -89,26 +81,26 @@ impl AxisAtWork {
         self.state.lose_groups(groups);
     }
 
-    /// Closes a group that comes after so many missed ones: law, then wiper. `other` is the other axis's temperature.
+    /// Closes a group whose temperature was checked: law, then wiper. `reach` is how far readings go.
     pub(super) fn close(
         &mut self,
         sums: GroupSums,
-        other: Option<TemperatureCode>,
-        missed: u32,
-        believable: Believable,
+        (temperature, code): Checked,
+        reach: [u16; 2],
+        law: Option<&AxisLaw>,
         part: &mut impl TrimPart,
         faults: &mut FaultCounts,
     ) -> AxisReport {
         self.state.skip_samples(sums.n);
         let (tap, mode) = (self.state.tap(), self.state.mode());
-        let (temperature, code) = self.temperature.check(&sums, other, missed, believable);
-        let outcome = self.state.close_group_at(self.law.as_ref(), &sums, code);
+        let outcome = self.state.close_group_at(law, &sums, code);
         // Written with every group, moved or not: where the wiper stands nobody knows after a write that failed, or after a
         // dip of the analogue supply, which puts it back to its tap of power-up. A write that fails leaves the shadow as it
         // was; the law asks again with the next group.
-        let written = if self.recalled { Ok(()) } else { self.write(part, outcome.move_to.unwrap_or(tap), faults) };
+        let written =
+            if self.recalled { Ok(()) } else { self.write(part, outcome.move_to.unwrap_or(tap), law, faults) };
         self.of_group = of_group(temperature, &outcome);
-        let saturated = sums.is_saturated(believable.board.full_scale);
+        let saturated = sums.is_saturated(reach);
         temperature::count(temperature, faults);
         faults.saturated += u32::from(saturated);
         faults.out_of_range += u32::from(matches!(outcome.coverage, Coverage::Below | Coverage::Above));

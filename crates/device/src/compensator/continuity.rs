@@ -17,6 +17,8 @@ pub(super) struct Continuity {
     quiet_us: u64,
     /// The acquisition has taken its last start.
     reached: bool,
+    /// It has never taken one.
+    awaited: bool,
     /// The group that its set 0 is, and the sets that were lost before it.
     first: GroupNumber,
     lost: u32,
@@ -27,7 +29,7 @@ pub(super) struct Continuity {
 impl Continuity {
     /// An acquisition that begins at group 0. One that could not be `reached` is tried again with the next tick.
     pub(super) const fn beginning(reached: bool) -> Self {
-        Self { came: false, quiet_us: 0, reached, first: GroupNumber(0), lost: 0, last: None }
+        Self { came: false, quiet_us: 0, reached, awaited: !reached, first: GroupNumber(0), lost: 0, last: None }
     }
 
     /// Whether a set came before.
@@ -61,6 +63,12 @@ impl Continuity {
     /// Whether the acquisition has taken its start.
     pub(super) const fn started(&mut self, reached: bool) {
         self.reached = reached;
+        self.awaited = self.awaited && !reached;
+    }
+
+    /// Whether it has yet to take its first.
+    pub(super) const fn is_awaited(&self) -> bool {
+        self.awaited
     }
 }
 

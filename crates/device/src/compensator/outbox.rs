@@ -1,6 +1,6 @@
 //! What the compensator has to say, in the order in which it came to be, until the task below fetches it.
 
-use heapless::Deque;
+use heapless::{Deque, Vec};
 use zerorate_core::compensate::SampleCorrection;
 use zerorate_core::wire::{GroupReport, SampleWindow};
 
@@ -25,15 +25,16 @@ enum Waiting {
 pub(super) struct Outbox {
     waiting: Deque<Waiting, { GROUPS + ANSWERS }>,
     window: SampleWindow,
-    /// The last group, while its samples are on their way out.
-    stream: Option<Stream>,
+    /// The last group, while its samples are on their way out. One at most; none of them is zeros, which an option's none need not
+    /// be: of what is not zeros a second copy stands in flash.
+    stream: Vec<Stream, 1>,
     /// Uploads that found no room.
     pub(super) dropped: u32,
 }
 
 impl Outbox {
     pub(super) const fn new() -> Self {
-        Self { waiting: Deque::new(), window: SampleWindow::NONE, stream: None, dropped: 0 }
+        Self { waiting: Deque::new(), window: SampleWindow::NONE, stream: Vec::new(), dropped: 0 }
     }
 
     /// Whether any samples are asked for.
@@ -44,12 +45,12 @@ impl Outbox {
     /// Other samples are asked for from now on.
     pub(super) fn set_window(&mut self, window: SampleWindow) {
         self.window = window;
-        self.stream = None;
+        self.stream.clear();
     }
 
     /// The acquisition was stopped or began anew.
     pub(super) fn forget_samples(&mut self) {
-        self.stream = None;
+        self.stream.clear();
     }
 
     pub(super) fn answer(&mut self, sequence: u16, outcome: Outcome) {
@@ -63,7 +64,8 @@ impl Outbox {
 
     /// A group of so many scans whose samples go out before it. `before` it the axes were such.
     pub(super) fn group_and_samples(&mut self, report: GroupReport, before: [SampleCorrection; 2], scans: usize) {
-        self.stream = Some(Stream::new(report, before, &self.window, scans));
+        self.stream.clear();
+        let _ = self.stream.push(Stream::new(report, before, &self.window, scans));
     }
 
     /// The samples of a group could not be read.
@@ -73,22 +75,25 @@ impl Outbox {
 
     /// The samples of the group before are gone with its set; the group itself is not.
     pub(super) fn set_goes(&mut self) {
-        if let Some(stream) = self.stream.take() {
+        if let Some(stream) = self.stream.pop() {
             self.dropped += stream.left();
             self.group(stream.report);
         }
     }
 
-    /// The next of them. What was answered meanwhile comes before further samples.
-    pub(super) fn next(&mut self, scans: &[Scan]) -> Option<Report> {
-        match self.waiting.pop_front() {
-            Some(Waiting::Done(sequence, outcome)) => return Some(Report::Done(sequence, outcome)),
-            Some(Waiting::Group(report)) => return Some(Report::Group(report)),
-            None => {}
-        }
-        match self.stream.as_mut()?.next_block(scans) {
+    /// The next answer or group. What was answered meanwhile comes before further samples.
+    pub(super) fn next(&mut self) -> Option<Report> {
+        Some(match self.waiting.pop_front()? {
+            Waiting::Done(sequence, outcome) => Report::Done(sequence, outcome),
+            Waiting::Group(report) => Report::Group(report),
+        })
+    }
+
+    /// The next samples, and after the last of them their group.
+    pub(super) fn next_of_samples(&mut self, scans: &[Scan]) -> Option<Report> {
+        match self.stream.first_mut()?.next_block(scans) {
             Some(block) => Some(Report::Samples(block)),
-            None => self.stream.take().map(|stream| Report::Group(stream.report)),
+            None => self.stream.pop().map(|stream| Report::Group(stream.report)),
         }
     }
 }

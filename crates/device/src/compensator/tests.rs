@@ -30,13 +30,13 @@ impl Rig {
     fn with(low_pass: LowPass) -> Self {
         let mut rig = Self::blank();
         let record = record_with("u", low_pass);
-        rig.compensator.install(laws(&record));
+        rig.compensator.install(&laws(&record));
         rig
     }
 
     fn blank() -> Self {
         let (sets, part) = (Sets::default(), Part::default());
-        let compensator = Compensator::new(sets.clone(), part.clone(), Timing::PAPER);
+        let compensator = Compensator::new(sets.clone(), part.clone(), Memory::new(), Timing::PAPER);
         part.writes.borrow_mut().clear();
         Self { compensator, sets, part }
     }
@@ -72,7 +72,7 @@ fn refused(group: u32, refusal: Refusal) -> Report {
 #[test]
 fn at_start_up_both_wipers_are_commanded_to_the_middle_tap() {
     let part = Part::default();
-    let _ = Compensator::new(Sets::default(), part.clone(), Timing::PAPER);
+    let _ = Compensator::new(Sets::default(), part.clone(), Memory::new(), Timing::PAPER);
     assert_eq!(*part.writes.borrow(), [(Axis::X, 511), (Axis::Y, 511)]);
 }
 
@@ -264,6 +264,38 @@ fn scans_that_cannot_be_read_cost_their_samples_and_not_their_group() {
 }
 
 #[test]
+fn a_set_that_came_bent_still_waits_and_is_read_once_more_and_with_each_tick() {
+    for window in [SampleWindow::NONE, SampleWindow::ALL] {
+        for (bent, ticks) in [(1, 0), (2, 1), (5, 2)] {
+            let mut rig = Rig::calibrated();
+            rig.order(None, Action::SetSamples(window));
+            rig.order(None, Action::SetAcquisition(true));
+            rig.sets.bent.set(bent);
+            let mut reports = rig.set(0, 9000, 8400);
+            for _ in 0..ticks {
+                assert_eq!(reports, []);
+                rig.compensator.tick();
+                reports = rig.reports();
+            }
+            let [.., Report::Group(group)] = &reports[..] else { panic!("{bent} times bent: no group") };
+            assert_eq!((group.group, group.acquisition_errors), (GroupNumber(0), bent));
+            assert_eq!(blocks(&reports).len(), if window.is_open() { 40 } else { 0 });
+            assert!(rig.sets.waiting.borrow().is_empty(), "it was let go");
+        }
+    }
+}
+
+#[test]
+fn a_set_that_comes_in_the_place_of_one_that_was_read_is_not_let_go_unseen() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetAcquisition(true));
+    *rig.sets.overtaking.borrow_mut() = Some(Sets::set(1, 9001, 8400));
+    let groups = rig.set(0, 9000, 8400).len();
+    assert_eq!((groups, rig.compensator.status().faults.lost_sets), (2, 0));
+    assert_eq!((rig.compensator.status().group, rig.compensator.status().sets), (GroupNumber(2), 2));
+}
+
+#[test]
 fn groups_that_nobody_fetches_are_counted_not_waited_for_and_leave_room_for_every_answer() {
     let mut rig = Rig::calibrated();
     rig.order(None, Action::SetAcquisition(true));
@@ -312,9 +344,9 @@ fn commands_that_wait_when_the_acquisition_stops_are_answered() {
 fn after_a_restart_the_wipers_are_held_until_the_first_group_and_then_written_what_they_should_have() {
     let mut rig = Rig::blank();
     let taps = [500, 512].map(|tap| Taps::new(tap).unwrap());
-    rig.compensator = Compensator::holding(rig.sets.clone(), rig.part.clone(), Timing::PAPER, taps);
+    rig.compensator = Compensator::holding(rig.sets.clone(), rig.part.clone(), Memory::new(), Timing::PAPER, taps);
     let record = record("u");
-    rig.compensator.install(laws(&record));
+    rig.compensator.install(&laws(&record));
     rig.compensator.set_modes([Mode::Hybrid, Mode::Off]);
     rig.compensator.begin_alone();
     assert_eq!(rig.writes(), []);

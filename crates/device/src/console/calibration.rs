@@ -1,5 +1,7 @@
 //! A calibration on its way: from the store, or from the host through a buffer, into use.
 
+use core::borrow;
+
 use heapless::Vec;
 use zerorate_core::record::{Laws, MAX_RECORD_BYTES, RecordError, RecordRefused, UnitSerial, laws_for};
 use zerorate_core::units::GroupNumber;
@@ -7,20 +9,23 @@ use zerorate_core::wire::{Answer, CHUNK, CalibrationState, Refusal};
 
 use crate::store::{RecordStore, Stored};
 
+/// Where a record is put together, from the store or from what the host sends.
+pub type Buffer = Vec<u8, MAX_RECORD_BYTES>;
+
 /// The store, and the buffer before it.
-pub(super) struct Calibration<S> {
+pub(super) struct Calibration<S, B> {
     pub(super) store: S,
     unit: UnitSerial,
-    buffer: Vec<u8, MAX_RECORD_BYTES>,
+    buffer: B,
     state: CalibrationState,
     /// The buffer holds a checked record that is to be taken into use from this group on.
     install: Option<GroupNumber>,
 }
 
-impl<S: RecordStore> Calibration<S> {
+impl<S: RecordStore, B: borrow::BorrowMut<Buffer>> Calibration<S, B> {
     /// What the store holds, to be taken into use at once if it is whole and the unit's, and not to be `set_aside`.
-    pub(super) fn stored(store: S, unit: UnitSerial, set_aside: bool) -> Self {
-        let mut calibration = Self { store, unit, buffer: Vec::new(), state: CalibrationState::Blank, install: None };
+    pub(super) fn stored(store: S, buffer: B, unit: UnitSerial, set_aside: bool) -> Self {
+        let mut calibration = Self { store, unit, buffer, state: CalibrationState::Blank, install: None };
         calibration.state = calibration.load(set_aside);
         calibration.install = calibration.state.is_in_use().then_some(GroupNumber(0));
         calibration
@@ -30,10 +35,12 @@ impl<S: RecordStore> Calibration<S> {
     fn load(&mut self, set_aside: bool) -> CalibrationState {
         let stored = self.store.stored();
         let length = usize::from(stored.length());
-        if self.buffer.resize_default(length).is_err() {
+        let buffer: &mut Buffer = self.buffer.borrow_mut();
+        buffer.clear();
+        if buffer.resize_default(length).is_err() {
             return CalibrationState::Damaged;
         }
-        if self.store.read(0, &mut self.buffer) != Ok(length) {
+        if self.store.read(0, buffer) != Ok(length) {
             return CalibrationState::Unreachable;
         }
         let in_use = match stored {
@@ -44,8 +51,8 @@ impl<S: RecordStore> Calibration<S> {
             Stored::Whole(_) => CalibrationState::InUse,
             Stored::Older(_) => CalibrationState::OlderInUse,
         };
-        match self.laws(&self.buffer) {
-            Ok(_) => in_use,
+        match self.check(self.buffer.borrow()) {
+            Ok(()) => in_use,
             Err(RecordRefused::OtherUnit) => CalibrationState::OtherUnit,
             Err(RecordRefused::Law) => CalibrationState::LawRefused,
             Err(RecordRefused::Bytes(RecordError::UnknownVersion { found })) => {
@@ -60,6 +67,12 @@ impl<S: RecordStore> Calibration<S> {
         laws_for(Some(self.unit.as_bytes()).filter(|serial| !serial.is_empty()), record)
     }
 
+    /// Whether the unit may run them. The laws are not returned: they would stand on the stack of whoever asks.
+    #[inline(never)]
+    fn check(&self, record: &[u8]) -> Result<(), RecordRefused> {
+        self.laws(record).map(drop)
+    }
+
     /// Whether one is in use, and why not.
     pub(super) const fn state(&self) -> CalibrationState {
         self.state
@@ -70,13 +83,14 @@ impl<S: RecordStore> Calibration<S> {
         &self.unit
     }
 
-    /// The laws that are to be taken into use from a group on, once. They are made here, from the buffered record, so that
-    /// they need not be kept twice.
-    pub(super) fn take_laws(&mut self, group: GroupNumber) -> Option<Laws> {
+    /// Gives the laws that are to be taken into use from a group on, once. They are made here, from the buffered record, so that
+    /// they need not be kept twice, and lent, for they are too large to be handed on over a board's stack.
+    pub(super) fn take_laws<R>(&mut self, group: GroupNumber, take: impl FnOnce(&Laws) -> R) -> Option<R> {
         self.install.take_if(|from| *from <= group)?;
-        let laws = self.laws(&self.buffer).ok();
-        self.buffer.clear();
-        laws
+        let buffer: &Buffer = self.buffer.borrow();
+        let taken = self.laws(buffer).as_ref().ok().map(take);
+        self.buffer.borrow_mut().clear();
+        taken
     }
 
     /// A part of the stored record.
@@ -98,20 +112,22 @@ impl<S: RecordStore> Calibration<S> {
             return Err(Refusal::Busy);
         }
         let end = usize::from(offset) + bytes.len();
-        if end > self.buffer.len() {
-            self.buffer.resize_default(end).map_err(|_| Refusal::OutOfBuffer)?;
+        let buffer: &mut Buffer = self.buffer.borrow_mut();
+        if end > buffer.len() {
+            buffer.resize_default(end).map_err(|_| Refusal::OutOfBuffer)?;
         }
-        self.buffer[usize::from(offset)..end].copy_from_slice(bytes);
+        buffer[usize::from(offset)..end].copy_from_slice(bytes);
         Ok(())
     }
 
     /// Stores the buffered record, to be taken into use from a group on. Everything is checked before anything is stored: a
     /// record that cannot be run never replaces one that can.
     pub(super) fn commit(&mut self, length: u16, from: GroupNumber) -> Result<(), Refusal> {
-        let record = self.buffer.get(..usize::from(length)).ok_or(Refusal::OutOfBuffer)?;
-        self.laws(record)?;
+        let buffer: &Buffer = self.buffer.borrow();
+        let record = buffer.get(..usize::from(length)).ok_or(Refusal::OutOfBuffer)?;
+        self.check(record)?;
         self.store.commit(record).map_err(|_| Refusal::StoreFailed)?;
-        self.buffer.truncate(usize::from(length));
+        self.buffer.borrow_mut().truncate(usize::from(length));
         self.state = CalibrationState::InUse;
         self.install = Some(from);
         Ok(())

@@ -31,7 +31,14 @@ fn console<S: RecordStore>(store: S) -> Console<S> {
 }
 
 fn console_of<S: RecordStore>(unit: &str, store: S) -> Console<S> {
-    Console::new(UnitSerial::try_from(unit).unwrap(), Timing::PAPER, store, Started::POWER, Health::default)
+    Console::new(
+        UnitSerial::try_from(unit).unwrap(),
+        Timing::PAPER,
+        store,
+        Buffer::new(),
+        Started::POWER,
+        Health::default,
+    )
 }
 
 /// Sends one request, each with a number of its own, and returns the answer.
@@ -99,10 +106,10 @@ fn encoded(unit: &str) -> Vec<u8> {
 fn a_record_is_written_committed_read_back_and_taken_into_use() {
     let mut console = console(MemoryStore::default());
     let bytes = encoded("ZR-7");
-    assert!(console.take_laws().is_none());
+    assert!(console.take_laws(Laws::clone).is_none());
     assert_eq!(write(&mut console, &bytes), Some(Answer::Done));
-    assert!(console.take_laws().is_some());
-    assert!(console.take_laws().is_none(), "once");
+    assert!(console.take_laws(Laws::clone).is_some());
+    assert!(console.take_laws(Laws::clone).is_none(), "once");
     let mut read = Vec::new();
     while read.len() < bytes.len() {
         let offset = u16::try_from(read.len()).unwrap();
@@ -118,10 +125,10 @@ fn a_record_is_written_committed_read_back_and_taken_into_use() {
 fn a_stored_record_of_this_unit_is_in_use_at_start_up() {
     let mut store = MemoryStore::default();
     store.commit(&encoded("ZR-7")).unwrap();
-    assert!(console(store).take_laws().is_some());
+    assert!(console(store).take_laws(Laws::clone).is_some());
     let mut store = MemoryStore::default();
     store.commit(&encoded("ZR-8")).unwrap();
-    assert!(console(store).take_laws().is_none(), "another unit's");
+    assert!(console(store).take_laws(Laws::clone).is_none(), "another unit's");
 }
 
 #[test]
@@ -134,7 +141,7 @@ fn a_record_that_cannot_be_run_never_replaces_one_that_can() {
         Some(Answer::Refused(Refusal::Busy)),
         "until the record in the buffer is in use"
     );
-    assert!(console.take_laws().is_some());
+    assert!(console.take_laws(Laws::clone).is_some());
     let mut damaged = good.clone();
     damaged[40] ^= 1;
     let refused = |refusal| Some(Answer::Refused(refusal));
@@ -165,7 +172,7 @@ fn a_record_whose_table_of_edges_is_not_its_laws_is_neither_stored_nor_run() {
     let mut console = console(MemoryStore::default());
     let good = encoded("ZR-7");
     write(&mut console, &good);
-    assert!(console.take_laws().is_some());
+    assert!(console.take_laws(Laws::clone).is_some());
     assert_eq!(write(&mut console, wrong), Some(Answer::Refused(Refusal::LawRefused)));
     assert_eq!(stored(&mut console), good);
 }
@@ -174,7 +181,7 @@ fn a_record_whose_table_of_edges_is_not_its_laws_is_neither_stored_nor_run() {
 fn a_store_that_fails_is_said_and_nothing_is_taken_into_use() {
     let mut console = console(WornOut);
     assert_eq!(write(&mut console, &encoded("ZR-7")), Some(Answer::Refused(Refusal::StoreFailed)));
-    assert!(console.take_laws().is_none());
+    assert!(console.take_laws(Laws::clone).is_none());
 }
 
 #[test]
@@ -270,10 +277,10 @@ fn a_commit_that_comes_again_stores_once() {
     let commit = Command { sequence: 900, at: Some(GroupNumber(40)), request };
     let done = Some((900, GroupNumber(40), Answer::Done));
     assert_eq!(say(&mut console, &commit, &mut commands), done);
-    assert!(console.take_laws().is_none(), "its group has not come");
+    assert!(console.take_laws(Laws::clone).is_none(), "its group has not come");
     assert_eq!(say(&mut console, &commit, &mut commands), done);
     console.group = GroupNumber(40);
-    assert!(console.take_laws().is_some());
+    assert!(console.take_laws(Laws::clone).is_some());
     assert_eq!(say(&mut console, &commit, &mut commands), done, "and the buffer is empty by now");
     assert_eq!(stored(&mut console), bytes);
 }
@@ -285,7 +292,7 @@ fn what_is_stored_is_named_when_it_cannot_be_used() {
         store.commit(bytes).unwrap();
         let mut console = console_of(unit, store);
         let Some(Answer::Identity(identity)) = ask(&mut console, Request::Identity) else { panic!("it keeps talking") };
-        assert_eq!(console.take_laws().is_some(), identity.calibration.is_in_use());
+        assert_eq!(console.take_laws(Laws::clone).is_some(), identity.calibration.is_in_use());
         identity.calibration
     };
     let good = encoded("ZR-7");

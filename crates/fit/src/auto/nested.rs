@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use zerorate_core::drift::{Drift, ValidRange};
 
-use super::{in_recording, mean, predict};
+use super::fits::Fits;
+use super::{in_recording, predict};
 use crate::boot::{move_zero, take_zero_off, variance_by_the_zero};
 use crate::choose::standard_error;
 use crate::drift_fit::{Candidate, HeldOut, LogLeft, StaticCubic, finite};
@@ -26,8 +27,6 @@ pub(super) struct Outer {
     cold: Vec<f64>,
     cubic: Vec<f64>,
     cubic_deployed: Vec<f64>,
-    /// The static cubics of the folds.
-    cubics: Vec<Option<Drift>>,
     /// Each of several logs as a fit of the others leaves it, as deployed and a zero taken off; nothing of one log.
     by_the_others: Vec<f64>,
     /// With the cold and the hot end held out, root mean squares; NaN where the rest does not settle it.
@@ -38,8 +37,8 @@ pub(super) struct Outer {
 }
 
 impl Outer {
-    /// Predicts every fold, and each end of temperature, by what `make` fits to the groups that are kept.
-    pub(super) fn new(series: &Series<'_>, make: impl Fn(&dyn Fn(usize) -> bool) -> Option<ModelFit>) -> Self {
+    /// What is left of every fold, of each end of temperature, and of each log by the fits without it.
+    pub(super) fn new(series: &Series<'_>, fits: &Fits) -> Self {
         let groups = series.rate.len();
         let nothing = || vec![f64::NAN; groups];
         let mut outer = Self {
@@ -49,28 +48,19 @@ impl Outer {
             cold: nothing(),
             cubic: nothing(),
             cubic_deployed: nothing(),
-            cubics: Vec::new(),
-            by_the_others: by_the_others(series, &make),
-            ends: ends(series).map(|end| {
-                let made = make(&|group| !end.contains(&group));
-                made.map_or(f64::NAN, |made| {
-                    let left = in_recording(&made.model, series);
-                    ResidualStatistics::of(end.iter().map(|&group| left[group])).rms
-                })
-            }),
+            by_the_others: by_the_others(series, fits),
+            ends: [0, 1].map(|end| of_end(series, &ends(series)[end], fits.ends[end].as_ref())),
             between: vec![false; groups],
             failed: false,
         };
-        for fold in 0..FOLDS {
+        for (fold, made) in fits.folds.iter().enumerate() {
             let out = rows_of_fold(fold, groups);
             let used: Vec<usize> = out.clone().filter(|&group| series.is_used(group)).collect();
-            let made = if used.is_empty() { None } else { make(&|group| !out.contains(&group)) };
             outer.failed |= made.is_none() && !used.is_empty();
             outer.see(series, &out);
-            if let Some(made) = &made {
+            if let Some(made) = made {
                 outer.predict(series, made, &out, &used);
             }
-            outer.cubics.push(made.and_then(|made| made.cubic));
         }
         outer
     }
@@ -104,16 +94,12 @@ impl Outer {
         }
     }
 
-    /// With the mean of its static cubic and another, its own share given, in the place of that cubic.
-    pub(super) fn with_mean_cubic(mut self, other: &Self, share: f64) -> Self {
-        self.cubic = mean::left(&self.cubic, &other.cubic, share);
-        self.cubic_deployed = mean::left(&self.cubic_deployed, &other.cubic_deployed, share);
-        let cubics = self.cubics.iter().zip(&other.cubics);
-        self.cubics = cubics.map(|(own, other)| mean::cubic(own.as_ref()?, other.as_ref()?, share)).collect();
-        self
+    /// What is left as deployed, a zero taken off.
+    pub(super) fn warm(&self) -> &[f64] {
+        &self.warm
     }
 
-    /// What the static cubic leaves as deployed, a zero taken off.
+    /// The same of the static cubic.
     pub(super) fn cubic_deployed(&self) -> &[f64] {
         &self.cubic_deployed
     }
@@ -229,16 +215,20 @@ impl Outer {
 }
 
 /// What fits of all logs but one leave of that one, as deployed and a zero taken off; nothing of one log.
-fn by_the_others(series: &Series<'_>, make: impl Fn(&dyn Fn(usize) -> bool) -> Option<ModelFit>) -> Vec<f64> {
-    let logs = series.logs();
-    if logs.len() < 2 {
-        return Vec::new();
-    }
-    let of_log = |log: Range<usize>| match make(&|group| !log.contains(&group)) {
+fn by_the_others(series: &Series<'_>, fits: &Fits) -> Vec<f64> {
+    let of_log = |(log, made): (Range<usize>, &Option<ModelFit>)| match made {
         Some(made) => predict(&made.model, Start::Unknown, series, log),
         None => vec![f64::NAN; log.len()],
     };
-    zeroed(series, &logs.into_iter().flat_map(of_log).collect::<Vec<_>>())
+    zeroed(series, &series.logs().into_iter().zip(&fits.logs).flat_map(of_log).collect::<Vec<_>>())
+}
+
+/// What a fit without an end of temperature leaves of it, root mean square; NaN without one.
+fn of_end(series: &Series<'_>, end: &[usize], made: Option<&ModelFit>) -> f64 {
+    made.map_or(f64::NAN, |made| {
+        let left = in_recording(&made.model, series);
+        ResidualStatistics::of(end.iter().map(|&group| left[group])).rms
+    })
 }
 
 /// The mean of what is left of the groups that were predicted.
@@ -279,21 +269,16 @@ pub(super) fn zeroed_either_way(series: &Series<'_>, left: &[f64]) -> [Vec<f64>;
 }
 
 /// The static cubic of everything, with what it leaves of the rates less the recording's own drift in time.
-pub(super) fn static_cubic(
-    series: &Series<'_>,
-    measured: ValidRange,
-    made: &ModelFit,
-    outer: &Outer,
-) -> Option<StaticCubic> {
-    let drift = made.cubic.clone()?;
+pub(super) fn static_cubic(series: &Series<'_>, measured: ValidRange, fits: &Fits) -> Option<StaticCubic> {
+    let drift = fits.whole.cubic.clone()?;
     let groups = series.rate.len();
-    let timeless = super::timeless(&made.model, series);
+    let timeless = super::timeless(&fits.whole.model, series);
     let residual = |cubic: &Drift, group: usize| timeless[group] - cubic.evaluate(series.temperature[group]).0;
     let used = |range: Range<usize>| range.filter(|&group| series.is_used(group));
     let in_sample = ResidualStatistics::of(used(0..groups).map(|group| residual(&drift, group)));
     let mut held_out = Vec::new();
-    for (fold, cubic) in outer.cubics.iter().enumerate() {
-        match cubic {
+    for (fold, made) in fits.folds.iter().enumerate() {
+        match made.as_ref().and_then(|made| made.cubic.as_ref()) {
             Some(cubic) => held_out.extend(used(rows_of_fold(fold, groups)).map(|group| residual(cubic, group))),
             None => held_out.extend(used(rows_of_fold(fold, groups)).map(|_| f64::INFINITY)),
         }
@@ -306,7 +291,7 @@ pub(super) fn static_cubic(
 }
 
 /// The used groups at the cold and at the hot end, as many each as a fold.
-fn ends(series: &Series<'_>) -> [Vec<usize>; 2] {
+pub(super) fn ends(series: &Series<'_>) -> [Vec<usize>; 2] {
     let mut used: Vec<usize> = (0..series.rate.len()).filter(|&group| series.is_used(group)).collect();
     used.sort_by(|&a, &b| series.temperature[a].total_cmp(&series.temperature[b]));
     let end = used.len() / FOLDS;

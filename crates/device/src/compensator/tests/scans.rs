@@ -3,11 +3,16 @@
 use zerorate_core::group::GroupSums;
 
 use super::*;
-use crate::acquisition::NumberedScan;
+use crate::acquisition::{NumberedScan, Set};
 
 /// Readings that no two neighbours share.
 fn reading(scan: u32) -> u16 {
     8541 + u16::try_from(scan * 7919 % 13).unwrap()
+}
+
+/// The scan of a number is taken.
+fn taken(rig: &Rig, number: u32, scan: [u16; 4]) {
+    rig.sets.latest.set(Some(NumberedScan { number, scan }));
 }
 
 /// A set of such readings, its scans given one by one before it, or the last of them only after it was served.
@@ -19,20 +24,19 @@ fn set_of_scans(rig: &mut Rig, set: u32, temperature: u16, last_comes_late: bool
         sums[0].push(tx, x);
         sums[1].push(ty, y);
     });
-    let give = |rig: &mut Rig, number| {
-        rig.sets.latest.set(Some(NumberedScan { number, scan: scan(number) }));
-        rig.compensator.scan()
-    };
     let last = numbers.end - 1;
-    let mut reported: Vec<ScanReport> = numbers.clone().filter_map(|k| (k != last).then(|| give(rig, k))?).collect();
-    if !last_comes_late {
-        reported.extend(give(rig, last));
+    let mut reported = Vec::new();
+    for number in numbers.clone() {
+        taken(rig, number, scan(number));
+        if number != last || !last_comes_late {
+            reported.extend(rig.compensator.scan());
+        }
     }
     let scans = numbers.map(scan).collect();
     rig.sets.waiting.borrow_mut().push_back(Set { number: set, lost: 0, sums, scans });
     rig.compensator.service();
     if last_comes_late {
-        reported.extend(give(rig, last));
+        reported.extend(rig.compensator.scan());
     }
     (reported, rig.reports())
 }
@@ -116,6 +120,8 @@ fn a_scan_says_in_its_flags_whether_the_law_is_in_force_and_its_temperature_beli
     let at_work = digital.and(ScanFlags::AT_WORK);
     assert_eq!(flags(&mut rig, 500, 8541), [at_work, off]);
     assert_eq!(flags(&mut rig, 501, 16_383), [at_work.and(ScanFlags::SATURATED), off]);
+    assert_eq!(flags(&mut rig, 502, 73), [at_work.and(ScanFlags::SATURATED), off], "the amplifier's rail");
+    assert_eq!(flags(&mut rig, 503, 81), [at_work, off]);
     rig.set(1, 12_000, 8541);
     assert_eq!(flags(&mut rig, 1000, 8541), [at_work.and(ScanFlags::HELD), off.and(ScanFlags::HELD)], "it jumped");
     // By more than a last bit, or it stands still.
@@ -147,18 +153,105 @@ fn a_board_that_begins_alone_takes_a_short_group_first_and_a_host_s_groups_are_a
     assert_eq!(rig.sets.first.get(), 500);
 }
 
-#[test]
-fn the_samples_of_a_group_whose_scans_all_came_one_by_one_are_not_read_again() {
+fn samples(reports: &[Report]) -> usize {
+    reports.iter().filter(|report| matches!(report, Report::Samples(_))).count()
+}
+
+/// A board whose samples are asked for, and cannot be read from its port.
+fn with_samples_one_by_one() -> Rig {
     let mut rig = Rig::calibrated();
     rig.order(None, Action::SetSamples(SampleWindow::ALL));
     rig.order(None, Action::SetAcquisition(true));
     rig.sets.scans_missing.set(true);
-    let samples = |reports: &[Report]| reports.iter().filter(|report| matches!(report, Report::Samples(_))).count();
-    let (_, reports) = set_of_scans(&mut rig, 0, 8500, false);
-    assert_eq!((samples(&reports), rig.compensator.status().faults.dropped_uploads), (40, 0));
-    // The last one is still to come when the set is served: they would have to be read.
-    let (_, reports) = set_of_scans(&mut rig, 1, 8501, true);
-    assert_eq!((samples(&reports), rig.compensator.status().faults.dropped_uploads), (0, 1));
-    let (_, reports) = set_of_scans(&mut rig, 2, 8502, false);
-    assert_eq!(samples(&reports), 40);
+    rig
+}
+
+#[test]
+fn the_samples_of_a_group_whose_scans_all_came_one_by_one_are_not_read_again() {
+    let mut rig = with_samples_one_by_one();
+    for set in 0..3 {
+        // The last one of the second set is still to be read when the set is served.
+        let (scans, reports) = set_of_scans(&mut rig, set, 8500, set == 1);
+        assert_eq!((scans.len(), samples(&reports)), (500, 40));
+    }
+    let faults = rig.compensator.status().faults;
+    assert_eq!((faults.dropped_uploads, faults.acquisition_errors), (0, 0));
+}
+
+#[test]
+fn a_scan_that_was_missed_costs_the_samples_of_its_group_alone() {
+    for missed in [0, 250, 498] {
+        let mut rig = with_samples_one_by_one();
+        set_of_scans(&mut rig, 0, 8500, false);
+        // Group 1 as it should be, but for one of its scans.
+        for number in (500..1000).filter(|number| number - 500 != missed) {
+            taken(&rig, number, [8500, 8541, 8500, 8541]);
+            assert!(rig.compensator.scan().is_some());
+        }
+        let reports = rig.set(1, 8500, 8541);
+        assert!(matches!(reports[..], [Report::Group(_)]), "scan {missed}");
+        for set in 2..5 {
+            let (scans, reports) = set_of_scans(&mut rig, set, 8500, false);
+            assert_eq!((scans.len(), samples(&reports)), (500, 40), "set {set} after scan {missed}");
+        }
+        let faults = rig.compensator.status().faults;
+        assert_eq!((faults.dropped_uploads, faults.acquisition_errors, faults.lost_sets), (1, 0, 0));
+    }
+}
+
+#[test]
+fn a_set_that_is_served_late_has_all_its_samples_and_so_has_the_next() {
+    let mut rig = with_samples_one_by_one();
+    rig.sets.push(0, 8500, 8541);
+    let give = |rig: &mut Rig, numbers: core::ops::Range<u32>| {
+        for number in numbers {
+            taken(rig, number, [8500, 8541, 8500, 8541]);
+            assert!(rig.compensator.scan().is_some());
+        }
+    };
+    give(&mut rig, 0..507);
+    rig.compensator.service();
+    assert_eq!(samples(&rig.reports()), 40);
+    give(&mut rig, 507..1000);
+    assert_eq!(samples(&rig.set(1, 8500, 8541)), 40);
+    // Later than there is room for: then the next one is not whole.
+    give(&mut rig, 1000..1520);
+    assert_eq!(samples(&rig.set(2, 8500, 8541)), 40);
+    give(&mut rig, 1520..2000);
+    assert_eq!(samples(&rig.set(3, 8500, 8541)), 0);
+    give(&mut rig, 2000..2500);
+    assert_eq!(samples(&rig.set(4, 8500, 8541)), 40);
+}
+
+#[test]
+fn where_scans_stop_coming_samples_are_read_from_the_port_again() {
+    let mut rig = with_samples_one_by_one();
+    rig.sets.scans_missing.set(false);
+    set_of_scans(&mut rig, 0, 8500, false);
+    taken(&rig, 500, [8500, 8541, 8500, 8541]);
+    assert!(rig.compensator.scan().is_some());
+    assert_eq!(samples(&rig.set(1, 8500, 8541)), 0);
+    assert_eq!(samples(&rig.set(2, 8500, 8541)), 40);
+}
+
+#[test]
+fn scans_go_on_where_their_numbers_go_round() {
+    let mut rig = Rig::calibrated();
+    rig.order(None, Action::SetMode(Axis::X, Mode::Digital));
+    rig.order(None, Action::SetAcquisition(true));
+    rig.set(0, 8500, 8541);
+    // 149 days of 3 ms.
+    let last_set = u32::MAX / 500 - 1;
+    taken(&rig, 500 * last_set, [8500, 8541, 8500, 8541]);
+    assert!(rig.compensator.scan().is_some());
+    rig.set(last_set, 8500, 8541);
+    for number in [u32::MAX - 1, u32::MAX, 0, 1, 3] {
+        taken(&rig, number, [8500, 8541, 8500, 8541]);
+        assert_eq!(rig.compensator.scan().map(|report| report.scan), Some(number));
+        assert_eq!(rig.compensator.scan(), None, "read again");
+    }
+    // The set in which they do: the port numbers its scans on from there.
+    rig.set(last_set + 1, 8500, 8541);
+    taken(&rig, 500_u32.wrapping_mul(last_set + 2), [8500, 8541, 8500, 8541]);
+    assert!(rig.compensator.scan().is_some());
 }

@@ -148,7 +148,7 @@ impl Line {
                     true
                 };
                 assert!(hear(&mut self.console, byte, &mut line).is_none(), "nobody sent any");
-                let _ = self.console.take_laws();
+                let _ = self.console.take_laws(Laws::clone);
             }
             self.damage(&mut sent);
             for byte in sent {
@@ -205,7 +205,7 @@ fn a_deploy_over_a_line_that_damages_a_byte_in_a_thousand_never_commits_a_wrong_
         let mut store = MemoryStore::default();
         store.commit(&old).unwrap();
         let mut line = Line { dice: Dice(seed), console: console(store), receiver: Receiver::new(), damaged: 0 };
-        let _ = line.console.take_laws();
+        let _ = line.console.take_laws(Laws::clone);
         let done = line.deploy(&new);
         let kept = stored(&mut line.console);
         assert!(kept == old || kept == new, "seed {seed}: neither");

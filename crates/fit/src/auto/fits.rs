@@ -1,0 +1,49 @@
+//! The fits of one model: of everything, and of everything but what is held out.
+
+use super::nested::ends;
+use crate::folds::{FOLDS, rows_of_fold};
+use crate::model_fit::ModelFit;
+use crate::series::Series;
+
+/// A model fitted to everything, and anew without each part that is held out; `None` where the rest does not settle it.
+pub(super) struct Fits {
+    pub whole: ModelFit,
+    /// Without each fold; nothing of a fold in which no group is used.
+    pub folds: Vec<Option<ModelFit>>,
+    /// Without the cold and without the hot end.
+    pub ends: Vec<Option<ModelFit>>,
+    /// Without each of several logs; none of one log.
+    pub logs: Vec<Option<ModelFit>>,
+}
+
+impl Fits {
+    /// By `make`, which fits the groups that are kept. `None` where all of them do not settle the model.
+    pub fn of(series: &Series<'_>, make: impl Fn(&dyn Fn(usize) -> bool) -> Option<ModelFit>) -> Option<Self> {
+        let groups = series.rate.len();
+        let fold = |fold: usize| {
+            let out = rows_of_fold(fold, groups);
+            out.clone().any(|group| series.is_used(group)).then(|| make(&|group| !out.contains(&group))).flatten()
+        };
+        let logs = series.logs();
+        let several = if logs.len() < 2 { &[] } else { &logs[..] };
+        Some(Self {
+            whole: make(&|_| true)?,
+            folds: (0..FOLDS).map(fold).collect(),
+            ends: ends(series).iter().map(|end| make(&|group| !end.contains(&group))).collect(),
+            logs: several.iter().map(|log| make(&|group| !log.contains(&group))).collect(),
+        })
+    }
+
+    /// Each fit with the other model's of the same groups. `None` where the two of everything make none.
+    pub fn with(&self, other: &Self, join: impl Fn(&ModelFit, &ModelFit) -> Option<ModelFit>) -> Option<Self> {
+        let all = |own: &[Option<ModelFit>], others: &[Option<ModelFit>]| {
+            own.iter().zip(others).map(|(own, other)| join(own.as_ref()?, other.as_ref()?)).collect()
+        };
+        Some(Self {
+            whole: join(&self.whole, &other.whole)?,
+            folds: all(&self.folds, &other.folds),
+            ends: all(&self.ends, &other.ends),
+            logs: all(&self.logs, &other.logs),
+        })
+    }
+}
