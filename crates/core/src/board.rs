@@ -54,7 +54,7 @@ impl BoardNumbers {
     }
 
     /// The lowest and the highest reading that the circuit reaches, counts: what stands there, or beyond, is no measurement. At the
-    /// top the converter ends before the amplifier. At the bottom the amplifier ends first, at [`AMPLIFIER_LOW_MV`] at most:
+    /// top the converter ends before the amplifier. At the bottom the amplifier ends first, at 20 mV at most:
     /// 80 counts of 14 bits. (A typical one goes down to 27 to 37: hardware/README.md.)
     #[must_use]
     pub fn reach(&self) -> [u16; 2] {

@@ -1,6 +1,5 @@
 //! The fits of one model: of everything, and of everything but what is held out.
 
-use super::nested::ends;
 use crate::folds::{FOLDS, rows_of_fold};
 use crate::model_fit::ModelFit;
 use crate::series::Series;
@@ -46,4 +45,15 @@ impl Fits {
             logs: all(&self.logs, &other.logs),
         })
     }
+}
+
+/// The used groups at the cold and at the hot end, as many each as a fold.
+pub(super) fn ends(series: &Series<'_>) -> [Vec<usize>; 2] {
+    let mut used: Vec<usize> = (0..series.rate.len()).filter(|&group| series.is_used(group)).collect();
+    used.sort_by(|&a, &b| series.temperature[a].total_cmp(&series.temperature[b]));
+    let end = used.len() / FOLDS;
+    [used[..end].to_vec(), used[used.len() - end..].to_vec()].map(|mut end| {
+        end.sort_unstable();
+        end
+    })
 }

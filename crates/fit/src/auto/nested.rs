@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use zerorate_core::drift::{Drift, ValidRange};
 
-use super::fits::Fits;
+use super::fits::{Fits, ends};
 use super::{in_recording, predict};
 use crate::boot::{move_zero, take_zero_off, variance_by_the_zero};
 use crate::choose::standard_error;
@@ -288,17 +288,6 @@ pub(super) fn static_cubic(series: &Series<'_>, measured: ValidRange, fits: &Fit
     // Autopilots hold a curve at the ends of what was measured.
     let drift = Drift { valid: measured, ..drift };
     Some(StaticCubic { drift, in_sample, held_out })
-}
-
-/// The used groups at the cold and at the hot end, as many each as a fold.
-pub(super) fn ends(series: &Series<'_>) -> [Vec<usize>; 2] {
-    let mut used: Vec<usize> = (0..series.rate.len()).filter(|&group| series.is_used(group)).collect();
-    used.sort_by(|&a, &b| series.temperature[a].total_cmp(&series.temperature[b]));
-    let end = used.len() / FOLDS;
-    [used[..end].to_vec(), used[used.len() - end..].to_vec()].map(|mut end| {
-        end.sort_unstable();
-        end
-    })
 }
 
 /// Which way the temperature goes at each group: 0 heating, 1 cooling, by the change over a few groups on either side.
