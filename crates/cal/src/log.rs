@@ -16,7 +16,6 @@ use std::time::SystemTime;
 pub use error::{LogError, LogFault};
 pub use imu_logs::{Rows, Sensor, SensorKind};
 pub use sensor::{SensorChoice, SensorChoiceError};
-pub(crate) use survey::AxisSurvey;
 
 use crate::packed::unpacked;
 use crate::quality::Reason;

@@ -70,14 +70,13 @@ fn still(temperatures: &[f64], near: f64) -> Vec<Range<usize>> {
     found
 }
 
-/// How far the last quarter of some rates is from the first, by their medians; NaN of too few.
+/// How far the eighths of some rates are from one another, by their medians; NaN of too few.
 fn goes_on_by(rates: &[f64]) -> f64 {
-    let mut measured: Vec<f64> = rates.iter().copied().filter(|rate| rate.is_finite()).collect();
-    let quarter = measured.len() / 4;
-    let last = measured.split_off(measured.len() - quarter);
-    measured.truncate(quarter);
-    let (mut first, mut last) = (measured, last);
-    (median(&mut last) - median(&mut first)).abs()
+    let measured: Vec<f64> = rates.iter().copied().filter(|rate| rate.is_finite()).collect();
+    let eighth = (measured.len() / 8).max(1);
+    let medians: Vec<f64> = measured.chunks_exact(eighth).map(|part| median(&mut part.to_vec())).collect();
+    let [least, most] = ends(&medians);
+    most - least
 }
 
 fn ends(values: &[f64]) -> [f64; 2] {
@@ -114,6 +113,14 @@ mod tests {
             assert!(found.groups.start.abs_diff(120) <= 6 && found.groups.end == GROUPS, "{found:?}");
             assert!(found.share > GOES_ON, "{found:?}");
         }
+    }
+
+    #[test]
+    fn a_rate_that_has_come_back_by_the_end_has_gone_on_all_the_same() {
+        let mut shown = truth();
+        shown[40..].fill(truth()[40]);
+        let found = frozen(&shown, &rates(&truth()));
+        assert!(found.iter().any(|found| found.groups.end == GROUPS && found.share > 0.9), "{found:?}");
     }
 
     #[test]

@@ -28,42 +28,6 @@ const SHORTEST_S: f64 = 1.0;
 /// Fewer rows tell nothing of how often they come.
 const FEW_ROWS: u64 = 64;
 
-/// What one axis has to offer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct AxisSurvey {
-    /// Rows with a temperature and a rate.
-    pub rows: u64,
-    /// Rows without a temperature.
-    pub missing_temperature: u64,
-    /// Rows with a temperature and no rate.
-    pub missing_rate: u64,
-    /// The least temperature with a rate.
-    pub min: f64,
-    /// The greatest.
-    pub max: f64,
-}
-
-impl AxisSurvey {
-    /// Of no row yet.
-    pub(crate) const EMPTY: Self =
-        Self { rows: 0, missing_temperature: 0, missing_rate: 0, min: f64::INFINITY, max: f64::NEG_INFINITY };
-
-    /// Takes in some rows.
-    pub(crate) fn take(&mut self, temperatures: &[f64], rates: &[f64]) {
-        for (temperature, rate) in temperatures.iter().zip(rates) {
-            if !temperature.is_finite() {
-                self.missing_temperature += 1;
-            } else if !rate.is_finite() {
-                self.missing_rate += 1;
-            } else {
-                self.rows += 1;
-                self.min = self.min.min(*temperature);
-                self.max = self.max.max(*temperature);
-            }
-        }
-    }
-}
-
 /// What a log has to offer.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Survey {
@@ -200,9 +164,9 @@ impl Survey {
         }
     }
 
-    /// A time of the log's own unit in seconds from its first row; NaN if not known.
+    /// A time of the log's own unit in seconds from its first row; NaN if not known, as of an infinite one.
     pub(super) fn seconds(&self, time: f64) -> f64 {
-        (time - self.first_time) * self.unit_s
+        if time.is_finite() { (time - self.first_time) * self.unit_s } else { f64::NAN }
     }
 
     /// When the first row was taken, where its time counts from 1970: seconds from a start are too few for that.

@@ -65,6 +65,11 @@ pub(super) fn fit(sources: &[Source], options: &FitOptions, fit: &mut LogFit) ->
 
 /// Finds what is no drift in a sensor's groups.
 fn condition(sensor: &mut Gathered) -> Levels {
+    for axis in 0..sensor.still.len() {
+        if words::coarse_step(sensor, axis).is_some() {
+            sensor.still[axis] = None;
+        }
+    }
     for (axis, _) in sensor.still.iter().enumerate().filter(|(_, still)| still.is_some()) {
         // It is no measure of how the others move.
         sensor.groups.iter_mut().for_each(|group| group.axes[axis].rows = 0);

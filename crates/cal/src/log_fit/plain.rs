@@ -3,12 +3,13 @@
 use zerorate_core::drift::{Scale, ValidRange};
 use zerorate_fit::choose::{Choice, FoldFits, FoldResiduals};
 use zerorate_fit::drift_fit::{DriftFit, ResidualOver};
+use zerorate_fit::offer::AxisSurvey;
 
 use super::gather::is_accelerometer;
 use super::{AxisFit, AxisVerdict, FitOptions, LogFit, LogFitError, admit, one_way, words};
 use crate::calibration::AxisCalibration;
 use crate::condition::{DropReason, Tally};
-use crate::log::{AxisSurvey, LogError, LogFile, Rows, Sink, Stream};
+use crate::log::{LogError, LogFile, Rows, Sink, Stream};
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::source::Source;
 use zerorate_fit::trace::{Trace, TracePoint};

@@ -3,6 +3,7 @@
 use zerorate_fit::auto::BEYOND;
 use zerorate_fit::dropouts::{Shown, jumps_that_stay};
 use zerorate_fit::frozen::{Frozen, frozen};
+use zerorate_fit::intervals::widest_hole;
 use zerorate_fit::still::Still;
 
 use super::FitOptions;
@@ -18,6 +19,9 @@ const COARSE: f64 = 0.02;
 /// A rate whose steps are so many times the typical scatter of a group is coarse: of finer steps noise makes most groups scatter
 /// by a fifth of a step.
 const COARSE_RATE: f64 = 6.0;
+
+/// A rate that never goes over so many steps does not tell a coarse converter from a dead gyro.
+const LEAST_STEPS: f64 = 3.0;
 
 /// What to think of a jump that stands out and is small beside the drift.
 const LEFT_IN: &str = "it was left in, for a part may jump by itself at some temperature; if something else changed then, the \
@@ -108,18 +112,15 @@ pub(super) fn of_nothing_kept(sensor: &Gathered, axis: usize) -> Option<Reason> 
 /// The widest hole among the temperatures that were measured, where a curve is drawn over more of it than it is believed
 /// past an end, from either side.
 pub(super) fn of_hole(temperatures: impl Iterator<Item = f64>, unit: &str) -> Option<Reason> {
-    let mut measured: Vec<f64> = temperatures.collect();
-    measured.sort_by(f64::total_cmp);
-    let span = measured.last()? - measured.first()?;
-    let hole = measured.windows(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+    let (hole, span) = widest_hole(temperatures.collect())?;
     let text = || {
         format!(
             "no temperature between {:.1} and {:.1} {unit} was measured: there the curve is a guess; add a log that \
              goes through it",
-            hole[0], hole[1]
+            hole.0, hole.1
         )
     };
-    (hole[1] - hole[0] > 2.0 * BEYOND * span).then(|| Reason::new(ReasonKind::Unmeasured, text()))
+    (hole.1 - hole.0 > 2.0 * BEYOND * span).then(|| Reason::new(ReasonKind::Unmeasured, text()))
 }
 
 /// What is wrong with a sensor's temperature that no row can be blamed for: a jump that stays, and a stop while the rates go on.
@@ -173,10 +174,19 @@ fn of_groups(sensor: &Gathered, first: &Group, last: &Group) -> String {
     place(own.time_s, own.rows, own.temperature, sensor.stream.temperature_unit.name())
 }
 
-/// An axis whose converter's steps are larger than its noise.
-fn of_coarse_rate(sensor: &Gathered, axis: usize, options: &FitOptions) -> Option<Reason> {
+/// A step of an axis's converter, where its steps are larger than its noise and its rates lie on several: then it may well read
+/// one number for long, and is no dead gyro.
+pub(super) fn coarse_step(sensor: &Gathered, axis: usize) -> Option<f64> {
+    let rates = || sensor.groups.iter().map(|group| group.axes[axis].rate);
+    let range = rates().fold(f64::NAN, f64::max) - rates().fold(f64::NAN, f64::min);
     let step = sensor.rate_steps[axis];
     let scatter = typical_scatter(&sensor.groups, axis);
+    (step.is_finite() && step > COARSE_RATE * scatter && range > LEAST_STEPS * step).then_some(step)
+}
+
+/// An axis whose converter's steps are larger than its noise.
+fn of_coarse_rate(sensor: &Gathered, axis: usize, options: &FitOptions) -> Option<Reason> {
+    let step = coarse_step(sensor, axis)?;
     let scale = RateScale::of(sensor.stream.unit, &[step], options.told_in);
     let text = || {
         format!(
@@ -186,7 +196,7 @@ fn of_coarse_rate(sensor: &Gathered, axis: usize, options: &FitOptions) -> Optio
             scale.told(step)
         )
     };
-    (step.is_finite() && step > COARSE_RATE * scatter).then(|| Reason::new(ReasonKind::CoarseRate, text()))
+    Some(Reason::new(ReasonKind::CoarseRate, text()))
 }
 
 /// Whether the temperature comes in steps that a curve feels: a fiftieth of the least span, 0.2 C.
