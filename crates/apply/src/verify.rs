@@ -29,8 +29,8 @@ use zerorate_cal::matching::{Known, calibrated, places, renamed};
 use zerorate_cal::quality::{Reason, Verdict};
 use zerorate_cal::source::{Faulty, Source};
 use zerorate_cal::table::Columns;
-use zerorate_cal::trace::period_s;
 use zerorate_cal::units::{RateUnit, TemperatureUnit, WrittenRate};
+use zerorate_fit::trace::period_s;
 
 /// How a log is to be verified.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -56,8 +56,8 @@ pub struct Verified {
     pub log: String,
     /// Rejected where it did not pass; a warning where there is a reason.
     pub verdict: Verdict,
-    /// Whether every axis of the calibration is there and meets its limits; `None` where no limit was given and none is
-    /// missing: then nothing was tested.
+    /// Whether every axis of the calibration is there, has most of its rates and meets its limits; `None` where no limit was
+    /// given and none is missing: then nothing was tested.
     pub passed: Option<bool>,
     /// Whether the calibration was fitted on this very log, on rows of it or on a copy: what is left is then in-sample,
     /// and no test.
@@ -148,6 +148,7 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
         let verified = axis::verify(own.name, &calibration.axes[own.name], axis, calibration.temperature_unit);
         let mut verified = verified.map_err(no_test)?;
         verified.missed = options.limits.missed(&verified, options.told_in)?;
+        verified.missed.extend(verified.too_little());
         axes.push(verified);
     }
     notes.extend(unknown(&fit.axes, &places, &calibrated));

@@ -85,7 +85,7 @@ fn run(
         labels: setup.labels.clone(),
     };
     let mut session = Session::new(bench, setup, progress);
-    session.plan();
+    session.plan(|part| left_of(part, &checkpoints, setup));
     if identity.calibration.is_in_use() {
         session.progress.note("the board holds a calibration: its compensation is off while the unit is measured");
     }
@@ -133,7 +133,7 @@ fn run(
 
     let results: Vec<_> = verifications.iter().flat_map(|test| &test.results).collect();
     let warnings = &mut measured.calibration.warnings;
-    warnings.extend(results.iter().filter_map(|result| result.warning()));
+    warnings.extend(results.iter().flat_map(|result| result.warnings()));
     warnings.extend(session.warnings.sentences());
     let line = session.bench.device.counts();
     if line != LineCounts::default() {
@@ -154,7 +154,9 @@ fn run(
     for recording in tested {
         recordings.push(origin(recording)?);
     }
-    let run = Calibrated { unit, setup: setup.clone(), measured, verifications, soaks, checks };
+    let mut run = Calibrated { unit, setup: setup.clone(), measured, verifications, soaks, checks };
+    let cut_short: Vec<String> = crate::summary::cut_short(&run).collect();
+    run.measured.calibration.warnings.extend(cut_short);
     let summary = summary(&run, recordings, began.elapsed().as_secs_f64());
     results::write(&run.measured.calibration, &run.measured.record, &summary, &mut output)?;
     if let Some(aside) = output.publish()? {
@@ -165,6 +167,17 @@ fn run(
         ));
     }
     Ok(summary)
+}
+
+/// How much of a part is still to do, 0 to 1.
+fn left_of(part: Part, kept: &Checkpoints, setup: &SetUp) -> f64 {
+    let of = |procedure: &str| if kept.extent(procedure).is_some() { 0.0 } else { 1.0 };
+    match part {
+        Part::FullTemperature => of(measure::FULL_TEMPERATURE),
+        Part::TrimExperiment => of(measure::TRIM_SWEEP),
+        Part::Test(mode, axis) => of(&test_name(mode, axis)),
+        Part::Soaks => soaks::left(kept, setup.soaks().len()),
+    }
 }
 
 /// A compensation test, as it is kept.

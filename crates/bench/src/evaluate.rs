@@ -10,6 +10,10 @@ use crate::procedure::compensation_test::TestRun;
 use crate::run::{Phase, Taken};
 use crate::steps::largest_step;
 
+/// Ramps whose ends are nearer than this share of the way were between the same temperatures: two in the same chamber differ
+/// by a hundredth.
+const SAME_ENDS: f64 = 0.02;
+
 /// Smallest and largest.
 pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], v| [least.min(v), most.max(v)])
@@ -87,8 +91,9 @@ impl Judge<'_> {
             direction,
             residual_pp_counts: peak_to_peak(corrected.iter().copied()),
             residual_rms_counts,
-            uncompensated_pp_counts: drift_pp(full, axis, direction)
-                .unwrap_or_else(|| peak_to_peak(untrimmed(ramp, axis, law))),
+            uncompensated_pp_counts: uncompensated_pp(&way(full, direction), ramp, axis, law),
+            temperature_counts: Some(temperatures(ramp, axis)),
+            outside: Some(share_outside(ramp, axis, temperatures(*full, axis))),
             quadratic_pp_counts: quadratic.as_ref().map(left_by),
             control_pp_counts: peak_to_peak(ramp.iter().map(|taken| taken.zro(axis.other()).0)),
             floor_pp_counts: floor(ramp, axis),
@@ -98,6 +103,36 @@ impl Judge<'_> {
             largest_step_counts: largest_step(&jumps, &moved),
         }
     }
+}
+
+/// The ramps that go in one direction.
+fn way(ramps: &[Taken], direction: Phase) -> Vec<&Taken> {
+    ramps.iter().filter(|taken| taken.phase == direction).collect()
+}
+
+/// The least and greatest temperature of groups, counts.
+fn temperatures<'a>(groups: impl IntoIterator<Item = &'a Taken>, axis: Axis) -> [f64; 2] {
+    extremes(groups.into_iter().map(|taken| taken.temperature(axis).0))
+}
+
+/// What the axis does without compensation over the temperatures of a test's ramp, counts peak to peak: what was measured
+/// between the same ends, else the test's own. Counts of one range say nothing of another.
+fn uncompensated_pp(full: &[&Taken], ramp: &[Taken], axis: Axis, law: &StaticLaw) -> f64 {
+    let [cold, hot] = temperatures(full.iter().copied(), axis);
+    let [own_cold, own_hot] = temperatures(ramp, axis);
+    let near = SAME_ENDS * (hot - cold);
+    if !full.is_empty() && (own_cold - cold).abs() <= near && (own_hot - hot).abs() <= near {
+        peak_to_peak(full.iter().map(|taken| taken.zro(axis).0))
+    } else {
+        peak_to_peak(untrimmed(ramp, axis, law))
+    }
+}
+
+/// The share of groups outside of a range of temperatures.
+#[allow(clippy::cast_precision_loss)]
+fn share_outside(ramp: &[Taken], axis: Axis, [cold, hot]: [f64; 2]) -> f64 {
+    let outside = ramp.iter().filter(|taken| !(cold..=hot).contains(&taken.temperature(axis).0)).count();
+    outside as f64 / ramp.len() as f64
 }
 
 /// What a compensated axis would have read at the middle tap: the effect of its taps taken away.
@@ -133,4 +168,66 @@ fn taps_crossed(ramp: &[Taken], axis: Axis, mode: Mode, law: &StaticLaw) -> Opti
         tap = next;
     }
     Some(crossed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zerorate_core::drift::{Coverage, Drift, Polynomial, ValidRange};
+    use zerorate_core::group::GroupSums;
+    use zerorate_core::trim::{Trim, TrimLine};
+    use zerorate_core::units::{Counts, GroupNumber, Seconds, Taps, TemperatureScale};
+    use zerorate_core::wire::{AxisReport, GroupReport};
+
+    /// Fifty groups of a heating ramp between two temperatures, a count of drift to ten of temperature, one tap up.
+    fn ramp(from: u16, to: u16, tap: u16) -> Vec<Taken> {
+        let group = |number: u16| {
+            let temperature = from + (to - from) / 49 * number;
+            let mut sums = GroupSums::default();
+            sums.push(temperature, 8000 + temperature / 10 + 31 * (tap - 511));
+            let axis = AxisReport {
+                sums,
+                tap: Taps::new(tap).unwrap(),
+                mode: Mode::Trim,
+                corrected_q16: 0,
+                coverage: Coverage::Inside,
+                saturated: false,
+                moved_to: None,
+                temperature: Default::default(),
+                trim_failed: false,
+            };
+            let number = u32::from(number);
+            let axes = [axis.clone(), axis];
+            let report = GroupReport { group: GroupNumber(number), lost: 0, acquisition_errors: 0, axes };
+            let time = Seconds(f64::from(number));
+            Taken { report, time, phase: Phase::Heating, jumps: [f64::NAN; 2], truth: None }
+        };
+        (0..50).map(group).collect()
+    }
+
+    #[test]
+    fn a_test_between_other_temperatures_is_held_against_the_drift_between_those() {
+        let scale = Scale::spanning(8500.0, 9480.0).unwrap();
+        let drift = Drift {
+            shape: Shape::Polynomial(Polynomial::new(scale, &[8899.0, 49.0]).unwrap()),
+            valid: ValidRange::new(8500.0, 9480.0).unwrap(),
+        };
+        let line = TrimLine::new(-1.0 / 31.0, 0.0, Counts(8899.0), Taps::MIDDLE).unwrap();
+        let law = StaticLaw {
+            drift,
+            trim: Trim { line, measured: None },
+            dead_band: 0.05,
+            temperature_scale: TemperatureScale { zero: 0.0, step: 1.0 },
+        };
+        let full = ramp(8500, 9480, 511);
+        for (to, drifts, outside) in [(9480, 98.0, 0.0), (11_930, 343.0, 0.7)] {
+            let heating = ramp(8500, to, 513);
+            let test = TestRun { mode: Mode::Trim, axis: Axis::X, heating, cooling: Vec::new() };
+            let result = &evaluate(&test, &law, &full)[0];
+            // A count of drift to ten of temperature; readings are whole counts.
+            assert!((result.uncompensated_pp_counts - drifts).abs() <= 1.0, "{result:?}");
+            assert_eq!(result.temperature_counts.map(|ends| ends.map(f64::round)), Some([8500.0, f64::from(to)]));
+            assert!((result.outside.unwrap() - outside).abs() < 0.03, "{result:?}");
+        }
+    }
 }

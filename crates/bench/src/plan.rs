@@ -88,6 +88,20 @@ impl Plan {
         Self { parts }
     }
 
+    /// The same where some of it was carried through before: `left` is how much of a part is still to do, 0 to 1. A part that
+    /// is done takes no time.
+    #[must_use]
+    pub fn less_what_is_done(mut self, left: impl Fn(Part) -> f64) -> Self {
+        self.parts.iter_mut().for_each(|(part, time)| *time = Seconds(time.0 * left(*part)));
+        self
+    }
+
+    /// The parts from a place on that are still to do.
+    #[must_use]
+    pub fn left_from(&self, place: usize) -> usize {
+        self.parts.iter().skip(place).filter(|(_, time)| time.0 > 0.0).count()
+    }
+
     /// Where a part stands in it.
     #[must_use]
     pub fn place(&self, part: Part) -> Option<usize> {
@@ -115,6 +129,15 @@ mod tests {
         let without = Plan::of(&without);
         assert_eq!((without.parts.len(), without.place(Part::Soaks)), (6, None));
         assert!(plan.time_from(0).0 > without.time_from(0).0 + 11.0 * 3600.0);
+        let resumed = plan.clone().less_what_is_done(|part| match part {
+            Part::FullTemperature | Part::TrimExperiment => 0.0,
+            Part::Soaks => 0.5,
+            Part::Test(..) => 1.0,
+        });
+        assert_eq!((resumed.parts.len(), resumed.left_from(0)), (7, 5));
+        let [first, second, .., soaks] = &plan.parts[..] else { panic!() };
+        let gone = first.1.0 + second.1.0 + 0.5 * soaks.1.0;
+        assert!((plan.time_from(0).0 - resumed.time_from(0).0 - gone).abs() < 1e-6);
         let last = without.place(Part::Test(Mode::Hybrid, Axis::Y)).unwrap();
         assert!((without.time_from(last).0 - without.parts[5].1.0).abs() < 1e-9);
     }

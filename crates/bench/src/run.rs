@@ -142,9 +142,9 @@ impl<'b> Session<'b> {
         }
     }
 
-    /// Tells of a whole run before it begins.
-    pub fn plan(&mut self) {
-        let plan = Plan::of(self.setup);
+    /// Tells of a whole run before it begins; `left` is how much of each part is still to do, 0 to 1.
+    pub fn plan(&mut self, left: impl Fn(Part) -> f64) {
+        let plan = Plan::of(self.setup).less_what_is_done(left);
         self.progress.plan(&plan);
         self.plan = Some(plan);
     }

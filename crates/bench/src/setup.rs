@@ -467,6 +467,19 @@ mod tests {
     }
 
     #[test]
+    fn a_middle_tap_at_an_end_and_a_limit_below_noise_are_contradictions() {
+        // 1000 counts of 31.26 are 32 taps, and three beside: 35 to 988.
+        for (middle, sound) in [(5, false), (34, false), (36, true), (987, true), (1000, false)] {
+            let told = SetUp::parse(&format!("[board]\nmiddle_tap = {middle}"), "x");
+            assert_eq!(told.is_ok(), sound, "{middle}: {told:?}");
+        }
+        for (floors, sound) in [(0.99, false), (1.0, true)] {
+            let told = SetUp::parse(&format!("[limits]\nhybrid_residual_floors = {floors:?}"), "x");
+            assert_eq!(told.is_ok(), sound, "{floors}: {told:?}");
+        }
+    }
+
+    #[test]
     fn a_misspelt_field_is_named_with_its_line() {
         let error = SetUp::parse("[chamber]\ncold = -40.0\n", "bench.toml").unwrap_err().to_string();
         assert!(error.contains("line 2") && error.contains("cold"), "{error}");

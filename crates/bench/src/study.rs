@@ -1,6 +1,6 @@
 //! Many units through the main job: what a design achieves, before a board is built.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use zerorate_cal::summary::{Check, TestResult};
 use zerorate_core::compensate::Mode;
 use zerorate_core::record::UnitSerial;
@@ -24,8 +24,11 @@ pub struct UnitResult {
     pub drift_pp_counts: f64,
     /// What mode trim leaves; `None` where the wiper cannot follow.
     pub trim_residual_pp_counts: Option<f64>,
-    /// What mode hybrid leaves (mode digital where the wiper cannot follow).
+    /// What mode hybrid leaves; mode digital where the wiper cannot follow ([`mode`](Self::mode)).
     pub hybrid_residual_pp_counts: f64,
+    /// In which mode that was.
+    #[serde(serialize_with = "by_name")]
+    pub mode: Mode,
     /// What noise alone makes.
     pub floor_pp_counts: f64,
     /// The drift model chosen.
@@ -36,6 +39,10 @@ pub struct UnitResult {
     /// What to look at.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
+}
+
+fn by_name<S: Serializer>(mode: &Mode, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(mode.name())
 }
 
 /// A unit that could not be carried through, and why.
@@ -75,6 +82,7 @@ pub fn unit(number: u32, plant: PlantKind, seed: u64, setup: &SetUp) -> Result<U
         drift_pp_counts: drift.drift_pp_counts,
         trim_residual_pp_counts: trim.as_ref().map(|trim| trim.residual_pp_counts),
         hybrid_residual_pp_counts: hybrid.residual_pp_counts,
+        mode: hybrid.mode,
         floor_pp_counts: hybrid.floor_pp_counts.unwrap_or(f64::NAN),
         failed_checks: checks.iter().filter(|check| !check.passed).map(Check::sentence).collect(),
         model: drift.drift.calibration.fit.chosen_model(),
@@ -131,7 +139,7 @@ pub struct Quantiles {
     pub drift_pp_counts: Vec<f64>,
     /// Mode trim, of the units whose wiper can follow.
     pub trim_residual_pp_counts: Vec<f64>,
-    /// Mode hybrid.
+    /// Mode hybrid, of the same units.
     pub hybrid_residual_pp_counts: Vec<f64>,
     /// Mode hybrid in multiples of the floor.
     pub hybrid_residual_floors: Vec<f64>,
@@ -145,12 +153,13 @@ impl Quantiles {
     pub fn of(results: &[&UnitResult]) -> Self {
         let at = vec![0.0, 0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0];
         let quantiles = |values: Vec<f64>| quantiles(values, &at);
+        let hybrid = || results.iter().filter(|unit| unit.mode == Mode::Hybrid);
         Self {
             drift_pp_counts: quantiles(results.iter().map(|r| r.drift_pp_counts).collect()),
             trim_residual_pp_counts: quantiles(results.iter().filter_map(|r| r.trim_residual_pp_counts).collect()),
-            hybrid_residual_pp_counts: quantiles(results.iter().map(|r| r.hybrid_residual_pp_counts).collect()),
+            hybrid_residual_pp_counts: quantiles(hybrid().map(|r| r.hybrid_residual_pp_counts).collect()),
             hybrid_residual_floors: quantiles(
-                results.iter().map(|r| r.hybrid_residual_pp_counts / r.floor_pp_counts).collect(),
+                hybrid().map(|r| r.hybrid_residual_pp_counts / r.floor_pp_counts).collect(),
             ),
             floor_pp_counts: quantiles(results.iter().map(|r| r.floor_pp_counts).collect()),
             at,

@@ -8,6 +8,7 @@ use zerorate_core::units::Axis;
 use zerorate_fit::least_squares::raw_coefficients;
 
 use crate::calibrated::Calibrated;
+use crate::evaluate::extremes;
 use crate::measure::MeasuredAxis;
 
 /// The summary of a run that left these recordings and took so long by the wall clock.
@@ -15,7 +16,7 @@ use crate::measure::MeasuredAxis;
 pub fn summary(run: &Calibrated, recordings: Vec<Origin>, wall_s: f64) -> Summary {
     let board = &run.setup.board;
     let failed = || run.checks.iter().filter(|check| !check.passed);
-    let axes = Axis::BOTH.map(|axis| (axis.name().to_owned(), axis_summary(&run.measured.axes[axis.index()])));
+    let axes = Axis::BOTH.map(|axis| (axis.name().to_owned(), axis_summary(run, axis)));
     Summary {
         schema: SCHEMA,
         plant: run.unit.plant.map(|(kind, _)| kind.name().to_owned()),
@@ -35,12 +36,14 @@ pub fn summary(run: &Calibrated, recordings: Vec<Origin>, wall_s: f64) -> Summar
     }
 }
 
-/// Good, where every check was passed and no compensation has made its axis worse in any test.
+/// Good, where every check was passed, no compensation has made its axis worse in any test, and ramp and tests were over the
+/// temperatures asked for.
 fn verdict(run: &Calibrated) -> Verdict {
-    let is_worse = || run.verifications.iter().flat_map(|test| &test.results).any(|result| result.warning().is_some());
+    let mut results = run.verifications.iter().flat_map(|test| &test.results);
+    let warns = results.any(|result| !result.warnings().is_empty()) || cut_short(run).next().is_some();
     match run.checks.iter().all(|check| check.passed) {
         false => Verdict::Rejected,
-        true if is_worse() => Verdict::Warning,
+        true if warns => Verdict::Warning,
         true => Verdict::Good,
     }
 }
@@ -52,8 +55,18 @@ fn tests(run: &Calibrated) -> Vec<TestResult> {
     tests
 }
 
-fn axis_summary(axis: &MeasuredAxis) -> AxisSummary {
+/// Where the ramp covers too little of what was asked for, a sentence for each axis.
+pub(crate) fn cut_short(run: &Calibrated) -> impl Iterator<Item = String> {
+    Axis::BOTH.into_iter().filter_map(|axis| axis_summary(run, axis).warning(axis.name()))
+}
+
+fn axis_summary(run: &Calibrated, of: Axis) -> AxisSummary {
+    let axis = &run.measured.axes[of.index()];
     let MeasuredAxis { drift, trim, .. } = axis;
+    let [coldest, hottest] = extremes(run.measured.ramp.iter().map(|taken| taken.temperature(of).0));
+    let heating = run.measured.ramp.iter().filter(|taken| taken.phase == Phase::Heating);
+    let [cold, hot] = run.setup.ends();
+    let asked = (hot - cold).0 * run.setup.board.counts_per_celsius;
     let (drift, statistics) = (&drift.calibration, &drift.calibration.fit.statistics);
     AxisSummary {
         model: drift.fit.chosen_model(),
@@ -66,6 +79,8 @@ fn axis_summary(axis: &MeasuredAxis) -> AxisSummary {
         paper_trim_intercept_taps: trim.paper.intercept_taps,
         plant_slope_taps_per_count: axis.plant_slope_taps_per_count,
         temperature_counts: [drift.drift().valid.min(), drift.drift().valid.max()],
+        heating_temperature_counts: Some(extremes(heating.map(|taken| taken.temperature(of).0))),
+        share_of_asked_range: Some((hottest - coldest) / asked),
         curve_error_counts: axis.curve_error_counts,
         fit_rms_counts: statistics.in_sample.rms,
         fit_pp_counts: statistics.in_sample.pp,

@@ -16,7 +16,9 @@ mod temperature;
 use serde::Serialize;
 
 pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUPS, weigh};
+pub(crate) use group::{all_of, typical_scatter};
 pub use level::{Levels, leave_out_times, level};
+pub(crate) use temperature::dropout_margin;
 pub use temperature::{dequantise, extend_to_the_start, leave_out_untrue_temperatures};
 
 /// Why rows were left out.

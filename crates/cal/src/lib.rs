@@ -18,6 +18,5 @@ pub mod recording;
 pub mod source;
 pub mod summary;
 pub mod table;
-pub mod trace;
 pub mod units;
 mod utc;

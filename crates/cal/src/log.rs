@@ -16,7 +16,6 @@ use std::time::SystemTime;
 pub use error::{LogError, LogFault};
 pub use imu_logs::{Rows, Sensor, SensorKind};
 pub use sensor::{SensorChoice, SensorChoiceError};
-pub(crate) use survey::AxisSurvey;
 
 use crate::packed::unpacked;
 use crate::quality::Reason;
@@ -103,10 +102,16 @@ impl LogFile {
     /// When the source cannot be read or is no log, or a table's columns are unclear or its time runs backwards.
     pub fn open(source: &Source, columns: &Columns) -> Result<Self, LogError> {
         let source = &unpacked(source).map_err(LogFault::named)?;
+        let refuse = |form: &'static str| match columns.is_of_a_table() {
+            true => Err(source.faulty(LogFault::NoColumns { form })),
+            false => Ok(()),
+        };
         let form = if let Some(format) = format_of(source)? {
+            refuse("the log of an autopilot")?;
             Form::Autopilot(format)
         } else if columns.rates.is_empty() && Recording::is_one(source) {
-            // Whoever names columns wants a table of a recording too.
+            // Whoever names rates wants a table of a recording too.
+            refuse("a recording of the bench")?;
             Form::Recording(Box::new(Recording::read(source).map_err(LogFault::named)?))
         } else {
             Form::Table(Box::new(TableLog::open(source, columns)?))

@@ -32,8 +32,8 @@ use crate::log::{LogError, LogFault, SensorChoice, Stream};
 use crate::quality::{Judgement, Verdict};
 use crate::source::Source;
 use crate::table::Columns;
-use crate::trace::TracePoint;
 use crate::units::{RateScale, RateUnit, TemperatureUnit, WrittenRate};
+use zerorate_fit::trace::TracePoint;
 
 /// How a log is to be fitted.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -105,7 +105,7 @@ pub enum LogFitError {
     },
     /// A log is another in other numbers.
     #[error(
-        "{second}: a copy of {first} in other numbers (rounded, or of another unit or clock), for it has the same noise: what is held out would be fitted all the same; give each run once"
+        "{second}: a copy of {first} in other numbers (rounded, or of another unit or clock) or with some of its rows, for it has the same noise or rows: what is held out would be fitted all the same; give each run once"
     )]
     Copied {
         /// The log.

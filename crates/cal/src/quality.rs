@@ -17,6 +17,12 @@ const COLDEST_C: f64 = -100.0;
 /// The hottest (oil wells have 175 C) is below this; a chamber's temperatures in kelvin are above it.
 const HOTTEST_C: f64 = 200.0;
 
+/// What stands in every sentence about a unit that was guessed.
+pub const TAKEN_AS: &str = "names no unit: taken as";
+
+/// What stands in the sentence about a log of one direction.
+pub const NO_HYSTERESIS: &str = "the log says nothing of hysteresis";
+
 /// Whether a temperature can be a gyro's in degrees C.
 pub(crate) fn is_celsius(temperature: f64) -> bool {
     (COLDEST_C..=HOTTEST_C).contains(&temperature)
@@ -91,8 +97,12 @@ pub enum ReasonKind {
     Gap,
     /// Warning: the temperature stood still for a while though it has noise, or then jumped.
     FrozenTemperature,
+    /// Warning: the temperature jumped faster than a part can heat, and stayed there.
+    TemperatureJump,
     /// Warning: the temperature comes in coarse steps.
     CoarseTemperature,
+    /// Warning: the rate comes in steps larger than its noise.
+    CoarseRate,
     /// Warning: the file was cut off or is damaged; what is whole of it was read.
     Truncated,
     /// Warning: within the range, temperatures that were not measured.
@@ -142,7 +152,9 @@ impl ReasonKind {
             | Self::StartUp
             | Self::Gap
             | Self::FrozenTemperature
+            | Self::TemperatureJump
             | Self::CoarseTemperature
+            | Self::CoarseRate
             | Self::OneDirection
             | Self::WorseThanUncorrected
             | Self::OutsideRange

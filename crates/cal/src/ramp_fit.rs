@@ -26,8 +26,8 @@ use crate::log_fit::{AxisFit, AxisVerdict, FitOptions, LogFit, one_way};
 use crate::quality::{Judgement, Reason, ReasonKind, Verdict};
 use crate::recording::{GroupRow, Recording, status};
 use crate::source::Source;
-use crate::trace::{self, TracePoint};
 use crate::units::{RateUnit, TemperatureUnit};
+use zerorate_fit::trace::{self, TracePoint};
 
 /// One axis of one group of a ramp.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,6 +116,10 @@ impl RampMeans {
 pub fn fit_recording(recording: &Recording, source: &Source, options: &FitOptions) -> LogFit {
     let mut fit = LogFit::new(std::slice::from_ref(source));
     fit.sources[0].started = recording.info.started.map(SystemTime::from);
+    if !recording.rows.iter().any(|row| row.phase.is_ramp()) {
+        fit.judgement.add(Reason::new(ReasonKind::TooFewGroups, recording.without_a_ramp()));
+        return fit;
+    }
     let expected = expected_groups(recording);
     let mut passed = Vec::new();
     for axis in Axis::BOTH {

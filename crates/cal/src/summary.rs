@@ -22,6 +22,13 @@ pub const SCHEMA: u32 = 2;
 /// The oldest version that is read: its checks have `pass` for `passed`.
 const OLDEST_SCHEMA: u32 = 1;
 
+/// A test with more of its groups outside of the temperatures that were fitted is told. A ramp is sent to where the first was,
+/// and a gyro that is still settling is a little beyond its end for a twentieth of the way back.
+const FEW_OUTSIDE: f64 = 0.05;
+/// A ramp that covers less of the temperatures asked for was cut short: in an hour a gyro's inside follows nine tenths of the
+/// chamber's way.
+const MOST_OF_THE_RAMP: f64 = 0.8;
+
 /// The run in numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -35,7 +42,8 @@ pub struct Summary {
     pub seed: Option<u64>,
     /// The unit's serial.
     pub serial: String,
-    /// Good; a warning where a compensation made its axis worse in a test; rejected where a check was not passed.
+    /// Good; a warning where a compensation made its axis worse in a test, where a test left the temperatures that were
+    /// fitted or the ramp was cut short; rejected where a check was not passed.
     pub verdict: Verdict,
     /// How long the run took by the wall clock, seconds.
     pub wall_s: f64,
@@ -84,6 +92,14 @@ pub struct AxisSummary {
     pub plant_slope_taps_per_count: Option<f64>,
     /// The least and greatest temperature fitted, counts.
     pub temperature_counts: [f64; 2],
+    /// The least and greatest temperature of the heating ramp, over which the drift's peak to peak is told, counts. `None` of a
+    /// run by an older version.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heating_temperature_counts: Option<[f64; 2]>,
+    /// How much of the way from the set-up's cold to its hot end the ramp measured, by the set-up's scale: 1 for all of it.
+    /// `None` of a run by an older version.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share_of_asked_range: Option<f64>,
     /// The largest distance of the fitted curve from the plant's deterministic curve of this run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub curve_error_counts: Option<f64>,
@@ -118,9 +134,16 @@ pub struct TestResult {
     /// The same, rms about its mean.
     pub residual_rms_counts: f64,
     /// What the compensated axis does in the same direction without compensation, counts peak to peak: in the
-    /// full-temperature test; where that has no cooling ramp, in the cooling ramp of this test, the measured effect of its
-    /// taps taken away.
+    /// full-temperature test; where that has no ramp in the direction, or one between other temperatures, in the ramp of
+    /// this test, the measured effect of its taps taken away.
     pub uncompensated_pp_counts: f64,
+    /// The least and greatest temperature of the ramp, counts; `None` of a run by an older version.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temperature_counts: Option<[f64; 2]>,
+    /// The share of its groups outside of the temperatures that the full-temperature test measured, 0 to 1: there the law
+    /// holds the nearer end's drift. `None` of a run by an older version.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outside: Option<f64>,
     /// What a plain quadratic of the full-temperature test, taken off in numbers, would have left of this ramp, counts peak to
     /// peak; `None` where it could not be fitted, and of a run by an older version.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -281,6 +304,27 @@ impl Summary {
     }
 }
 
+impl AxisSummary {
+    /// The temperatures over which the drift's peak to peak is told, counts.
+    #[must_use]
+    pub fn drift_temperature_counts(&self) -> [f64; 2] {
+        self.heating_temperature_counts.unwrap_or(self.temperature_counts)
+    }
+
+    /// Where the ramp covers too little of what was asked for, a sentence about the axis of this name.
+    #[must_use]
+    pub fn warning(&self, axis: &str) -> Option<String> {
+        let cut_short = self.share_of_asked_range.filter(|share| *share < MOST_OF_THE_RAMP);
+        cut_short.map(|share| {
+            format!(
+                "axis {}: the ramp measured {:.0} % of the temperatures from chamber.cold_c to chamber.hot_c, by board.counts_per_celsius: outside of it the law holds the drift of the nearer end",
+                axis.to_uppercase(),
+                100.0 * share
+            )
+        })
+    }
+}
+
 impl TestResult {
     /// How many times smaller the residual is than what the axis does in the same direction without compensation.
     #[must_use]
@@ -309,17 +353,25 @@ impl TestResult {
             .map(|quadratic| quadratic / self.residual_pp_counts)
     }
 
-    /// Where the compensation has made the axis worse, a sentence.
+    /// Where the compensation has made the axis worse, and where the test left the temperatures that were fitted, a sentence
+    /// each.
     #[must_use]
-    pub fn warning(&self) -> Option<String> {
+    pub fn warnings(&self) -> Vec<String> {
         let Self { mode, axis, direction, residual_pp_counts: left, uncompensated_pp_counts: before, .. } = self;
         let test = format!("{} {}, {}", axis.name().to_uppercase(), mode.name(), direction.name());
-        (left > before).then(|| {
+        let worse = (left > before).then(|| {
             format!(
                 "{test}: {left:.1} counts peak to peak are left, and without compensation they are {before:.1}: {}",
                 self.times()
             )
-        })
+        });
+        let outside = self.outside.filter(|outside| *outside > FEW_OUTSIDE).map(|outside| {
+            format!(
+                "{test}: {:.0} % of the groups lie outside of the temperatures that the full-temperature test measured: there the law holds the drift of the nearer end",
+                100.0 * outside
+            )
+        });
+        worse.into_iter().chain(outside).collect()
     }
 }
 
@@ -352,9 +404,12 @@ mod tests {
             );
             let test: TestResult = serde_json::from_str(&text).unwrap();
             assert_eq!(test.times(), times);
-            let told = test.warning();
-            assert_eq!(told.is_some(), left > 26.4, "{told:?}");
-            assert!(told.is_none_or(|told| told.starts_with("X trim, heating: ") && told.ends_with(times)));
+            let told = test.warnings();
+            assert_eq!(told.len(), usize::from(left > 26.4), "{told:?}");
+            assert!(told.iter().all(|told| told.starts_with("X trim, heating: ") && told.ends_with(times)));
+            let beyond = |outside| TestResult { outside: Some(outside), ..test.clone() }.warnings();
+            assert_eq!(beyond(0.04), told);
+            assert!(beyond(0.33).last().unwrap().contains("33 % of the groups lie outside"));
         }
     }
 

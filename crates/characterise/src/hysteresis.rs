@@ -5,9 +5,9 @@ use zerorate_cal::units::{RateScale, WrittenRate};
 
 use serde::Serialize;
 use zerorate_cal::log_fit::AxisFit;
-use zerorate_cal::trace::TracePoint;
 use zerorate_fit::robust::noise;
 use zerorate_fit::shrinkage::shrunk;
+use zerorate_fit::trace::TracePoint;
 
 use super::span;
 

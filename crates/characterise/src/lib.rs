@@ -17,7 +17,7 @@ pub use ramp::RampSensitivity;
 pub use sensitivity::TemperatureSensitivity;
 pub use soak::{AxisNoise, NoiseOf, noise};
 use zerorate_cal::log_fit::AxisFit;
-use zerorate_cal::trace::TracePoint;
+use zerorate_fit::trace::TracePoint;
 
 /// What a fitted log says of one axis. Rates and temperatures are in the log's units.
 #[derive(Debug, Clone, PartialEq, Serialize)]

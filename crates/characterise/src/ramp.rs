@@ -1,8 +1,8 @@
 //! What is left in proportion to the speed of the temperature.
 
 use serde::Serialize;
-use zerorate_cal::trace::TracePoint;
 use zerorate_fit::folds::{FOLDS, fold_of_row, jackknife_error};
+use zerorate_fit::trace::TracePoint;
 
 use super::span;
 

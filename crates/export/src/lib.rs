@@ -17,6 +17,7 @@ pub use cubic::{Cubic, Loss};
 pub use sensors::{ExportedAxis, ExportedSensor};
 
 use zerorate_cal::calibration::Calibration;
+use zerorate_cal::quality::{NO_HYSTERESIS, TAKEN_AS};
 use zerorate_cal::units::RateUnit;
 
 /// A form in which a calibration can be written.
@@ -223,7 +224,7 @@ fn origin(calibration: &Calibration) -> Vec<String> {
 }
 
 /// What to know of a calibration in whatever format: the axes that it does not help, and what a model may have and no format
-/// holds.
+/// holds, and what was guessed of its log or is not in it.
 fn to_know(calibration: &Calibration) -> Vec<String> {
     let drifts = calibration.axes.iter().filter(|(_, axis)| axis.fit.model.time_drift.is_some());
     let names: Vec<String> = drifts.map(|(name, _)| one_line(name)).collect();
@@ -233,7 +234,11 @@ fn to_know(calibration: &Calibration) -> Vec<String> {
             names.join(", ")
         )
     });
-    calibration.no_gains().map(|text| one_line(&text)).chain(left_out).collect()
+    // A unit that was guessed may be wrong by a factor, and a curve of one direction by the hysteresis: both go where it goes.
+    let of_the_log =
+        calibration.warnings.iter().filter(|text| [TAKEN_AS, NO_HYSTERESIS].iter().any(|said| text.contains(said)));
+    let of_the_log = of_the_log.map(|text| format!("of the log that was fitted: {}", one_line(text)));
+    calibration.no_gains().map(|text| one_line(&text)).chain(left_out).chain(of_the_log).collect()
 }
 
 /// A text from outside as it may stand in a comment: nothing in it ends the comment or the line.

@@ -23,11 +23,14 @@ struct Form<'a> {
     /// What the coefficients are: bias = sum of coefficients[k] (T - reference)^k, T clamped to the range.
     formula: &'static str,
     units: [&'static str; 3],
+    /// What to know, a sentence each.
+    notes: &'a [String],
     sensors: &'a [ExportedSensor],
 }
 
 pub(super) fn write_json(calibration: &Calibration, options: &ExportOptions) -> Result<Exported, ExportError> {
     let sensors = sensors(calibration, options, Format::Json)?;
+    let notes = to_know(calibration);
     let form = Form {
         schema: SCHEMA,
         created_by: CREATED_BY,
@@ -35,11 +38,12 @@ pub(super) fn write_json(calibration: &Calibration, options: &ExportOptions) -> 
         sources: &calibration.sources,
         formula: "bias = c0 + c1 d + c2 d^2 + c3 d^3, d = clamp(T, range) - reference; corrected = reading - bias",
         units: ["T in C", "gyro in rad/s", "accelerometer in m/s^2"],
+        notes: &notes,
         sensors: &sensors,
     };
     // Nothing in the form can fail to be written: its keys are texts and its numbers are a calibration's, which are finite.
     let text = serde_json::to_string_pretty(&form).unwrap_or_default() + "\n";
-    Ok(Exported { text, sensors, notes: to_know(calibration) })
+    Ok(Exported { text, sensors, notes })
 }
 
 /// The static curves at equal steps of temperature over all that was measured; a cell is empty where an axis was not.

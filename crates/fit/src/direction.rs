@@ -1,5 +1,7 @@
 //! Which way the temperature was going, point by point, without being fooled by noise.
 
+use crate::intervals::{Interval, joined};
+
 /// A turn counts once the temperature has come back by this part of its span.
 const TURN: f64 = 0.03;
 
@@ -58,6 +60,26 @@ pub(crate) fn goes_both_ways(temperatures: &[f64]) -> bool {
         follower = next;
     }
     up.min(down) >= TRAVEL * (most - least)
+}
+
+/// The temperatures passed upwards and downwards by logs, each in the order of time with whether something was measured there.
+#[must_use]
+pub fn both_ways(logs: &[Vec<(f64, bool)>]) -> (Vec<Interval>, Vec<Interval>) {
+    let (mut up, mut down) = (Vec::new(), Vec::new());
+    for log in logs {
+        let warming = warming(&log.iter().map(|(temperature, _)| *temperature).collect::<Vec<_>>());
+        let mut start = 0;
+        for leg in warming.chunk_by(|a, b| a == b) {
+            // Where it turns belongs to both ways.
+            let end = start + leg.len();
+            let passed = log[start..(end + 1).min(log.len())].iter().filter(|(t, measured)| *measured && t.is_finite());
+            let ends = passed.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), (t, _)| (min.min(*t), max.max(*t)));
+            let way = if leg[0] { &mut up } else { &mut down };
+            way.push(ends);
+            start = end;
+        }
+    }
+    (joined(up), joined(down))
 }
 
 #[cfg(test)]

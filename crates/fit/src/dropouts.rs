@@ -81,6 +81,23 @@ pub fn dropouts(shown: &[Shown], margin: f64) -> Vec<Range<usize>> {
     found
 }
 
+/// Where the reading jumps from one row to the next and stays there: either side may be true. The same kind of jump as of a
+/// dropout; what is shown before and after it is as far apart.
+#[must_use]
+pub fn jumps_that_stay(shown: &[Shown], margin: f64) -> Vec<usize> {
+    let sizes: Vec<f64> = shown.iter().map(|shown| shown.leap.1.max(-shown.leap.0)).collect();
+    let stays = |place: &usize| {
+        let around = place.saturating_sub(NEIGHBOURS)..(place + NEIGHBOURS + 1).min(sizes.len());
+        let size = sizes[*place];
+        let beside =
+            place.checked_sub(1).and_then(|before| Some((shown.get(before)?.mean, shown.get(place + 1)?.mean)));
+        size > margin
+            && size > JUMP * median(&mut sizes[around].to_vec())
+            && beside.is_some_and(|(before, after)| 2.0 * (after - before).abs() > size)
+    };
+    (0..shown.len()).filter(stays).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,5 +158,9 @@ mod tests {
         // It went to another place and stayed: either may be true.
         let steps: Vec<f64> = (0..4000).map(|row| if row < 2000 { 20.0 } else { 60.0 }).collect();
         assert_eq!(dropouts(&of_rows(&steps), 1.0), []);
+        assert_eq!(jumps_that_stay(&of_rows(&steps), 1.0), [100]);
+        for other in [&fast, &stairs, &ramp()] {
+            assert_eq!(jumps_that_stay(&of_rows(other), 4.0), []);
+        }
     }
 }

@@ -18,6 +18,15 @@ pub fn joined(mut intervals: Vec<Interval>) -> Vec<Interval> {
     joined
 }
 
+/// The widest hole between values, and the span of all; `None` of fewer than two.
+#[must_use]
+pub fn widest_hole(mut values: Vec<f64>) -> Option<(Interval, f64)> {
+    values.sort_by(f64::total_cmp);
+    let span = values.last()? - values.first()?;
+    let hole = values.windows(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+    Some(((hole[0], hole[1]), span))
+}
+
 /// What two sets of joined intervals have in common.
 #[must_use]
 pub fn common(a: &[Interval], b: &[Interval]) -> Vec<Interval> {

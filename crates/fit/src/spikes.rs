@@ -20,15 +20,32 @@ const MAX_SPIKES: f64 = 0.2;
 /// they are no exceptions.
 #[must_use]
 pub fn outliers(values: &[f64], margin: f64) -> Vec<bool> {
+    // A margin says by itself what is far.
+    let few = |count: usize| if margin > 0.0 { 1.0 } else { of_few(count) };
+    beyond(values, |sigma, count| (SPIKE_SIGMA * few(count) * sigma).max(margin))
+}
+
+/// The same of values that come in steps; infinite where they are no steps. A value a step away is no spike: of a coarse
+/// converter most values are one, and the deviation of the others tells nothing.
+#[must_use]
+pub fn outliers_beyond_steps(values: &[f64], step: f64) -> Vec<bool> {
+    let margin = if step.is_finite() { 1.5 * step } else { 0.0 };
+    beyond(values, |sigma, count| (SPIKE_SIGMA * of_few(count) * sigma).max(margin))
+}
+
+/// How much further the limit of so many values is.
+fn of_few(count: usize) -> f64 {
+    (FEW_ROWS.0 / count as f64).powf(FEW_ROWS.1).max(1.0)
+}
+
+fn beyond(values: &[f64], limit: impl Fn(f64, usize) -> f64) -> Vec<bool> {
     let mut outliers = vec![false; values.len()];
     let finite: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     if finite.len() < MIN_SEARCHED {
         return outliers;
     }
     let (centre, sigma) = centre_and_sigma(&finite);
-    // A margin says by itself what is far.
-    let few = if margin > 0.0 { 1.0 } else { (FEW_ROWS.0 / finite.len() as f64).powf(FEW_ROWS.1).max(1.0) };
-    let limit = (SPIKE_SIGMA * few * sigma).max(margin);
+    let limit = limit(sigma, finite.len());
     for (outlier, value) in outliers.iter_mut().zip(values) {
         *outlier = (value - centre).abs() > limit;
     }

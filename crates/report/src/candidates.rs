@@ -20,7 +20,7 @@ pub(super) fn table(axis: &str, candidates: &[Candidate], scale: RateScale) -> M
     let held_out = || candidates.iter().filter_map(|candidate| candidate.held_out_rms);
     let decimals = 1 + decimals_for(scale.of_rate(held_out().fold(f64::INFINITY, f64::min)));
     let scaled = |value: Option<f64>| html! { (fixed_or_none(value.map(|value| scale.of_rate(value)), decimals)) };
-    let heads = ["Model", "In-sample rms", "Held-out rms", "± to the best’s", "As deployed, rms"];
+    let heads = ["Model", "In-sample rms", "Held-out rms", "± to the best’s", "Zeroed by fold, rms"];
     let row = |candidate: &Candidate| {
         vec![
             html! { (candidate.model) @if candidate.chosen { " ✓" } },
@@ -32,9 +32,9 @@ pub(super) fn table(axis: &str, candidates: &[Candidate], scale: RateScale) -> M
     };
     let caption = html! {
         b { (axis) } ": models compared by blocked cross-validation. Held out is within the recording, its drift in time taken off; ± is "
-        "one standard error of how far that is from the best one’s. As deployed is what a device has left, which knows no drift in "
-        "time and takes its zero at each fold’s start. Taken (✓) is the last one, whose curve and memories are as strong as the data "
-        "say; or a cubic, where that one leaves more than a twentieth more as deployed. In " (scale.unit()) "."
+        "one standard error of how far that is from the best one’s. Zeroed by fold is what a device has left in a run as long as "
+        "a fold, which knows no drift in time and takes its zero at the fold’s start: over a whole log more is left. Taken (✓) is the last one, whose curve and memories are as strong as the data "
+        "say; or a cubic, where that one leaves more than a twentieth more, zeroed. In " (scale.unit()) "."
         @if all > candidates.len() { " The " (candidates.len()) " of " (all) " that predict best." }
     };
     Table { caption, heads: &heads, rows: candidates.into_iter().map(row).collect(), numbers_from: 1 }.markup()

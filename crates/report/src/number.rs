@@ -16,6 +16,15 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     if value.is_finite() { set(&format!("{:.decimals$}", value.abs()), value < 0.0) } else { NONE.to_owned() }
 }
 
+/// How many times smaller something has become; no gain is told as none, and a loss as one.
+pub(crate) fn times_smaller(ratio: f64) -> String {
+    match ratio {
+        ratio if (1.0 / 1.05..1.05).contains(&ratio) => "none".to_owned(),
+        ratio if ratio < 1.0 => format!("{}, worse", fixed(ratio, 2)),
+        ratio => fixed(ratio, 1),
+    }
+}
+
 /// For a page: the same of a number that may not be known.
 pub(crate) fn fixed_or_none(value: Option<f64>, decimals: usize) -> String {
     fixed(value.unwrap_or(f64::NAN), decimals)
@@ -158,6 +167,12 @@ pub(crate) fn polynomial(coefficients: &[f64], variable: &str, digits: usize) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_gain_is_told_as_none_and_a_loss_as_one() {
+        let told = [1.0, 1.04, 0.97, 0.4, 1.5, 12.34].map(times_smaller);
+        assert_eq!(told, ["none", "none", "none", "0.40, worse", "1.5", "12.3"]);
+    }
 
     #[test]
     fn decimals_thousands_and_minus_signs_are_set_as_in_print() {

@@ -108,6 +108,9 @@ def ramp(differences, folder, printed):
         hold = lambda name, value, tolerance: differences.hold(f"summary.json {axis} {name}", own[name], value, tolerance)
         hold("drift_pp_counts", np.ptp(reading), 1e-9)
         hold("temperature_counts", [temperature.min(), temperature.max()], 1e-9)
+        hold("heating_temperature_counts", [temperature.min(), temperature.max()], 1e-9)
+        # The paper's ramp is from -40 to 60 C.
+        hold("share_of_asked_range", np.ptp(temperature) / (100 * COUNTS_PER_CELSIUS), 1e-9)
         hold("fit_rms_counts", rms(left), 1e-6)
         hold("fit_pp_counts", np.ptp(left), 1e-6)
         hold("held_out_rms_counts", rms(out), 1e-6)
@@ -133,6 +136,10 @@ def compensation_tests(differences, folder, printed):
         hold("residual_rms_counts", np.std(corrected), 1e-9)
         hold("mean_counts", np.mean(corrected), 1e-9)
         hold("control_pp_counts", np.ptp(groups[other]["zro_counts"][keep]), 1e-9)
+        temperature, fitted = groups[axis]["temperature_counts"][keep], drift[axis]["temperature_counts"]
+        fitted = fitted[drift[axis]["phase"] != "soak"]
+        hold("temperature_counts", [temperature.min(), temperature.max()], 1e-9)
+        hold("outside", np.mean((temperature < fitted.min()) | (temperature > fitted.max())), 1e-9)
         # The tap of a write is in the groups after it; that of the last group may be in none.
         writes = np.count_nonzero(np.diff(tap))
         differences.hold(f"{name} wiper_writes", test["wiper_writes"] in (writes, writes + 1), True, 0)

@@ -7,12 +7,16 @@ use zerorate_fit::residual::ResidualStatistics;
 
 use super::NoTest;
 use zerorate_cal::calibration::AxisCalibration;
+use zerorate_cal::condition::DropReason;
 use zerorate_cal::log_fit::AxisFit;
-use zerorate_cal::trace::TracePoint;
 use zerorate_cal::units::{RateUnit, TemperatureUnit};
+use zerorate_fit::trace::TracePoint;
 
 /// A rate that never changes is left as it is but for its last digits, and those are nobody's drift.
 const ROUNDING: f64 = 1e-9;
+
+/// An axis without a rate in more of the rows was not tested: what it did in most of the run nobody knows.
+const LEAST_COVERED: f64 = 0.5;
 
 /// How an axis of the log did.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -42,6 +46,8 @@ pub struct VerifiedAxis {
     pub calibrated_temperature: [f64; 2],
     /// The share of the log outside those, 0 to 1: there nothing was measured that the curve could rest on.
     pub outside: f64,
+    /// The share of the log's rows with a temperature that have a rate of this axis, 0 to 1: all that is told is of those.
+    pub covered: f64,
     /// The limits that it misses, a sentence each; none where it passed.
     pub missed: Vec<String>,
     /// What was recorded and what is left, for figures.
@@ -100,9 +106,32 @@ pub(super) fn verify(
         temperature: [temperatures().fold(f64::INFINITY, f64::min), temperatures().fold(f64::NEG_INFINITY, f64::max)],
         calibrated_temperature: [measured.min(), measured.max()],
         outside: outside as f64 / points.len().max(1) as f64,
+        covered: covered(axis),
         missed: Vec::new(),
         points,
     })
+}
+
+/// The share of rows with a rate, of those with a temperature.
+fn covered(axis: &AxisFit) -> f64 {
+    let used = axis.calibration.fit.statistics.samples_used as f64;
+    let missing = axis.samples_rejected.iter().filter(|rejected| rejected.reason == DropReason::MissingRate);
+    let missing = missing.map(|rejected| rejected.count as f64).sum::<f64>();
+    used / (used + missing)
+}
+
+impl VerifiedAxis {
+    /// Why it is no test of the axis, a sentence, where most of its rates are missing.
+    pub(super) fn too_little(&self) -> Option<String> {
+        let too_little = || {
+            format!(
+                "{}: {:.0} % of its rates are missing: what is left of the others is no test of it",
+                self.name,
+                100.0 * (1.0 - self.covered)
+            )
+        };
+        (self.covered < LEAST_COVERED).then(too_little)
+    }
 }
 
 /// The points of a log, `factor` of the calibration's unit to one of its own, with the bias taken off.

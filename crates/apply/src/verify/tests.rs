@@ -72,6 +72,9 @@ fn the_log_that_was_fitted_is_no_test() {
         let refused = rows(&log(617, 0.0, 0.0), from).unwrap_err();
         assert!(refused.to_string().contains("on rows of it or on a copy"), "{refused}");
     }
+    let thinned = log(617, 0.0, 0.0).lines().step_by(2).map(|line| format!("{line}\n")).collect::<String>();
+    let refused = rows(&thinned, 1).unwrap_err();
+    assert!(refused.to_string().contains("on rows of it or on a copy"), "{refused}");
     assert!(rows(&log(733, 0.0, 0.0), 1).is_ok());
     let looked = verify(&first(), &own, &VerifyOptions { in_sample: true, ..VerifyOptions::default() }).unwrap();
     assert!(looked.in_sample && looked.passed.is_none());
@@ -305,4 +308,26 @@ fn the_share_outside_is_of_what_was_measured_and_not_of_what_is_believed() {
     let verified = verify(&log, &own, &VerifyOptions::default()).unwrap();
     assert!((verified.axes[0].outside - 7.0 / 60.0).abs() < 0.01, "{}", verified.axes[0].outside);
     assert_eq!(verified.reasons[0].kind, ReasonKind::OutsideRange);
+}
+
+#[test]
+fn an_axis_without_most_of_its_rates_does_not_pass() {
+    let own = calibration();
+    for (kept, covered, passes) in [(10, 0.1, false), (3, 1.0 / 3.0, false), (1, 1.0, true)] {
+        // X has a rate in every tenth row, or third.
+        let whole = log(733, 0.0, 0.0);
+        let rows = whole.lines().enumerate().map(|(row, line)| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let x = if row == 0 || row % kept == 0 { cells[2] } else { "" };
+            format!("{},{},{x},{}\n", cells[0], cells[1], cells[3])
+        });
+        let text: String = rows.collect();
+        let limits = limits("1 mrad/s", "5 mrad/s");
+        let options = VerifyOptions { limits, ..VerifyOptions::default() };
+        let found = verify(&Source::bytes("holes.csv", text.into_bytes()), &own, &options).unwrap();
+        assert_eq!(found.passed, Some(passes), "{found:?}");
+        assert!((found.axes[0].covered - covered).abs() < 0.01, "{}", found.axes[0].covered);
+        let told = found.axes[0].missed.iter().any(|missed| missed.contains("of its rates are missing"));
+        assert_eq!((told, found.axes[1].missed.len()), (!passes, 0), "{found:?}");
+    }
 }

@@ -37,6 +37,14 @@ pub fn extent(kept: &Checkpoints, soaks: usize) -> Option<Extent> {
     (0..soaks).rev().find_map(|index| kept.extent(&name(index)))
 }
 
+/// The share of them that is still to do, 0 to 1.
+#[must_use]
+#[allow(clippy::cast_precision_loss)]
+pub fn left(kept: &Checkpoints, soaks: usize) -> f64 {
+    let left = (0..soaks).filter(|&index| kept.extent(&name(index)).is_none()).count();
+    left as f64 / soaks.max(1) as f64
+}
+
 fn name(index: usize) -> String {
     format!("soak-{}", index + 1)
 }
@@ -62,7 +70,7 @@ pub fn run_once(
     }
     let mut soaks = Vec::with_capacity(temperatures.len());
     for (index, &set_point) in temperatures.iter().enumerate() {
-        let what = format!("soak {} of {} at {:.0} C", index + 1, temperatures.len(), set_point.0);
+        let what = format!("soak {} of {} at {} C", index + 1, temperatures.len(), set_point.0);
         soaks.push(kept.once(&name(index), recorder, |recorder| {
             let began = session.elapsed;
             session.soak(&what, set_point, hold)?;

@@ -78,8 +78,6 @@ impl Session<'_> {
                 Seen::Settled => {
                     watch.oddity(reading).into_iter().for_each(|text| self.warn(text));
                     self.progress.note(&format!("settled, about {:+.1} C", reading.0));
-                    // From here on the reading is known to be the set point's.
-                    self.scale = Some(self.anchored(mean_reading(&group), set_point));
                     return self.stop();
                 }
             }
@@ -144,14 +142,12 @@ impl Session<'_> {
         self.celsius(Counts(f64::midpoint(x, y)))
     }
 
-    /// A reading in degrees C. The first one of a session is what the chamber was at then.
+    /// A reading in degrees C. The first one of a session is what the chamber was at then. No set point is an anchor: where the
+    /// chamber was ordered to is no measurement of where it is.
     fn celsius(&mut self, reading: Counts) -> Celsius {
-        let first = self.anchored(reading, self.at);
+        let counts_per_celsius = self.setup.board.counts_per_celsius;
+        let first = ReadingScale { counts_per_celsius, anchor: (reading, self.at) };
         self.scale.get_or_insert(first).celsius(reading)
-    }
-
-    fn anchored(&self, reading: Counts, at: Celsius) -> ReadingScale {
-        ReadingScale { counts_per_celsius: self.setup.board.counts_per_celsius, anchor: (reading, at) }
     }
 }
 

@@ -7,6 +7,13 @@ use zerorate_fit::model::Model;
 use super::SetUp;
 
 impl SetUp {
+    /// Taps to each side of the middle one that the trim experiment goes to, as the circuit's drawing has it; none where a
+    /// number that makes them is a contradiction itself.
+    fn reach_taps(&self) -> f64 {
+        let taps = self.trim.span_counts / self.nominal_counts_per_tap() + f64::from(self.trim.margin_taps);
+        if taps.is_finite() { taps.max(0.0) } else { 0.0 }
+    }
+
     /// What cannot be, in sentences; empty for a sound set-up.
     #[must_use]
     pub fn contradictions(&self) -> Vec<String> {
@@ -37,6 +44,14 @@ impl SetUp {
             Taps::new(board.middle_tap).is_some(),
             format!("board.middle_tap {} is not a tap: the part has 0 to {}", board.middle_tap, Taps::LAST.get()),
         );
+        let (last, reach) = (f64::from(Taps::LAST.get()), self.reach_taps());
+        must(
+            (reach..=last - reach).contains(&f64::from(board.middle_tap)) || board.middle_tap > Taps::LAST.get(),
+            format!(
+                "board.middle_tap {} leaves no room for the {reach:.0} taps to each side that trim.span_counts {} and trim.margin_taps {} need of 0 to {last}",
+                board.middle_tap, trim.span_counts, trim.margin_taps
+            ),
+        );
         must(
             board.counts_per_dps != 0.0 && board.counts_per_dps.is_finite(),
             "board.counts_per_dps must be a number other than 0".into(),
@@ -56,6 +71,13 @@ impl SetUp {
         ] {
             must(value > 0.0 && value.is_finite(), format!("{name} is {value}: it must be above 0"));
         }
+        must(
+            limits.hybrid_residual_floors.is_nan() || limits.hybrid_residual_floors >= 1.0,
+            format!(
+                "limits.hybrid_residual_floors is {}: below 1 it asks for less than noise alone makes",
+                limits.hybrid_residual_floors
+            ),
+        );
         must(
             (0.0..f64::from(acquisition.sample_period_us)).contains(&board.wiper_delay_us),
             "board.wiper_delay_us must be shorter than acquisition.sample_period_us".into(),

@@ -16,7 +16,7 @@ impl SetUp {
     pub fn soaks_left_out(&self) -> Option<String> {
         let (asked, [cold, hot]) = (&self.chamber.soaks_c, self.ends());
         let outside: Vec<String> =
-            asked.iter().filter(|&&soak| !self.is_on_the_ramp(soak)).map(|soak| format!("{soak:.0}")).collect();
+            asked.iter().filter(|&&soak| !self.is_on_the_ramp(soak)).map(f64::to_string).collect();
         (!outside.is_empty()).then(|| {
             format!(
                 "{} of the {} soaks of chamber.soaks_c are left out: {} C lie outside the ramp of {} to {} C, which measures nothing there to compare them with",
@@ -49,6 +49,8 @@ mod tests {
             told.starts_with("9 of the 11 soaks") && told.contains("-40, -30, -20, -10, 0, 10, 40, 50, 60 C"),
             "{told}"
         );
+        let fine = SetUp::parse("[chamber]\nsoaks_c = [-40.4, 20.0]\n", "x").unwrap().soaks_left_out().unwrap();
+        assert!(fine.contains(": -40.4 C lie outside the ramp of -40 to 60 C"), "{fine}");
         assert_eq!((SetUp::paper().soaks().len(), SetUp::paper().soaks_left_out()), (11, None));
     }
 }

@@ -5,7 +5,7 @@ use crate::log::Rows;
 use crate::units::TemperatureUnit;
 use zerorate_fit::crowding::weights;
 use zerorate_fit::robust::median;
-use zerorate_fit::spikes::{MIN_SEARCHED, outliers};
+use zerorate_fit::spikes::{MIN_SEARCHED, outliers, outliers_beyond_steps};
 
 /// The time a group should take: long against noise, short against a thermal time constant.
 pub const GROUP_S: f64 = 10.0;
@@ -134,6 +134,8 @@ pub struct Grouping {
     /// The least change from one temperature to another.
     temperature_step: f64,
     last_temperature: f64,
+    /// For each axis the least change from one rate to another, and the last rate.
+    rate_steps: Vec<(f64, f64)>,
     /// The time and temperature of the last row kept of this part.
     last_kept: Option<(f64, f64)>,
 }
@@ -155,6 +157,7 @@ impl Grouping {
             tallies: vec![Tally::default(); axes],
             temperature_step: f64::INFINITY,
             last_temperature: f64::NAN,
+            rate_steps: vec![(f64::INFINITY, f64::NAN); axes],
             last_kept: None,
         }
     }
@@ -166,6 +169,12 @@ impl Grouping {
         self.temperature_step
     }
 
+    /// The same of each axis's rate: a step of its converter, where that is coarser than its noise.
+    #[must_use]
+    pub fn rate_steps(&self) -> Vec<f64> {
+        self.rate_steps.iter().map(|(step, _)| *step).collect()
+    }
+
     /// Takes in some rows, in order.
     pub fn push_rows(&mut self, rows: &Rows<'_>) {
         if rows.part != self.part {
@@ -173,12 +182,9 @@ impl Grouping {
             self.part = rows.part;
             self.last_kept = None;
         }
-        for temperature in rows.temperature.iter().filter(|temperature| temperature.is_finite()) {
-            let step = (temperature - self.last_temperature).abs();
-            if step > 0.0 && step < self.temperature_step {
-                self.temperature_step = step;
-            }
-            self.last_temperature = *temperature;
+        least_step(rows.temperature, &mut self.temperature_step, &mut self.last_temperature);
+        for ((step, last), rates) in self.rate_steps.iter_mut().zip(rows.values) {
+            least_step(rates, step, last);
         }
         let mut start = 0;
         while start < rows.temperature.len() {
@@ -247,7 +253,7 @@ impl Grouping {
         let outlier_count = are_outliers.iter().filter(|is_outlier| **is_outlier).count();
         let usable: Vec<bool> = (0..rows).map(|row| self.temperatures[row].is_finite() && !are_outliers[row]).collect();
         let mut axes = Vec::with_capacity(self.rates.len());
-        for (column, tally) in self.rates.iter_mut().zip(&mut self.tallies) {
+        for ((column, tally), (step, _)) in self.rates.iter_mut().zip(&mut self.tallies).zip(&self.rate_steps) {
             tally.add(DropReason::MissingTemperature, missing as u64);
             tally.add(DropReason::TemperatureSpike, outlier_count as u64);
             if missing + outlier_count > 0 {
@@ -255,7 +261,7 @@ impl Grouping {
             }
             let missing_rates = column.iter().zip(&usable).filter(|(rate, usable)| **usable && !rate.is_finite());
             tally.add(DropReason::MissingRate, missing_rates.count() as u64);
-            let spikes = outliers(column, 0.0);
+            let spikes = outliers_beyond_steps(column, *step);
             let found = spikes.iter().filter(|spike| **spike).count();
             let leading = if self.first_row == 0 { spikes.iter().take_while(|spike| **spike).count() } else { 0 };
             tally.add(DropReason::StartUp, leading as u64);
@@ -367,8 +373,19 @@ pub fn weigh(groups: &mut [Group], axis: usize) {
 }
 
 /// The least and greatest of two ranges; one that is NaN is none.
-pub(super) fn all_of(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
+pub(crate) fn all_of(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
     (one.0.min(other.0), one.1.max(other.1))
+}
+
+/// Takes in the changes from each value to the next.
+fn least_step(values: &[f64], least: &mut f64, last: &mut f64) {
+    for value in values.iter().filter(|value| value.is_finite()) {
+        let step = (value - *last).abs();
+        if step > 0.0 && step < *least {
+            *least = step;
+        }
+        *last = *value;
+    }
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
@@ -384,7 +401,7 @@ fn average(rates: impl Iterator<Item = f64> + Clone) -> AxisGroup {
 }
 
 /// The typical scatter of an axis over all groups; NaN where groups are too small to have one.
-pub(super) fn typical_scatter(groups: &[Group], axis: usize) -> f64 {
+pub(crate) fn typical_scatter(groups: &[Group], axis: usize) -> f64 {
     let mut scatters: Vec<f64> = groups
         .iter()
         .map(|group| group.axes[axis])

@@ -36,11 +36,20 @@ impl Levels {
 /// Leaves out the groups in which the unit was moved, settled after its start, or had no true temperature (their rows
 /// become 0 and are counted) and takes out steps: rates after a step are reduced by its size, so the curve holds for the
 /// level before the first one. `rotation_threshold` is a rate that only a rotating unit shows, infinite where there is none.
-pub fn level(groups: &mut [Group], tallies: &mut [Tally], unit: TemperatureUnit, rotation_threshold: f64) -> Levels {
+/// `rate_steps` are the steps of each axis's converter: a change of one is no movement and no step of the rate.
+pub fn level(
+    groups: &mut [Group],
+    tallies: &mut [Tally],
+    unit: TemperatureUnit,
+    rotation_threshold: f64,
+    rate_steps: &[f64],
+) -> Levels {
+    // By the side of a step what is less than one and a half is rounding.
+    let margin_of = |axis: usize| rate_steps.get(axis).filter(|step| step.is_finite()).map_or(0.0, |step| 1.5 * step);
     let axes = tallies.len();
     let mut marks: Vec<Option<DropReason>> = vec![None; groups.len()];
     for axis in 0..axes {
-        mark_moved(groups, axis, rotation_threshold, &mut marks);
+        mark_moved(groups, axis, rotation_threshold, margin_of(axis), &mut marks);
     }
     mark_frozen(groups, &mut marks);
     mark_gaps_within(groups, &mut marks);
@@ -49,13 +58,13 @@ pub fn level(groups: &mut [Group], tallies: &mut [Tally], unit: TemperatureUnit,
     let margin = TEMPERATURE_JUMP * unit.min_span();
     let (mut steps, mut left_in) = (Vec::new(), Vec::new());
     for axis in 0..axes {
-        let found = take_out_steps(groups, axis, margin);
+        let found = take_out_steps(groups, axis, margin, margin_of(axis));
         steps.extend(found.taken);
         left_in.extend(found.left);
     }
     join_opposite_steps(groups, &mut steps, &mut marks);
     for axis in 0..axes {
-        mark_settling(groups, axis, &mut marks);
+        mark_settling(groups, axis, margin_of(axis), &mut marks);
     }
     name_the_groups_of_steps(groups, &steps, &mut marks);
     take_back_jumps(groups, &rows, &steps, &mut marks);

@@ -27,7 +27,14 @@ const NEIGHBOURS: usize = 10;
 
 /// Marks the groups in which an axis shows a movement; `rotation_threshold` is a distance from the median rate that no
 /// drift reaches.
-pub(super) fn mark_moved(groups: &[Group], axis: usize, rotation_threshold: f64, marks: &mut [Option<DropReason>]) {
+/// What is less than `margin` is the converter's.
+pub(super) fn mark_moved(
+    groups: &[Group],
+    axis: usize,
+    rotation_threshold: f64,
+    margin: f64,
+    marks: &mut [Option<DropReason>],
+) {
     let typical = typical_scatter(groups, axis);
     let used: Vec<usize> = (0..groups.len()).filter(|&group| groups[group].axes[axis].rows > 0).collect();
     let rate = |group: &usize| groups[*group].axes[axis].rate;
@@ -45,11 +52,11 @@ pub(super) fn mark_moved(groups: &[Group], axis: usize, rotation_threshold: f64,
     let sigma = sigma.max(noise(&used.iter().map(rate).collect::<Vec<_>>()));
     for place in runs.iter().flatten() {
         let turned = (rate(&place.group) - middle).abs() > rotation_threshold;
-        let limit = (MOVED_SIGMA * sigma).max(CORNER * place.slope);
+        let limit = (MOVED_SIGMA * sigma).max(CORNER * place.slope).max(margin);
         let scatter = groups[place.group].axes[axis].scatter;
         if place.deviation.abs() > limit || turned {
             marks[place.group] = Some(DropReason::Rotation);
-        } else if scatter > MOVED_SCATTER * typical && marks[place.group].is_none() {
+        } else if scatter > MOVED_SCATTER * typical && scatter > margin && marks[place.group].is_none() {
             let jumps = scatter < JUMP_SCATTER * place.jump;
             marks[place.group] = Some(if jumps { DropReason::Step } else { DropReason::Rotation });
         }

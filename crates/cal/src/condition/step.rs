@@ -3,6 +3,7 @@
 use zerorate_fit::jumps::{Jump, REACH, background, jumps};
 use zerorate_fit::robust::{centre_and_sigma, noise};
 
+use super::gap::goes_on;
 use super::group::all_of;
 use super::{Group, Step};
 
@@ -36,7 +37,8 @@ pub(super) struct Steps {
 
 /// Finds the largest step of an axis, takes it out, and looks again. `temperature_margin` is the jump of the temperature
 /// that explains a jump of the rate, as where a log was stopped and went on.
-pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_margin: f64) -> Steps {
+/// A jump of less than `rate_margin` is the converter's.
+pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_margin: f64, rate_margin: f64) -> Steps {
     let used: Vec<usize> = (0..groups.len()).filter(|&group| groups[group].axes[axis].rows > 0).collect();
     let mut steps = Steps::default();
     if used.len() < 4 * REACH {
@@ -50,8 +52,11 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
         let (low, high) = rates
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), rate| (low.min(*rate), high.max(*rate)));
-        let limit =
-            (STEP_SIGMA * sigma.max(noise(&rates))).max(STANDS_OUT * background(&all, most)).max(share * (high - low));
+        let limit = (STEP_SIGMA * sigma.max(noise(&rates)))
+            .max(STANDS_OUT * background(&all, most))
+            .max(share * (high - low))
+            .max(rate_margin);
+        let goes_on = goes_on(groups);
         let largest_with = |between: usize| {
             let jumps = jumps(&used, &rates, between).into_iter().zip(jumps(&used, &temperatures, between));
             jumps
@@ -63,6 +68,8 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
                         && temperature.size.abs() <= temperature_margin
                         // Between two logs it is no step.
                         && groups[jump.group].log == groups[jump.before].log
+                        // Beside a turn the rates of heating and of cooling lie on either side of a gap: hysteresis is no step.
+                        && (goes_on(jump.before, jump.group) || !turns(&used, &temperatures, jump.group, temperature_margin))
                         && jump.is_confirmed(&used, &temperatures, &rates)
                 })
                 .map(|(jump, _)| jump)
@@ -89,6 +96,15 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
     }
     steps.taken.sort_by_key(|step| step.row);
     steps
+}
+
+/// Whether the temperature turns round within the groups that show a jump to a group, by more than a margin's half.
+fn turns(used: &[usize], temperatures: &[f64], group: usize, margin: f64) -> bool {
+    let place = used.partition_point(|other| *other < group);
+    let around = &temperatures[place.saturating_sub(REACH)..(place + REACH).min(temperatures.len())];
+    let (min, max) = around.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
+    let [first, last] = [around.first(), around.last()].map(|end| end.copied().unwrap_or(f64::NAN));
+    max - min - (last - first).abs() > 0.5 * margin
 }
 
 /// Two steps in opposite directions whose sizes agree to this share are one interval of another rate.

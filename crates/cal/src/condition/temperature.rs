@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::left_out::leave_out_marked;
 use super::{DropReason, Excluded, Group, Tally};
 use crate::units::TemperatureUnit;
+use zerorate_fit::coarse::smoothed;
 use zerorate_fit::dropouts::{Shown, dropouts};
 use zerorate_fit::line::Line;
 use zerorate_fit::robust::median;
@@ -24,8 +25,7 @@ pub fn leave_out_untrue_temperatures(
     unit: TemperatureUnit,
     temperature_step: f64,
 ) -> Vec<Excluded> {
-    let steps = if temperature_step.is_finite() { 2.0 * temperature_step } else { 0.0 };
-    let margin = (DROPOUT * unit.min_span()).max(steps);
+    let margin = dropout_margin(unit, temperature_step);
     let mut marks: Vec<Option<DropReason>> = vec![None; groups.len()];
     let mut start = 0;
     for log in groups.chunk_by_mut(|a, b| a.log == b.log) {
@@ -43,6 +43,12 @@ pub fn leave_out_untrue_temperatures(
     }
     mark_still_without_noise(groups, temperature_step, &mut marks);
     leave_out_marked(groups, tallies, &marks)
+}
+
+/// What a jump of the temperature is larger than.
+pub fn dropout_margin(unit: TemperatureUnit, temperature_step: f64) -> f64 {
+    let steps = if temperature_step.is_finite() { 2.0 * temperature_step } else { 0.0 };
+    (DROPOUT * unit.min_span()).max(steps)
 }
 
 /// Marks intervals in which a temperature with noise had none: its sensor, or the line to it, had stopped.
@@ -101,26 +107,10 @@ fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-12 * a.abs()
 }
 
-/// Dequantises a coarse temperature: each group takes the mean of those around it, over about the time that the
-/// temperature takes from one step to the next. `step` is the size of a step.
+/// Gives each group of a coarse sensor the mean temperature of those around it ([`smoothed`]).
 pub fn dequantise(groups: &mut [Group], step: f64) {
     let temperatures: Vec<f64> = groups.iter().map(|group| group.temperature).collect();
-    let rise: f64 = temperatures.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|rise| rise.is_finite()).sum();
-    if rise <= 0.0 {
-        return;
-    }
-    // Groups from one step to the next, on average.
-    let spacing = step * temperatures.len() as f64 / rise;
-    let reach = (0..=MOST_REACH).take_while(|reach| 2.0 * (*reach as f64) < spacing).last().unwrap_or(0);
-    for (place, group) in groups.iter_mut().enumerate() {
-        // Symmetric, so that a slope stays one at the ends.
-        let reach = reach.min(place).min(temperatures.len() - 1 - place);
-        let around = temperatures[place - reach..=place + reach].iter().filter(|t| t.is_finite());
-        let (sum, count) = around.fold((0.0, 0_u32), |(sum, count), t| (sum + t, count + 1));
-        if count > 0 && group.temperature.is_finite() {
-            group.temperature = sum / f64::from(count);
-        }
-    }
+    groups.iter_mut().zip(smoothed(&temperatures, step)).for_each(|(group, smooth)| group.temperature = smooth);
 }
 
 /// Groups from which a line is drawn back to those at the start of a log that have no temperature, and so many of those
@@ -145,6 +135,3 @@ pub fn extend_to_the_start(groups: &mut [Group]) {
         }
     }
 }
-
-/// Groups on each side over which steps are averaged, at most: ten minutes of 10 s each.
-const MOST_REACH: usize = 30;

@@ -34,7 +34,7 @@ fn condition(temperatures: &[f64], rates: &[Vec<f64>]) -> (Vec<Group>, Vec<Tally
     let time_s: Vec<f64> = (0..temperatures.len()).map(|row| row as f64 * 0.5).collect();
     grouping.push_rows(&rows(&time_s, temperatures, rates));
     let (mut groups, mut tallies) = grouping.finish();
-    let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY);
+    let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY, &[]);
     (groups, tallies, levels)
 }
 
@@ -286,7 +286,7 @@ fn a_time_without_rows_is_told() {
         grouping.push_rows(&rows(&time_s, &temperatures, &rates));
         let (mut groups, mut tallies) = grouping.finish();
         assert!(groups.iter().all(|group| group.times_s.1 - group.times_s.0 < 20.0));
-        let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY);
+        let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY, &[]);
         let [gap] = &levels.excluded[..] else { panic!("{levels:?}") };
         assert_eq!((gap.reason, gap.rows, gap.time_s), (DropReason::Gap, (2000, 2000), (999.5, 1300.0)));
         assert!(tallies.iter().all(|tally| tally.rejected().is_empty()), "{tallies:?}");
@@ -316,7 +316,7 @@ fn a_ramp_that_turned_while_nothing_was_read_was_not_moved() {
         grouping.push_rows(&rows(&of(&time_s), &of(&temperatures), &[of(&whole)]));
         let (mut groups_of_kept, mut tallies) = grouping.finish();
         assert!(groups_of_kept.len() < groups.len());
-        let levels = level(&mut groups_of_kept, &mut tallies, TemperatureUnit::C, f64::INFINITY);
+        let levels = level(&mut groups_of_kept, &mut tallies, TemperatureUnit::C, f64::INFINITY, &[]);
         assert!(levels.excluded.iter().all(|interval| interval.reason == DropReason::Gap), "{lost:?}: {levels:?}");
     }
 }
@@ -346,7 +346,7 @@ fn rows_a_minute_apart_have_no_gaps_between_them() {
     let mut grouping = Grouping::new(1, Length::of_extent(100, 60.0, None), TemperatureUnit::C, 0);
     grouping.push_rows(&rows(&time_s, &temperatures, &[vec![0.0; 100]]));
     let (mut groups, mut tallies) = grouping.finish();
-    let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY);
+    let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY, &[]);
     assert_eq!((groups.len(), levels.excluded), (100, Vec::new()));
 }
 
@@ -435,4 +435,51 @@ fn a_step_that_is_small_beside_the_drift_is_told_and_left_in() {
     assert!((step.rows.0..=step.rows.1).contains(&4000), "{step:?}");
     let last = |groups: &[Group]| groups.last().unwrap().axes[0].rate;
     assert!((last(&groups) - last(&clean) - 2e-3).abs() < 1e-12, "it is left in");
+}
+
+#[test]
+fn a_coarse_converter_is_no_motion_and_no_step() {
+    let (temperatures, clean) = cycle();
+    // Twenty steps over the drift, with noise of a tenth of one and of none.
+    for (noise, step) in [(1.0, 3e-3), (0.0, 3e-3), (1.0, 6e-3)] {
+        let curve = |t: f64| 0.01 + 3e-4 * t - 2e-6 * t * t;
+        let coarse = |(rate, t): (&f64, &f64)| ((curve(*t) + noise * (rate - curve(*t))) / step).round() * step;
+        let rates = [clean[0].iter().zip(&temperatures).map(coarse).collect::<Vec<f64>>()];
+        let length = Length::of_extent(ROWS as u64, 0.5, None);
+        let mut grouping = Grouping::new(1, length, TemperatureUnit::C, 0);
+        let time_s: Vec<f64> = (0..ROWS).map(|row| row as f64 * 0.5).collect();
+        grouping.push_rows(&rows(&time_s, &temperatures, &rates));
+        let steps = grouping.rate_steps();
+        assert!((steps[0] / step - 1.0).abs() < 1e-6, "{steps:?}");
+        let (mut groups, mut tallies) = grouping.finish();
+        let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY, &steps);
+        assert_eq!(levels, Levels::default(), "{noise} {step}");
+        assert!(tallies[0].rejected().is_empty(), "{tallies:?}");
+    }
+}
+
+#[test]
+fn a_gap_beside_a_turn_is_no_step_though_heating_and_cooling_differ() {
+    let time_s: Vec<f64> = (0..ROWS).map(|row| row as f64 * 0.5).collect();
+    // Up and straight down, with hysteresis of an eighth of the drift.
+    let temperatures: Vec<f64> = (0..ROWS).map(|row| 60.0 - 0.02 * (row as f64 - 4200.0).abs()).collect();
+    let (calm, [clean, _]) = cycle();
+    let curve = |t: f64| 0.01 + 3e-4 * t - 2e-6 * t * t;
+    // As a play does: over some degrees of the way back.
+    let way = |row: usize| 2e-3 - 4e-3 * ((row as f64 - 4200.0) / 300.0).clamp(0.0, 1.0);
+    let whole: Vec<f64> =
+        (0..ROWS).map(|row| clean[row] - curve(calm[row]) + curve(temperatures[row]) + way(row)).collect();
+    for lost in [4000..4300, 4050..4210, 4190..4500, 4260..4500] {
+        let mut rates = whole.clone();
+        rates[lost.clone()].fill(f64::NAN);
+        let (_, _, levels) = condition(&temperatures, &[rates]);
+        assert!(levels.steps.is_empty() && levels.left_in.is_empty(), "{lost:?}: {levels:?}");
+        let kept: Vec<usize> = (0..ROWS).filter(|row| !lost.contains(row)).collect();
+        let of = |values: &[f64]| kept.iter().map(|row| values[*row]).collect::<Vec<f64>>();
+        let mut grouping = Grouping::new(1, Length::of_extent(ROWS as u64, 0.5, None), TemperatureUnit::C, 0);
+        grouping.push_rows(&rows(&of(&time_s), &of(&temperatures), &[of(&whole)]));
+        let (mut groups, mut tallies) = grouping.finish();
+        let levels = level(&mut groups, &mut tallies, TemperatureUnit::C, f64::INFINITY, &[]);
+        assert!(levels.steps.is_empty() && levels.left_in.is_empty(), "{lost:?}: {levels:?}");
+    }
 }

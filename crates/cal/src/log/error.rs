@@ -8,7 +8,7 @@ use crate::packed::PackedFault;
 use crate::recording::RecordingFault;
 use crate::source::Faulty;
 use crate::table::TableFault;
-use crate::units::{RateUnit, WrittenTemperature};
+use crate::units::{RateUnit, TimeUnit, WrittenTemperature};
 
 /// Why a log cannot be read, with its name.
 pub type LogError = Faulty<LogFault>;
@@ -58,6 +58,31 @@ pub enum LogFault {
         written: WrittenTemperature,
         /// The unit it may be in, if it is in one.
         rather: Option<WrittenTemperature>,
+    },
+    /// Times in whose unit the rows come faster than from any gyro, or are over at once.
+    #[error(
+        "column '{column}' says {unit}, by which the log's {rows} rows last {lasts_s:.2e} s, and no gyro is logged so fast: say its unit (`time_unit`{})",
+        rather.map(|unit| format!(" {unit}")).unwrap_or_default()
+    )]
+    DoubtfulTime {
+        /// The time column's name.
+        column: String,
+        /// The unit that it says.
+        unit: TimeUnit,
+        /// How long the log would last.
+        lasts_s: f64,
+        /// Its rows.
+        rows: u64,
+        /// The unit it may be in, if one fits.
+        rather: Option<TimeUnit>,
+    },
+    /// A recording and an autopilot's log say themselves what is what.
+    #[error(
+        "{form} has no columns to choose and says its units itself: leave out what names a column or a unit (`time`, `temperature`, `rate`, `time_unit`, `temperature_unit`, `rate_unit`)"
+    )]
+    NoColumns {
+        /// What it is.
+        form: &'static str,
     },
     /// Rates whose unit was guessed, and that speak against the guess.
     #[error(

@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 use std::time::SystemTime;
 
 use imu_logs::wall_clock;
+use zerorate_fit::spacing::Spacing;
 
 use super::plausible::Plausible;
 use super::{LogError, LogFault};
-use crate::quality::{Reason, ReasonKind};
+use crate::quality::{Reason, ReasonKind, TAKEN_AS};
 use crate::table::{Batch, Resolved, Table};
 use crate::units::TimeUnit;
 
@@ -15,41 +16,17 @@ use crate::units::TimeUnit;
 /// unit: few sensors go through their temperatures in five minutes.
 const SHORT_S: f64 = 300.0;
 
-/// What one axis has to offer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct AxisSurvey {
-    /// Rows with a temperature and a rate.
-    pub rows: u64,
-    /// Rows without a temperature.
-    pub missing_temperature: u64,
-    /// Rows with a temperature and no rate.
-    pub missing_rate: u64,
-    /// The least temperature with a rate.
-    pub min: f64,
-    /// The greatest.
-    pub max: f64,
-}
+/// A time between rows below this is none that makes averages shorter: a group lasts 10 s.
+const LEAST_GAP_S: f64 = 15.0;
 
-impl AxisSurvey {
-    /// Of no row yet.
-    pub(crate) const EMPTY: Self =
-        Self { rows: 0, missing_temperature: 0, missing_rate: 0, min: f64::INFINITY, max: f64::NEG_INFINITY };
+/// No gyro is read more often: the fastest have 32 000 readings a second.
+const FASTEST_S: f64 = 1e-5;
 
-    /// Takes in some rows.
-    pub(crate) fn take(&mut self, temperatures: &[f64], rates: &[f64]) {
-        for (temperature, rate) in temperatures.iter().zip(rates) {
-            if !temperature.is_finite() {
-                self.missing_temperature += 1;
-            } else if !rate.is_finite() {
-                self.missing_rate += 1;
-            } else {
-                self.rows += 1;
-                self.min = self.min.min(*temperature);
-                self.max = self.max.max(*temperature);
-            }
-        }
-    }
-}
+/// And no log of its drift is over in less.
+const SHORTEST_S: f64 = 1.0;
+
+/// Fewer rows tell nothing of how often they come.
+const FEW_ROWS: u64 = 64;
 
 /// What a log has to offer.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +38,8 @@ pub(super) struct Survey {
     last_time: f64,
     /// Rows without a time, where there is a column of times.
     timeless_rows: u64,
+    /// How far apart the times are.
+    spacing: Spacing,
     /// Seconds in one unit of the time column; NaN if not known.
     unit_s: f64,
     /// Whether a time that counts from 1970 is UTC.
@@ -79,6 +58,7 @@ impl Survey {
             first_time: f64::NAN,
             last_time: f64::NAN,
             timeless_rows: 0,
+            spacing: Spacing::default(),
             unit_s: f64::NAN,
             is_utc: columns.is_utc,
             notes: Vec::new(),
@@ -109,6 +89,7 @@ impl Survey {
             survey.reasons.extend(plausible.doubt(sensor, table));
         }
         survey.settle_unit(table, columns);
+        survey.refuse_too_fast(table, columns)?;
         Ok(survey)
     }
 
@@ -128,6 +109,7 @@ impl Survey {
                 self.first_time = time;
             }
             self.last_time = time;
+            self.spacing.push(time);
         }
         Ok(())
     }
@@ -156,7 +138,8 @@ impl Survey {
             );
             self.reasons.push(Reason::new(ReasonKind::MissingValues, text));
         }
-        let guessed = TimeUnit::by_duration(self.last_time - self.first_time);
+        let lasts = self.lasts_without_gaps(0.0);
+        let guessed = TimeUnit::by_duration(lasts);
         match columns.time_unit.or(guessed) {
             Some(unit) => self.unit_s = unit.seconds(),
             None => self
@@ -164,9 +147,9 @@ impl Survey {
                 .push(format!("'{name}' names no unit and the log's length fits none (`time_unit` says which)")),
         }
         if let (None, Some(unit)) = (columns.time_unit, guessed) {
-            let lasts_s = (self.last_time - self.first_time) * unit.seconds();
+            let lasts_s = lasts * unit.seconds();
             let mut text = format!(
-                "'{name}' names no unit: taken as {unit}, by which the log lasts {lasts_s:.0} s (`time_unit` says otherwise)"
+                "'{name}' {TAKEN_AS} {unit}, by which the log lasts {lasts_s:.0} s (`time_unit` says otherwise)"
             );
             let larger = unit.larger().filter(|_| lasts_s < SHORT_S);
             if let Some(larger) = larger {
@@ -181,9 +164,9 @@ impl Survey {
         }
     }
 
-    /// A time of the log's own unit in seconds from its first row; NaN if not known.
+    /// A time of the log's own unit in seconds from its first row; NaN if not known, as of an infinite one.
     pub(super) fn seconds(&self, time: f64) -> f64 {
-        (time - self.first_time) * self.unit_s
+        if time.is_finite() { (time - self.first_time) * self.unit_s } else { f64::NAN }
     }
 
     /// When the first row was taken, where its time counts from 1970: seconds from a start are too few for that.
@@ -194,9 +177,35 @@ impl Survey {
         wall_clock(utc_us).filter(|_| self.is_utc)
     }
 
-    /// The mean time between rows, seconds; NaN if not known.
+    /// The mean time between rows but for the gaps, seconds; NaN if not known: what a log does not have makes its averages
+    /// no shorter.
     pub(super) fn step_s(&self) -> f64 {
-        self.seconds(self.last_time) / (self.rows.max(2) - 1) as f64
+        let least = LEAST_GAP_S / self.unit_s;
+        let (gaps, _) = self.spacing.gaps(least);
+        self.lasts_without_gaps(least) * self.unit_s / (self.rows.max(2 + gaps) - 1 - gaps) as f64
+    }
+
+    /// How long the log lasts in the column's own unit, less its gaps of so much at least.
+    fn lasts_without_gaps(&self, least: f64) -> f64 {
+        self.last_time - self.first_time - self.spacing.gaps(least).1
+    }
+
+    /// Refuses a unit by which rows come faster than from any gyro, or all in less than a second: the column's name is wrong
+    /// about it.
+    fn refuse_too_fast(&self, table: &Table, columns: &Resolved) -> Result<(), LogError> {
+        let (Some(time), Some(unit)) = (columns.time, columns.time_unit) else { return Ok(()) };
+        let lasts = self.lasts_without_gaps(0.0);
+        let is_too_fast = lasts > 0.0 && (self.step_s() < FASTEST_S || lasts * unit.seconds() < SHORTEST_S);
+        if columns.is_time_unit_asked || self.rows < FEW_ROWS || !is_too_fast {
+            return Ok(());
+        }
+        Err(table.source().faulty(LogFault::DoubtfulTime {
+            column: table.names()[time].clone(),
+            unit,
+            lasts_s: lasts * unit.seconds(),
+            rows: self.rows,
+            rather: TimeUnit::by_duration(lasts),
+        }))
     }
 }
 

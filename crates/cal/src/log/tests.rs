@@ -1,5 +1,6 @@
 use super::*;
 use crate::quality::ReasonKind;
+use crate::units::TimeUnit;
 
 /// Passes everything over.
 struct Nothing;
@@ -69,4 +70,30 @@ fn rows_without_a_time_are_counted() {
     assert_eq!(text, "'time_s' has no number in 2 of 5 rows: they count where they stand between the others");
     let [(kind, text)] = &of_time("time_s", &["5", "5", "5"])[..] else { panic!() };
     assert!(*kind == ReasonKind::MissingValues && text.contains("does not move"), "{text}");
+}
+
+fn opened(text: String, columns: &Columns) -> Result<LogFile, LogError> {
+    LogFile::open(&Source::bytes("log.csv", text.into_bytes()), columns)
+}
+
+#[test]
+fn a_unit_by_which_no_gyro_could_be_read_so_often_is_asked_about() {
+    let rows: String = (0..200).map(|row| format!("{},20.0,0.1\n", f64::from(row) * 30.0)).collect();
+    let text = |unit: &str| format!("time_{unit},temp_c,gyro_x_dps\n{rows}");
+    let told = opened(text("us"), &Columns::default()).unwrap_err().to_string();
+    assert!(told.contains("'time_us' says us") && told.contains("(`time_unit` s)"), "{told}");
+    assert!(opened(text("s"), &Columns::default()).is_ok());
+    // Whoever says so is believed.
+    let asked = Columns { time_unit: Some(TimeUnit::Us), ..Columns::default() };
+    assert!(opened(text("us"), &asked).is_ok());
+}
+
+#[test]
+fn the_time_between_rows_is_that_of_rows_and_not_of_gaps() {
+    // Two rows a second, with a night and two weekends between them.
+    let times = (0..4000).map(|row| 0.5 * f64::from(row) + [0.0, 40_000.0, 300_000.0, 600_000.0][row as usize / 1000]);
+    let rows: String = times.map(|time| format!("{time},20.0,0.1\n")).collect();
+    let (rows, step_s) =
+        opened(format!("time_s,temp_c,gyro_x_dps\n{rows}"), &Columns::default()).unwrap().extent().unwrap();
+    assert!(rows == 4000 && (step_s - 0.5).abs() < 1e-9, "{rows} {step_s}");
 }

@@ -3,7 +3,7 @@
 use zerorate_fit::boot::BOOT_S;
 
 use super::LogFit;
-use crate::trace::period_s;
+use zerorate_fit::trace::period_s;
 
 impl LogFit {
     /// The time from one average to the next, seconds, as a rule; `None` of a log without times.

@@ -1,9 +1,11 @@
 //! From logs to the groups of every sensor wanted.
 
 use std::time::SystemTime;
+use zerorate_fit::fingerprint::Fingerprint;
+use zerorate_fit::spacing::Spacing;
 use zerorate_fit::still::{Still, Stillness};
 
-use super::overlap::{Fingerprint, LogRows};
+use super::overlap::LogRows;
 use super::part::LogPart;
 use super::repeated;
 use super::{FitOptions, LogFitError};
@@ -27,6 +29,8 @@ pub(super) struct Gathered {
     pub rows: u64,
     /// The least change from one row's temperature to another.
     pub temperature_step: f64,
+    /// For each axis the least change from one row's rate to another.
+    pub rate_steps: Vec<f64>,
     /// For each axis, where it read one number for so long that it measured nothing.
     pub still: Vec<Option<Still>>,
 }
@@ -223,6 +227,7 @@ impl Gathered {
         self.groups.append(&mut next.groups);
         self.rows += next.rows;
         self.temperature_step = self.temperature_step.min(next.temperature_step);
+        self.rate_steps.iter_mut().zip(next.rate_steps).for_each(|(own, other)| *own = own.min(other));
         for (own, other) in self.still.iter_mut().zip(next.still) {
             *own = own.take().or(other);
         }
@@ -252,6 +257,7 @@ struct Taken {
     rows: u64,
     first_s: f64,
     last_s: f64,
+    spacing: Spacing,
 }
 
 impl<'a> Taking<'a> {
@@ -269,7 +275,10 @@ impl<'a> Taking<'a> {
         let is_short = |taken: &Taken| (taken.grouping.len() as u64) < MIN_GROUPS && taken.rows > 1;
         let seconds = self.lengths.iter().any(|length| matches!(length, Length::Seconds(_)));
         (seconds && options.group_s.is_none() && self.sensors.iter().any(is_short)).then(|| {
-            let step_s = |taken: &Taken| (taken.last_s - taken.first_s) / (taken.rows.max(2) - 1) as f64;
+            let step_s = |taken: &Taken| {
+                let (gaps, gaps_s) = taken.spacing.gaps(GROUP_S);
+                (taken.last_s - taken.first_s - gaps_s) / (taken.rows.max(2 + gaps) - 1 - gaps) as f64
+            };
             let length = |taken: &Taken| Length::of_extent(taken.rows, step_s(taken), None);
             self.sensors.iter().map(length).collect()
         })
@@ -297,6 +306,7 @@ impl Sink for Taking<'_> {
                 rows: 0,
                 first_s,
                 last_s,
+                spacing: Spacing::default(),
             });
         }
         wanted
@@ -307,8 +317,9 @@ impl Sink for Taking<'_> {
         taken.rows += rows.temperature.len() as u64;
         taken.first_s = if taken.first_s.is_nan() { rows.time_s[0] } else { taken.first_s };
         taken.last_s = rows.time_s[rows.time_s.len() - 1];
+        rows.time_s.iter().for_each(|time| taken.spacing.push(*time));
         taken.grouping.push_rows(rows);
-        taken.fingerprint.push_rows(rows);
+        taken.fingerprint.push_rows(rows.temperature, rows.values);
         taken.look_for_stillness(rows);
     }
 }
@@ -326,9 +337,19 @@ impl Taken {
 
     fn finish(self) -> Gathered {
         let temperature_step = self.grouping.temperature_step();
+        let rate_steps = self.grouping.rate_steps();
         let (groups, tallies) = self.grouping.finish();
         let still = self.stillness.iter().map(Stillness::found).collect();
-        Gathered { stream: self.stream, groups, tallies, parts: Vec::new(), rows: self.rows, temperature_step, still }
+        Gathered {
+            stream: self.stream,
+            groups,
+            tallies,
+            parts: Vec::new(),
+            rows: self.rows,
+            temperature_step,
+            rate_steps,
+            still,
+        }
     }
 }
 

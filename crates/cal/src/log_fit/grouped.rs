@@ -14,8 +14,8 @@ use crate::condition::{
 };
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::source::Source;
-use crate::trace::{self, TracePoint};
 use crate::units::RateUnit;
+use zerorate_fit::trace::{self, TracePoint};
 
 /// The order of the polynomial that tells what an accelerometer shows at its reference temperature.
 const REFERENCE_ORDER: usize = 3;
@@ -65,6 +65,11 @@ pub(super) fn fit(sources: &[Source], options: &FitOptions, fit: &mut LogFit) ->
 
 /// Finds what is no drift in a sensor's groups.
 fn condition(sensor: &mut Gathered) -> Levels {
+    for axis in 0..sensor.still.len() {
+        if words::coarse_step(sensor, axis).is_some() {
+            sensor.still[axis] = None;
+        }
+    }
     for (axis, _) in sensor.still.iter().enumerate().filter(|(_, still)| still.is_some()) {
         // It is no measure of how the others move.
         sensor.groups.iter_mut().for_each(|group| group.axes[axis].rows = 0);
@@ -80,7 +85,7 @@ fn condition(sensor: &mut Gathered) -> Levels {
             RateUnit::Dps => 1.0_f64.to_degrees(),
             RateUnit::Counts | RateUnit::MetresPerS2 => f64::INFINITY,
         };
-    let mut levels = level(&mut sensor.groups, &mut sensor.tallies, unit, rotation_threshold);
+    let mut levels = level(&mut sensor.groups, &mut sensor.tallies, unit, rotation_threshold, &sensor.rate_steps);
     levels.excluded.extend(untrue);
     levels.excluded.sort_by_key(|interval| interval.rows);
     extend_to_the_start(&mut sensor.groups);
@@ -123,8 +128,10 @@ fn overlap(a: (f64, f64), b: (f64, f64)) -> bool {
 }
 
 fn fit_sensor(sensor: &Gathered, levels: &Levels, options: &FitOptions, fit: &mut LogFit) {
+    let untrue = words::of_temperature(sensor);
     for (axis, name) in sensor.stream.names.iter().enumerate() {
         let mut judgement = Judgement::default();
+        untrue.iter().for_each(|reason| judgement.add(reason.clone()));
         words::report(&mut judgement, sensor, axis, levels, options);
         fit.axes.extend(fit_axis(sensor, options, axis, &mut judgement));
         fit.verdicts.push(AxisVerdict { name: name.clone(), judgement });

@@ -1,9 +1,9 @@
 //! Whether a log's temperature went both ways, without which nobody has seen hysteresis.
 
-use zerorate_fit::direction::warming;
+use zerorate_fit::direction::both_ways;
 use zerorate_fit::intervals::{common, joined, length};
 
-use crate::quality::{Reason, ReasonKind};
+use crate::quality::{NO_HYSTERESIS, Reason, ReasonKind};
 
 /// Less than this share of the span passed both ways, and most of the curve is of one direction.
 const BOTH_WAYS: f64 = 0.5;
@@ -14,24 +14,7 @@ const NONE: f64 = 0.005;
 /// A reason, where a log's temperatures went one way over most of their span; those of a log each, in the order of time, and
 /// whether a rate was measured there.
 pub(crate) fn reason(logs: &[Vec<(f64, bool)>]) -> Option<Reason> {
-    let (mut up, mut down) = (Vec::new(), Vec::new());
-    for log in logs {
-        let warming = warming(&log.iter().map(|(temperature, _)| *temperature).collect::<Vec<_>>());
-        let mut start = 0;
-        for leg in warming.chunk_by(|a, b| a == b) {
-            // Where it turns belongs to both ways.
-            let end = start + leg.len();
-            let passed = log[start..(end + 1).min(log.len())].iter().filter(|(t, measured)| *measured && t.is_finite());
-            let ends = passed.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), (t, _)| (min.min(*t), max.max(*t)));
-            if leg[0] {
-                up.push(ends)
-            } else {
-                down.push(ends)
-            }
-            start = end;
-        }
-    }
-    let (up, down) = (joined(up), joined(down));
+    let (up, down) = both_ways(logs);
     let span = length(&joined([&up[..], &down[..]].concat()));
     let share = length(&common(&up, &down)) / span;
     // Without a span there is nothing to say of it; that is another reason's.
@@ -48,7 +31,7 @@ pub(crate) fn reason(logs: &[Vec<(f64, bool)>]) -> Option<Reason> {
         format!("the temperature {way}, and only {:.0} % of its span was passed both ways", 100.0 * share)
     };
     let text = format!(
-        "{how_much}: the log says nothing of hysteresis, and on the way back the drift may be another by more than the held-out residual tells"
+        "{how_much}: {NO_HYSTERESIS}, and on the way back the drift may be another by more than the held-out residual tells"
     );
     Some(Reason::new(ReasonKind::OneDirection, text))
 }

@@ -3,15 +3,16 @@
 use zerorate_core::drift::{Scale, ValidRange};
 use zerorate_fit::choose::{Choice, FoldFits, FoldResiduals};
 use zerorate_fit::drift_fit::{DriftFit, ResidualOver};
+use zerorate_fit::offer::AxisSurvey;
 
 use super::gather::is_accelerometer;
 use super::{AxisFit, AxisVerdict, FitOptions, LogFit, LogFitError, admit, one_way, words};
 use crate::calibration::AxisCalibration;
 use crate::condition::{DropReason, Tally};
-use crate::log::{AxisSurvey, LogError, LogFile, Rows, Sink, Stream};
+use crate::log::{LogError, LogFile, Rows, Sink, Stream};
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::source::Source;
-use crate::trace::{Trace, TracePoint};
+use zerorate_fit::trace::{Trace, TracePoint};
 
 /// Fits every axis: a pass to see what there is, one for the fits, one for the residuals.
 pub(super) fn fit(source: &Source, options: &FitOptions, fit: &mut LogFit) -> Result<(), LogFitError> {

@@ -1,21 +1,39 @@
 //! What conditioning found, in words.
 
 use zerorate_fit::auto::BEYOND;
+use zerorate_fit::dropouts::{Shown, jumps_that_stay};
+use zerorate_fit::frozen::{Frozen, frozen};
+use zerorate_fit::intervals::widest_hole;
 use zerorate_fit::still::Still;
 
 use super::FitOptions;
 use super::gather::Gathered;
-use crate::condition::{DropReason, Excluded, Levels, Step};
+use crate::condition::{DropReason, Excluded, Group, Levels, Step, all_of, dropout_margin, typical_scatter};
 use crate::log::Stream;
 use crate::quality::{Judgement, Reason, ReasonKind};
-use crate::units::RateScale;
+use crate::units::{RateScale, TemperatureUnit};
 
 /// A step of the temperature of this fraction of the least span is coarse.
 const COARSE: f64 = 0.02;
 
+/// A rate whose steps are so many times the typical scatter of a group is coarse: of finer steps noise makes most groups scatter
+/// by a fifth of a step.
+const COARSE_RATE: f64 = 6.0;
+
+/// A rate that never goes over so many steps does not tell a coarse converter from a dead gyro.
+const LEAST_STEPS: f64 = 3.0;
+
 /// What to think of a jump that stands out and is small beside the drift.
 const LEFT_IN: &str = "it was left in, for a part may jump by itself at some temperature; if something else changed then, the \
                        curve is wrong by it";
+
+/// From so long on a time without rows may be a clock that was set: logs are seldom left open for an hour and go on.
+const CLOCK_SET_S: f64 = 3600.0;
+
+/// No log is left open so long.
+const MOST_OF_A_LOG_S: f64 = 30.0 * DAY_S;
+
+const DAY_S: f64 = 86_400.0;
 
 /// Puts what conditioning found of an axis into its judgement.
 pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, levels: &Levels, options: &FitOptions) {
@@ -32,9 +50,10 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
         );
         judgement.add(Reason::new(ReasonKind::CoarseTemperature, text));
     }
+    of_coarse_rate(sensor, axis, options).into_iter().for_each(|reason| judgement.add(reason));
     for interval in &levels.excluded {
         let part = sensor.part(interval.rows.0);
-        if let Some(reason) = of_excluded(&part.interval(interval), unit) {
+        if let Some(reason) = of_excluded(&part.interval(interval), stream.temperature_unit) {
             judgement.add(part.reason(reason));
         }
     }
@@ -93,18 +112,91 @@ pub(super) fn of_nothing_kept(sensor: &Gathered, axis: usize) -> Option<Reason> 
 /// The widest hole among the temperatures that were measured, where a curve is drawn over more of it than it is believed
 /// past an end, from either side.
 pub(super) fn of_hole(temperatures: impl Iterator<Item = f64>, unit: &str) -> Option<Reason> {
-    let mut measured: Vec<f64> = temperatures.collect();
-    measured.sort_by(f64::total_cmp);
-    let span = measured.last()? - measured.first()?;
-    let hole = measured.windows(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+    let (hole, span) = widest_hole(temperatures.collect())?;
     let text = || {
         format!(
             "no temperature between {:.1} and {:.1} {unit} was measured: there the curve is a guess; add a log that \
              goes through it",
-            hole[0], hole[1]
+            hole.0, hole.1
         )
     };
-    (hole[1] - hole[0] > 2.0 * BEYOND * span).then(|| Reason::new(ReasonKind::Unmeasured, text()))
+    (hole.1 - hole.0 > 2.0 * BEYOND * span).then(|| Reason::new(ReasonKind::Unmeasured, text()))
+}
+
+/// What is wrong with a sensor's temperature that no row can be blamed for: a jump that stays, and a stop while the rates go on.
+pub(super) fn of_temperature(sensor: &Gathered) -> Vec<Reason> {
+    let unit = sensor.stream.temperature_unit;
+    let shown = |group: &Group| Shown { mean: group.temperature, range: group.temperatures, leap: group.leap };
+    let mut found = Vec::new();
+    for log in sensor.groups.chunk_by(|a, b| a.log == b.log) {
+        let shown: Vec<Shown> = log.iter().map(shown).collect();
+        for place in jumps_that_stay(&shown, dropout_margin(unit, sensor.temperature_step)) {
+            let (group, leap) = (&log[place], log[place].leap);
+            let size = if leap.1 > -leap.0 { leap.1 } else { leap.0 };
+            let text = format!(
+                "the temperature jumps by {size:+.1} {} from one row to the next {} and stays there, which no part does: one side is \
+                 not true, and the curve is wrong by it",
+                unit.name(),
+                of_groups(sensor, group, group)
+            );
+            found.push(sensor.part(group.first_row).reason(Reason::new(ReasonKind::TemperatureJump, text)));
+        }
+        let temperatures: Vec<f64> = log.iter().map(|group| group.temperature).collect();
+        if temperatures.iter().fold(f64::NAN, |a, b| a.max(*b)) - temperatures.iter().fold(f64::NAN, |a, b| a.min(*b))
+            < unit.min_span()
+        {
+            continue;
+        }
+        let rate =
+            |axis: usize| move |group: &Group| if group.axes[axis].rows > 0 { group.axes[axis].rate } else { f64::NAN };
+        let rates: Vec<Vec<f64>> =
+            (0..sensor.stream.names.len()).map(|axis| log.iter().map(rate(axis)).collect()).collect();
+        for Frozen { groups, axis, share } in frozen(&temperatures, &rates) {
+            let text = format!(
+                "the temperature stands still {} while {} goes on by {:.0} % of all that it does: its sensor, or the line to it, has \
+                 stopped, or the rate drifts in time",
+                of_groups(sensor, &log[groups.start], &log[groups.end - 1]),
+                sensor.stream.names[axis],
+                100.0 * share
+            );
+            let part = sensor.part(log[groups.start].first_row);
+            found.push(part.reason(Reason::new(ReasonKind::FrozenTemperature, text)));
+        }
+    }
+    found
+}
+
+/// Where some successive groups are, by the rows and times of their own log.
+fn of_groups(sensor: &Gathered, first: &Group, last: &Group) -> String {
+    let temperature = all_of(first.temperatures, last.temperatures);
+    let (rows, time_s) = ((first.first_row, last.end_row), (first.times_s.0, last.times_s.1));
+    let own = sensor.part(first.first_row).interval(&Excluded { reason: DropReason::Gap, rows, time_s, temperature });
+    place(own.time_s, own.rows, own.temperature, sensor.stream.temperature_unit.name())
+}
+
+/// A step of an axis's converter, where its steps are larger than its noise and its rates lie on several: then it may well read
+/// one number for long, and is no dead gyro.
+pub(super) fn coarse_step(sensor: &Gathered, axis: usize) -> Option<f64> {
+    let rates = || sensor.groups.iter().map(|group| group.axes[axis].rate);
+    let range = rates().fold(f64::NAN, f64::max) - rates().fold(f64::NAN, f64::min);
+    let step = sensor.rate_steps[axis];
+    let scatter = typical_scatter(&sensor.groups, axis);
+    (step.is_finite() && step > COARSE_RATE * scatter && range > LEAST_STEPS * step).then_some(step)
+}
+
+/// An axis whose converter's steps are larger than its noise.
+fn of_coarse_rate(sensor: &Gathered, axis: usize, options: &FitOptions) -> Option<Reason> {
+    let step = coarse_step(sensor, axis)?;
+    let scale = RateScale::of(sensor.stream.unit, &[step], options.told_in);
+    let text = || {
+        format!(
+            "{}: the rate comes in steps of {}, larger than its noise: an average is no finer than a step, and what looks like a \
+             jump of one is the converter's",
+            sensor.stream.names[axis],
+            scale.told(step)
+        )
+    };
+    Some(Reason::new(ReasonKind::CoarseRate, text()))
 }
 
 /// Whether the temperature comes in steps that a curve feels: a fiftieth of the least span, 0.2 C.
@@ -113,7 +205,7 @@ pub(super) fn is_coarse(sensor: &Gathered) -> bool {
     step.is_finite() && step >= COARSE * sensor.stream.temperature_unit.min_span()
 }
 
-fn of_excluded(interval: &Excluded, unit: &str) -> Option<Reason> {
+fn of_excluded(interval: &Excluded, unit: TemperatureUnit) -> Option<Reason> {
     let (kind, what) = match interval.reason {
         DropReason::Rotation => (ReasonKind::Rotation, "the unit was moved"),
         DropReason::StartUp => (ReasonKind::StartUp, "the readings settled after the start"),
@@ -128,15 +220,17 @@ fn of_excluded(interval: &Excluded, unit: &str) -> Option<Reason> {
             };
             let text = format!(
                 "nothing was logged for {}, from {from:.0} s to {to:.0} s, between rows {before} and {after}, at {least:.1} to \
-                 {most:.1} {unit}: what happened there is not known",
-                lasting(to - from)
+                 {most:.1} {}: {}",
+                lasting(to - from),
+                unit.name(),
+                of_gap(to - from, most - least, unit)
             );
             return Some(Reason::new(ReasonKind::Gap, text));
         }
         // A step is told by itself.
         _ => return None,
     };
-    let place = place(interval.time_s, interval.rows, interval.temperature, unit);
+    let place = place(interval.time_s, interval.rows, interval.temperature, unit.name());
     Some(Reason::new(kind, format!("{what} {place}: these rows were left out")))
 }
 
@@ -162,12 +256,27 @@ pub(super) fn of_still(still: &Still, name: &str, sensor: &Gathered) -> Reason {
     Reason::new(ReasonKind::StuckReading, text)
 }
 
+/// What to think of a time without rows. A unit that stood for hours without rows seldom has the same temperature again to a
+/// tenth of the least span; one whose clock was set in the middle of a log has.
+fn of_gap(seconds: f64, change: f64, unit: TemperatureUnit) -> &'static str {
+    if seconds > CLOCK_SET_S && change < 0.1 * unit.min_span() {
+        "the temperature goes on where it was, as if no time had gone by: the clock was set in the middle of the log, or the \
+         unit stood still for as long; a drift in time is wrong by it"
+    } else if seconds > MOST_OF_A_LOG_S {
+        "the clock was set in the middle of the log, or two logs were joined; a drift in time is wrong by it"
+    } else {
+        "what happened there is not known"
+    }
+}
+
 /// A time as people say it.
 fn lasting(seconds: f64) -> String {
     match seconds {
         short if short < 120.0 => format!("{short:.0} s"),
         minutes if minutes < 7200.0 => format!("{:.0} min", minutes / 60.0),
-        hours => format!("{:.1} h", hours / 3600.0),
+        hours if hours < 48.0 * 3600.0 => format!("{:.1} h", hours / 3600.0),
+        days if days < 700.0 * DAY_S => format!("{:.1} days", days / DAY_S),
+        years => format!("{:.1} years", years / (365.25 * DAY_S)),
     }
 }
 

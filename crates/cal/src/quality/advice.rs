@@ -40,6 +40,13 @@ impl ReasonKind {
             Self::FrozenTemperature => {
                 "Look for why the temperature stood still: a sensor that is read too seldom, or a bus that hangs."
             }
+            Self::TemperatureJump => {
+                "Look for what changed when the temperature jumped: a sensor, a connector, a scale; a curve needs one that is true \
+                 throughout."
+            }
+            Self::CoarseRate => {
+                "Take the gyro’s rate at its full resolution: a smaller full scale, or more digits in the log."
+            }
             Self::CoarseTemperature => {
                 "A temperature in coarse steps makes the curve less exact: take the gyro’s own sensor at its full resolution, \
                  or warm slowly."

@@ -11,7 +11,7 @@ use super::words::{
     words,
 };
 use super::{Table, TableError, TableFault};
-use crate::quality::{Reason, ReasonKind};
+use crate::quality::{Reason, ReasonKind, TAKEN_AS};
 use crate::units::{RateUnit, TimeUnit, WrittenRate, WrittenTemperature};
 use gyros::Gyro;
 
@@ -41,6 +41,8 @@ pub struct Resolved {
     pub time: Option<usize>,
     /// The time's unit where it was given or the table says it; otherwise [`TimeUnit::by_duration`] decides.
     pub time_unit: Option<TimeUnit>,
+    /// Whether it was given, and is believed against the column's name.
+    pub is_time_unit_asked: bool,
     /// Whether times that count from 1970 are UTC: not where the table writes times of no zone.
     pub is_utc: bool,
     /// The sensors, at least one.
@@ -82,6 +84,13 @@ pub struct ResolvedRate {
 }
 
 impl Columns {
+    /// Whether something was asked for that only a table has.
+    pub(crate) fn is_of_a_table(&self) -> bool {
+        let Self { time, temperature, rates, time_unit, temperature_unit, rate_unit, else_rate_unit: _ } = self;
+        let is_named = time.is_some() || temperature.is_some() || !rates.is_empty();
+        is_named || time_unit.is_some() || temperature_unit.is_some() || rate_unit.is_some()
+    }
+
     /// Finds the columns of a table.
     ///
     /// # Errors
@@ -133,6 +142,7 @@ impl<'a> Names<'a> {
         let mut resolved = Resolved {
             time,
             time_unit: time.map_or(Ok(asked.time_unit), of_column)?,
+            is_time_unit_asked: asked.time_unit.is_some(),
             is_utc: clock.is_none_or(|clock| clock.is_utc),
             sensors: Vec::new(),
             notes: Vec::new(),
@@ -256,7 +266,7 @@ impl<'a> Names<'a> {
         let is_temperature_guessed = said.is_none();
         if is_temperature_guessed {
             let name = &self.table.names()[temperature];
-            let text = format!("'{name}' names no unit: taken as degrees C (`temperature_unit` says otherwise)");
+            let text = format!("'{name}' {TAKEN_AS} degrees C (`temperature_unit` says otherwise)");
             resolved.guesses.push(Reason::new(ReasonKind::AssumedUnit, text));
         }
         let written_temperature = said.unwrap_or(WrittenTemperature::Celsius);
@@ -270,7 +280,7 @@ impl<'a> Names<'a> {
         {
             let name = &self.table.names()[gyro.columns[place]];
             let why = if is_rate_guessed { "" } else { ", as the columns beside it" };
-            let text = format!("'{name}' names no unit: taken as {of_rest}{why} (`rate_unit` says otherwise)");
+            let text = format!("'{name}' {TAKEN_AS} {of_rest}{why} (`rate_unit` says otherwise)");
             resolved.guesses.push(Reason::new(ReasonKind::GuessedUnit, text));
         }
         let rate_unit = of_rest.unit();

@@ -9,7 +9,10 @@ use zerorate_cal::calibration::Calibration;
 use zerorate_cal::fit::fit;
 use zerorate_cal::log::SensorChoice;
 use zerorate_cal::log_fit::{AxisFit, FitOptions};
+use zerorate_cal::quality::{Reason, ReasonKind};
+use zerorate_cal::recording::Recording;
 use zerorate_cal::source::Source;
+use zerorate_cal::table::Columns;
 use zerorate_cal::units::RateUnit;
 use zerorate_characterise::{AxisNoise, Characteristics, NoiseOf, doubtful, missing, noise};
 use zerorate_fit::allan::{Allan, Coefficient};
@@ -62,6 +65,7 @@ struct Found<'a> {
     schema: u32,
     noise: &'a [AxisNoise],
     sensitivities: Vec<Sensitivities<'a>>,
+    reasons: Vec<&'a Reason>,
 }
 
 #[derive(Serialize)]
@@ -78,6 +82,12 @@ impl Characterise {
         let busy = Busy::reading(&self.log);
         let columns = self.columns.columns();
         let log = Source::from(&self.log);
+        if columns == Columns::default() && Recording::is_one(&log) {
+            let recording = Recording::read(&log)?;
+            if !recording.rows.iter().any(|row| row.phase.is_ramp()) {
+                bail!("{}: {}", self.log.display(), recording.without_a_ramp());
+            }
+        }
         let noises = noise(&log, &columns, self.sensor, calibration.as_ref())?;
         if let (true, Some(calibration)) = (noises.is_empty(), &calibration) {
             let axes: Vec<&str> = calibration.axes.keys().map(String::as_str).collect();
@@ -89,13 +99,16 @@ impl Characterise {
         let sensitivities: Vec<(&AxisFit, Characteristics)> =
             fit.axes.iter().map(|axis| (axis, Characteristics::of(axis, None))).collect();
         drop(busy);
+        // That a soak spans little is no fault of one.
+        let is_told = |reason: &&Reason| fit.axes.is_empty() || reason.kind != ReasonKind::NarrowSpan;
+        let reasons: Vec<&Reason> = fit.judgement.reasons.iter().filter(is_told).collect();
         let told = !sensitivities.is_empty() || noises.iter().any(|axis| axis.noise.is_ok());
         if self.json {
             let sensitivities = sensitivities
                 .iter()
                 .map(|(axis, found)| Sensitivities { axis: &axis.name, rate_unit: axis.calibration.rate_unit, found })
                 .collect();
-            screen::print_json(&Found { schema: 1, noise: &noises, sensitivities })?;
+            screen::print_json(&Found { schema: 1, noise: &noises, sensitivities, reasons })?;
         } else {
             let mut page = Page::default();
             page.sentence("", &format!("{}:", self.log.display()));
@@ -105,9 +118,9 @@ impl Characterise {
                 &sensitivities,
                 fit.axes.first().map_or("C", |axis| axis.temperature_unit.name()),
             );
-            if sensitivities.is_empty() {
-                page.heading("Sensitivities");
-                fit.judgement.reasons.iter().for_each(|reason| page.sentence("  - ", &reason.text));
+            if !reasons.is_empty() {
+                page.heading(if sensitivities.is_empty() { "Sensitivities" } else { "To look at in the log" });
+                reasons.iter().for_each(|reason| page.sentence("  - ", &reason.text));
             }
             page.print()?;
         }
@@ -201,6 +214,11 @@ fn cell(coefficient: &Coefficient, (factor, unit): &(f64, String)) -> String {
     }
 }
 
+/// A standard error; nothing where it is not known.
+fn or_unknown(error: f64) -> String {
+    if error.is_finite() { format!(" +- {error:.0e}") } else { String::new() }
+}
+
 fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degree: &str) {
     if axes.is_empty() {
         return;
@@ -215,8 +233,8 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
         let ramp = found.ramp_sensitivity.as_ref();
         grid.row([
             axis.name.clone(),
-            format!("{:.2e} +- {:.0e}", slope.mean, slope.mean_standard_error),
-            format!("{:.2e} +- {:.0e} at {:.0}", slope.steepest, slope.steepest_standard_error, slope.steepest_at),
+            format!("{:.2e}{}", slope.mean, or_unknown(slope.mean_standard_error)),
+            format!("{:.2e}{} at {:.0}", slope.steepest, or_unknown(slope.steepest_standard_error), slope.steepest_at),
             found.hysteresis.as_ref().map_or("-".to_owned(), |found| {
                 let share = Some(found.share).filter(|share| share.is_finite());
                 let share = share.map(|share| format!(" ({:.0} %)", 100.0 * share)).unwrap_or_default();

@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use zerorate_bench::board::Mode;
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::study::{self, Quantiles, UnitRejected, UnitResult};
 
@@ -130,10 +131,18 @@ fn page(
         ]);
     }
     page.grid(&grid);
-    let no_wiper = results.iter().filter(|result| result.trim_residual_pp_counts.is_none()).count();
-    if no_wiper > 0 {
+    let no_wiper = results.iter().filter(|result| result.mode == Mode::Digital);
+    let left: Vec<f64> = no_wiper.map(|result| result.hybrid_residual_pp_counts).collect();
+    if !left.is_empty() {
+        let (least, most) = left.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), left| (a.min(*left), b.max(*left)));
         page.gap();
-        page.sentence("", &format!("In {no_wiper} the drift needs more taps than the law can hold: digital alone."));
+        page.sentence(
+            "",
+            &format!(
+                "In {} the drift needs more taps than the law can hold, and numbers alone leave {least:.1} to {most:.1} counts: they are in no row of trim and hybrid.",
+                left.len()
+            ),
+        );
     }
     let outside = || results.iter().filter(|unit| !unit.failed_checks.is_empty());
     if outside().next().is_some() {

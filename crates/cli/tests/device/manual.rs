@@ -156,7 +156,9 @@ fn a_run_by_hand_that_was_stopped_goes_on_and_passes() {
 
     let summary: Value = serde_json::from_str(&summary).unwrap();
     schema::hold("summary.json", &summary);
-    assert_eq!((&summary["verdict"], &summary["serial"]), (&"good".into(), &"ZR-0042".into()));
+    // In the ten minutes of this set-up's ramp the gyro gets two thirds of the way, and the run says so.
+    assert_eq!((&summary["verdict"], &summary["serial"]), (&"warning".into(), &"ZR-0042".into()));
+    assert!((0.6..0.75).contains(&summary["axes"]["x"]["share_of_asked_range"].as_f64().unwrap()), "{summary:#}");
     assert_eq!(summary["tests"].as_array().unwrap().len(), 6);
     assert!(summary["tests"][0].get("floor_pp_counts").is_none(), "nobody knows the truth on a real bench");
     let out = folder.path().join("calibration");

@@ -276,3 +276,25 @@ fn the_json_and_the_table_hold_the_same_curves() {
     }
     assert_eq!(count, 201);
 }
+
+#[test]
+fn a_guessed_unit_and_one_direction_go_where_the_parameters_go() {
+    let told = [
+        "'gx' names no unit: taken as rad/s (`rate_unit` says otherwise)",
+        "the temperature only rises: the log says nothing of hysteresis, and more",
+    ];
+    let mut calibration = three_axes();
+    calibration.warnings = told.map(str::to_owned).to_vec();
+    calibration.warnings.push("something else".to_owned());
+    let options = ExportOptions { device_id: Some(7), instance: Some(0) };
+    for format in Format::ALL {
+        let exported = export(&calibration, format, &options).unwrap();
+        for sentence in told {
+            let sentence = format!("of the log that was fitted: {sentence}");
+            assert!(exported.notes.contains(&sentence), "{format}: {:?}", exported.notes);
+            // A table has no place for it.
+            assert!(format == Format::Csv || exported.text.contains(&sentence), "{format}: {}", exported.text);
+        }
+        assert!(!exported.notes.iter().any(|note| note.contains("something else")));
+    }
+}

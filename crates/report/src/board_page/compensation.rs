@@ -167,6 +167,7 @@ fn direction_ink(direction: Phase) -> Ink {
 
 fn table(summary: &Summary) -> Markup {
     let Known { floor, taps_crossed } = Known::of(summary);
+    let temperatures = summary.tests.iter().any(|test| test.temperature_counts.is_some());
     let row = |test: &TestResult| {
         let writes = match test.taps_crossed {
             Some(crossed) => html! { (whole(test.wiper_writes.into())) "\u{a0}/\u{a0}" (whole(crossed.into())) },
@@ -181,19 +182,24 @@ fn table(summary: &Summary) -> Markup {
             html! { (fixed(test.uncompensated_pp_counts, 1)) },
             html! { (fixed(test.ratio(), 1)) },
         ];
+        cells.extend(temperatures.then(|| match test.temperature_counts {
+            Some([cold, hot]) => html! { (fixed(cold, 0)) " to " (fixed(hot, 0)) },
+            None => html! { "–" },
+        }));
         cells.extend(floor.then(|| html! { (fixed_or_none(test.floor_pp_counts, 1)) }));
         cells.extend([writes, html! { (fixed(test.mean_counts, 1)) }, html! { (fixed(test.largest_step_counts, 2)) }]);
         cells
     };
     let mut heads = vec!["Test", "Control", "Residual, pp", "Residual, rms", "Control, pp", "Without, pp", "Ratio"];
+    heads.extend(temperatures.then_some("Temperatures"));
     heads.extend(floor.then_some("Floor, pp"));
     heads.extend([if taps_crossed { "Writes / taps crossed" } else { "Writes" }, "Mean", "Largest step"]);
     Table {
         caption: html! {
             b { "The tests" } ", in counts; pp is peak to peak of group means over the ramp, rms root mean square. All of them are "
             "held out: the law was fitted to another run. Without is what the axis does in the same direction without "
-            "compensation, and the ratio is of that to the residual; where the full-temperature test had no cooling ramp, it is "
-            "the test’s own, the measured effect of its taps taken away."
+            "compensation, and the ratio is of that to the residual; where the full-temperature test had no ramp in that "
+            "direction, or one between other temperatures, it is the test’s own, the measured effect of its taps taken away."
         },
         heads: &heads,
         rows: summary.tests.iter().map(row).collect(),

@@ -142,10 +142,15 @@ fn what_fits(board: &Board) -> Markup {
         ul {
             @for axis in &board.axes {
                 @let drift = axis.summary;
+                @let heated = drift.drift_temperature_counts();
                 li {
                     b { (axis.name) } ": " (drift.model) ", valid from " (board.temperature(drift.temperature_counts[0])) " to "
-                    (board.temperature(drift.temperature_counts[1])) " of temperature; drift "
-                    (fixed(drift.drift_pp_counts, 1)) " counts peak to peak; residual "
+                    (board.temperature(drift.temperature_counts[1])) " of temperature"
+                    @if let Some(share) = drift.share_of_asked_range {
+                        ", " (fixed(100.0 * share, 0)) "\u{a0}% of the way that the set-up asks for"
+                    }
+                    "; drift " (fixed(drift.drift_pp_counts, 1)) " counts peak to peak over the heating ramp, from "
+                    (board.temperature(heated[0])) " to " (board.temperature(heated[1])) "; residual "
                     (fixed(drift.fit_rms_counts, 2)) " counts rms in-sample, "
                     (held_out(axis)) " rms held out"
                     @if let Some(error) = drift.curve_error_counts {

@@ -47,7 +47,8 @@ fn lead(board: &Board) -> Markup {
     };
     html! {
         "Over one heating ramp" @if let Some(axis) = board.summary.axes.get(test.axis.name()) {
-            ", from " (board.temperature(axis.temperature_counts[0])) " to " (board.temperature(axis.temperature_counts[1])) ","
+            @let [cold, hot] = axis.drift_temperature_counts();
+            ", from " (board.temperature(cold)) " to " (board.temperature(hot)) ","
         }
         " " (name_of(test.axis)) "’s zero-rate output drifted "
         (fixed(board.summary.drift_pp_counts(test.axis), 0)) " counts. "
@@ -73,7 +74,8 @@ fn bars(board: &Board) -> Markup {
     let Some(test) = hybrid.or(trim) else {
         return html! {};
     };
-    let before = board.summary.drift_pp_counts(test.axis);
+    // Of the test's temperatures, as what is left is.
+    let before = test.uncompensated_pp_counts;
     let mut bars = vec![Bar { class: "before", name: "before", counts: before, times: None }];
     let after = [("trim", trim), ("hybrid", hybrid)];
     bars.extend(after.into_iter().filter_map(|(name, test)| {
@@ -150,7 +152,8 @@ fn unit_facts(board: &Board) -> Markup {
     let groups = fixed(60.0 / calibration.group_period_s.unwrap_or(f64::NAN), 0);
     let mut facts: Vec<(&str, Markup)> = vec![
         ("Serial number", html! { (summary.serial) }),
-        ("Board", html! { @if summary.plant.is_some() { "simulated, " } (summary.trim_part.to_uppercase()) }),
+        ("Board", html! { @if summary.plant.is_some() { "simulated" } @else { "real" } }),
+        ("Trim part", html! { (summary.trim_part.to_uppercase()) }),
     ];
     if let Some(plant) = &summary.plant {
         facts.push(("Plant, simulated", html! { (plant) @if let Some(seed) = summary.seed { ", seed " (seed) } }));

@@ -100,8 +100,9 @@ fn table(soaks: &Soaks, axis: &BoardAxis, board: &Board) -> Markup {
     heads.extend(celsius.as_ref().map(|_| "The same, °C"));
     heads.extend(["Zero-rate output", "Curve of the ramp", "Soak less ramp"]);
     let row = |soak: &SoakPoint| {
+        let places = usize::from(soak.chamber_c.fract() != 0.0);
         let mut cells =
-            vec![html! { (fixed(soak.chamber_c, 0)) "\u{a0}°C" }, html! { (fixed(soak.temperature_counts, 1)) }];
+            vec![html! { (fixed(soak.chamber_c, places)) "\u{a0}°C" }, html! { (fixed(soak.temperature_counts, 1)) }];
         cells.extend(celsius.as_ref().map(|scale| html! { (fixed(scale.of(soak.temperature_counts), 1)) }));
         cells.extend([
             html! { (fixed(soak.zro_counts, 1)) },

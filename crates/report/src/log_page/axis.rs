@@ -3,10 +3,10 @@
 use maud::html;
 use zerorate_cal::condition::Excluded;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
-use zerorate_cal::trace::TracePoint;
 use zerorate_cal::units::{RateScale, WrittenRate};
 use zerorate_fit::direction::warming;
 use zerorate_fit::drift_fit::BandPoint;
+use zerorate_fit::trace::TracePoint;
 
 use super::degree;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample, holding};

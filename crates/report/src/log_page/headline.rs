@@ -9,7 +9,7 @@ use zerorate_fit::drift_fit::FitStatistics;
 use zerorate_fit::residual::ResidualStatistics;
 
 use super::{LogPage, degree};
-use crate::number::{decimals_for, fixed, whole, with_error};
+use crate::number::{decimals_for, fixed, times_smaller, whole, with_error};
 use crate::page::{self, Table, told};
 use crate::ranges::measured_temperatures;
 use crate::trend::trend_sentences;
@@ -53,7 +53,7 @@ impl LogPage<'_> {
                 scaled(left.pp),
                 scaled(before.rms),
                 scaled(before.pp),
-                html! { (fixed(before.rms / left.rms, 1)) },
+                html! { (times_smaller(before.rms / left.rms)) },
                 html! { (axis.calibration.fit.chosen_model()) },
                 html! { (whole(statistics.samples_used)) },
             ]

@@ -6,21 +6,22 @@ use zerorate_bench::plan::Plan;
 /// The whole plan, before it begins: a line for all of it and one for each step.
 pub fn of(plan: &Plan) -> Vec<String> {
     let whole = plan.time_from(0).0;
-    let head = format!(
-        "the plan: {} steps, about {}; without delay it ends {}",
-        plan.parts.len(),
-        time(whole),
-        clock(Local::now(), whole)
-    );
+    let (all, left) = (plan.parts.len(), plan.left_from(0));
+    let steps = if left == all { format!("{all} steps") } else { format!("{left} of {all} steps are left") };
+    let head =
+        format!("the plan: {steps}, about {}; without delay it ends {}", time(whole), clock(Local::now(), whole));
     let steps = plan.parts.iter().enumerate();
-    let steps = steps.map(|(place, (part, took))| format!("{}. {part}: about {}", place + 1, time(took.0)));
+    let steps = steps.map(|(place, (part, took))| {
+        let long = if took.0 > 0.0 { format!("about {}", time(took.0)) } else { "done before".to_owned() };
+        format!("{}. {part}: {long}", place + 1)
+    });
     std::iter::once(head).chain(steps).collect()
 }
 
 /// A step that begins, what is left after it, and when all of it ends.
 pub fn step(plan: &Plan, place: usize) -> String {
     let (part, took) = plan.parts[place];
-    let left = match plan.parts.len() - place - 1 {
+    let left = match plan.left_from(place + 1) {
         0 => "it is the last".to_owned(),
         1 => "1 step is left after it".to_owned(),
         steps => format!("{steps} steps are left after it"),

@@ -15,8 +15,8 @@ pub fn models(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
     let scale = fit.scale(unit, asked);
     page.heading(&format!("Model, and what it leaves of an eighth of the log (rms, {})", scale.unit()));
     let mut grid = Grid::new("llrrrr");
-    grid.head(["", "", "in the", "deployed,", "deployed,", "cubic,"]);
-    grid.head(["", "model", "recording", "warm", "cold", "deployed"]);
+    grid.head(["", "", "in the", "zeroed,", "zeroed,", "cubic,"]);
+    grid.head(["", "model", "recording", "warm", "cold", "zeroed"]);
     let shown = axes.iter().filter(|axis| axis.calibration.rate_unit == unit);
     let rows = shown.filter_map(|axis| {
         let nested = nested(axis)?;
@@ -29,8 +29,9 @@ pub fn models(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
     page.sentence(
         "  ",
         &format!(
-            "Each of eight folds as above. Deployed: as a run of one fold's length, its zero taken in the fold's {}; warm: the \
-             history is known from the log's start; cold: it begins with the fold.",
+            "Each of eight folds as above. Zeroed: as a run of one fold's length, its zero taken in the fold's {}, so that it is \
+             less than what is deployed over a whole log; warm: the history is known from the log's start; cold: it begins with \
+             the fold.",
             fit.zero_taken_in()
         ),
     );
@@ -43,8 +44,8 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
         let scale = fit.scale(axis.calibration.rate_unit, asked);
         page.heading(&format!("Candidates of {} (rms, {})", axis.name, scale.unit()));
         let mut grid = Grid::new("llrrrrrr");
-        grid.head(["", "", "in-", "held", "± to the", "de-", "cold", "hot"]);
-        grid.head(["", "model", "sample", "out", "best", "ployed", "end", "end"]);
+        grid.head(["", "", "in-", "held", "± to the", "", "cold", "hot"]);
+        grid.head(["", "model", "sample", "out", "best", "zeroed", "end", "end"]);
         let mark = |candidate: &Candidate| if candidate.chosen { "*" } else { "" }.to_owned();
         let row = |candidate: &Candidate| ([mark(candidate), candidate.model.clone()], cells(candidate));
         fill(&mut grid, candidates.iter().map(row).collect(), scale);
@@ -55,10 +56,10 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
         "  ",
         &format!(
             "Held out: each fold of the log, predicted by a fit of the others; ± to the best: one standard error of how \
-             far that is from the best one's. Deployed: the same without drift in time, less \
-             the mean of its {}. Cold and hot end: the coldest and the hottest groups held out, as many as a fold. Taken (*) is \
+             far that is from the best one's. Zeroed: the same without drift in time, less \
+             the mean of each fold's {}. Cold and hot end: the coldest and the hottest groups held out, as many as a fold. Taken (*) is \
              the last one, whose curve and memories are as strong as the data say; or the cubic, where that one predicts \
-             folds more than a twentieth worse, as deployed.",
+             folds more than a twentieth worse, zeroed.",
             fit.zero_taken_in()
         ),
     );

@@ -199,6 +199,10 @@ fn deployed(axes: &[&AxisFit]) -> bool {
 /// What the numbers of the first table mean.
 fn terms(page: &mut Page, fit: &LogFit) {
     page.gap();
+    page.sentence(
+        "  ",
+        "Drift, pp: the highest less the lowest of the fitted curve over the temperatures that were measured, its history left out.",
+    );
     let axes: Vec<&AxisFit> = fit.axes.iter().collect();
     if deployed(&axes) {
         let (averaged_over, zero_taken_in) = (fit.averaged_over(), fit.zero_taken_in());

@@ -58,7 +58,7 @@ fn verdict(page: &mut Page, verified: &Verified) {
         Some(true) if is_warned => (yellow, "passed, with a warning", "all axes are within their limits, but"),
         Some(true) => (green, "passed", "all axes are within their limits"),
         Some(false) if !verified.missing.is_empty() => (red, "failed", "not all axes are there"),
-        Some(false) => (red, "failed", "not all axes are within their limits"),
+        Some(false) => (red, "failed", "not all axes are within their limits, or were tested at all"),
     };
     page.sentence("", &format!("{}: {}: {meaning}", verified.log, style(colour.bold(), word)));
     verified.missing.iter().for_each(|missing| page.sentence("  - ", missing));

@@ -1,6 +1,6 @@
 //! What was fitted, point by point: for figures, and for what is told of the whole.
 
-use zerorate_fit::robust::median;
+use crate::robust::median;
 
 /// Points in the trace of a fit of rows, at most: rows can be without number.
 const BINS: u64 = 2000;
@@ -21,7 +21,8 @@ pub struct TracePoint {
 }
 
 /// The groups that were fitted, each as it is: what is told of groups must not be told of means of them.
-pub(crate) fn of_groups(groups: impl Iterator<Item = TracePoint>) -> Vec<TracePoint> {
+#[must_use]
+pub fn of_groups(groups: impl Iterator<Item = TracePoint>) -> Vec<TracePoint> {
     groups.filter(|point| point.residual.is_finite()).collect()
 }
 
@@ -34,7 +35,7 @@ pub fn period_s(trace: &[TracePoint]) -> Option<f64> {
 
 /// A trace of rows on its way: successive rows gathered in equal bins.
 #[derive(Debug, Clone)]
-pub(crate) struct Trace {
+pub struct Trace {
     rows: u64,
     bins: Vec<(u64, TracePoint)>,
 }
@@ -42,15 +43,16 @@ pub(crate) struct Trace {
 impl Trace {
     /// Of a record of so many rows.
     // At most 2000.
+    #[must_use]
     #[allow(clippy::cast_possible_truncation)]
-    pub(crate) fn new(rows: u64) -> Self {
+    pub fn new(rows: u64) -> Self {
         Self { rows, bins: vec![(0, TracePoint::default()); rows.clamp(1, BINS) as usize] }
     }
 
     /// Takes in a row of the record; one whose residual is NaN was not fitted, and is left out.
     // A bin's number is below 2000.
     #[allow(clippy::cast_possible_truncation)]
-    pub(crate) fn push(&mut self, row: u64, point: &TracePoint) {
+    pub fn push(&mut self, row: u64, point: &TracePoint) {
         if !point.residual.is_finite() {
             return;
         }
@@ -64,7 +66,8 @@ impl Trace {
     }
 
     /// The points, in order.
-    pub(crate) fn finish(self) -> Vec<TracePoint> {
+    #[must_use]
+    pub fn finish(self) -> Vec<TracePoint> {
         let mean = |(count, sums): (u64, TracePoint)| {
             let mean = |sum: f64| sum / count as f64;
             TracePoint {
