@@ -123,6 +123,21 @@ impl Calibration {
         Ok(predicted.into_iter().map(|(name, biases)| (name, biases.into_pyarray(py))).collect())
     }
 
+    /// The static curve of one axis; of a model with a history that for when it is not known.
+    fn curve<'py>(
+        &self,
+        py: Python<'py>,
+        axis: &str,
+        temperature: PyArrayLike1<'py, f64, AllowTypeChange>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let Some(found) = self.file.axes.get(axis) else {
+            return Err(told(&format!("there is no axis '{axis}'; the axes are {}", self.axes().join(", "))));
+        };
+        let temperature = temperature.as_array();
+        let curve: Vec<f64> = temperature.iter().map(|&temperature| found.drift().evaluate(temperature).0).collect();
+        Ok(curve.into_pyarray(py))
+    }
+
     /// The calibration in the form of another program.
     #[pyo3(signature = (format, *, device_id=None, instance=None))]
     fn export(&self, format: &str, device_id: Option<u32>, instance: Option<u8>) -> PyResult<String> {
