@@ -13,6 +13,7 @@ mod overlap;
 mod part;
 mod plain;
 mod repeated;
+mod side_by_side;
 mod words;
 
 use std::collections::BTreeMap;

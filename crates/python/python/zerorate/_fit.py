@@ -1,26 +1,33 @@
 """The fit of logs, frames and arrays."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from numpy.typing import ArrayLike
+
 from zerorate import _zerorate
 from zerorate._sources import named_columns, of_arrays, sources
 
 
 def fit(
-    log=None,
+    log: Any = None,
     *,
-    temperature=None,
-    rates=None,
-    time=None,
-    temperature_unit=None,
-    rate_unit=None,
-    time_unit=None,
-    model="auto",
-    plain=False,
-    allow_narrow=False,
-    group_seconds=None,
-    sensor=None,
-    serial=None,
-    labels=None,
-):
+    temperature: str | ArrayLike | None = None,
+    rates: str | Sequence[str] | ArrayLike | Mapping[str, ArrayLike] | None = None,
+    time: str | ArrayLike | None = None,
+    temperature_unit: str | None = None,
+    rate_unit: str | None = None,
+    time_unit: str | None = None,
+    model: str = "auto",
+    plain: bool = False,
+    allow_narrow: bool = False,
+    group_seconds: float | None = None,
+    sensor: str | int | None = None,
+    serial: str | None = None,
+    labels: Mapping[str, str] | None = None,
+) -> _zerorate.Calibration:
     """Fit the drift of a log: rate over temperature, recorded at rest.
 
     Give a log, or the arrays themselves::

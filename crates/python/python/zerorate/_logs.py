@@ -1,6 +1,9 @@
 """A log's rows as data frames."""
 
+from __future__ import annotations
+
 from importlib.util import find_spec
+from typing import Any
 
 from zerorate import _zerorate
 from zerorate._sources import named_columns, sources
@@ -9,16 +12,16 @@ _KINDS = ("polars", "pandas", "numpy")
 
 
 def read_log(
-    log,
+    log: Any,
     *,
-    frames=None,
-    temperature=None,
-    rates=None,
-    time=None,
-    temperature_unit=None,
-    rate_unit=None,
-    time_unit=None,
-):
+    frames: str | None = None,
+    temperature: str | None = None,
+    rates: str | list[str] | None = None,
+    time: str | None = None,
+    temperature_unit: str | None = None,
+    rate_unit: str | None = None,
+    time_unit: str | None = None,
+) -> dict[str, Any]:
     """Read a log of any kind that the command reads.
 
     Parameters

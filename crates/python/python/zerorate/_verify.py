@@ -1,25 +1,29 @@
 """A second run against a calibration."""
 
+from __future__ import annotations
+
+from typing import Any
+
 from zerorate import _zerorate
 from zerorate._sources import named_columns, sources
 
 
 def verify(
-    log,
-    calibration,
+    log: Any,
+    calibration: _zerorate.Calibration,
     *,
-    max_rms=None,
-    max_pp=None,
-    max_offset=None,
-    sensor=None,
-    in_sample=False,
-    temperature=None,
-    rates=None,
-    time=None,
-    temperature_unit=None,
-    rate_unit=None,
-    time_unit=None,
-):
+    max_rms: str | None = None,
+    max_pp: str | None = None,
+    max_offset: str | None = None,
+    sensor: str | int | None = None,
+    in_sample: bool = False,
+    temperature: str | None = None,
+    rates: str | list[str] | None = None,
+    time: str | None = None,
+    temperature_unit: str | None = None,
+    rate_unit: str | None = None,
+    time_unit: str | None = None,
+) -> dict[str, Any]:
     """See what a calibration leaves of a log that it has not seen, in averages of 10 s.
 
     Parameters
@@ -50,5 +54,6 @@ def verify(
     [source] = sources([log])
     columns = named_columns(time, temperature, rates, time_unit)
     columns |= {"temperature_unit": temperature_unit, "rate_unit": rate_unit}
-    against = {"max_rms": max_rms, "max_pp": max_pp, "max_offset": max_offset, "sensor": sensor, "in_sample": in_sample}
+    against = {"max_rms": max_rms, "max_pp": max_pp, "max_offset": max_offset, "in_sample": in_sample}
+    against["sensor"] = None if sensor is None else str(sensor)
     return _zerorate.verify(source, calibration, columns, against)
