@@ -13,7 +13,6 @@ mod overlap;
 mod part;
 mod plain;
 mod repeated;
-mod side_by_side;
 mod words;
 
 use std::collections::BTreeMap;
@@ -252,18 +251,6 @@ impl LogFit {
     /// Every reason, a sentence each.
     pub fn reasons(&self) -> impl Iterator<Item = &str> {
         self.judgement.reasons.iter().map(|reason| reason.text.as_str())
-    }
-
-    /// The logs as a calibration names them; `sources` are those that were fitted.
-    ///
-    /// # Errors
-    /// When one cannot be read any more.
-    pub fn origins(&self, sources: &[Source]) -> Result<Vec<Origin>, LogError> {
-        let origin = |(source, log): (&Source, &FittedLog)| {
-            let origin = Origin::of_log(self.autopilot, source).map_err(|error| source.faulty::<LogFault>(error))?;
-            Ok(Origin { rows: log.rows.written(), ..origin.started_at(log.started) })
-        };
-        sources.iter().zip(&self.sources).map(origin).collect()
     }
 
     /// The calibration that comes of it.

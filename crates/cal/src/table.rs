@@ -1,18 +1,16 @@
-//! Logs as tables: delimited text, Parquet or Arrow files, read as a stream of batches of columns.
+//! Logs as tables: delimited text or Parquet, read as a stream of batches of columns.
 //!
 //! Text is as people have it: with commas, semicolons, tabs or spaces between cells, decimal commas where the cells leave
 //! room for them, lines of comment (`#`), a row of units below the names, ISO times. The format is recognised by
 //! content, never by name. A table is read several times rather than kept: what it holds in memory is a batch.
 
 mod ahead;
-mod arrow_file;
 mod cells;
 mod columns;
 mod dialect;
 mod error;
 mod lines;
 mod parquet;
-mod records;
 mod text;
 mod value;
 mod words;
@@ -57,7 +55,6 @@ struct Clock {
 enum Format {
     Text(Dialect),
     Parquet,
-    Arrow,
 }
 
 impl Clock {
@@ -101,20 +98,15 @@ impl Table {
     /// `column_2`, and so on.
     ///
     /// # Errors
-    /// When the file cannot be read, is empty, or is neither delimited text, Parquet nor an Arrow file.
+    /// When the file cannot be read, is empty, or is neither delimited text nor Parquet.
     pub fn open(source: &Source) -> Result<Self, TableError> {
         let faulty = |fault: TableFault| source.faulty(fault);
         let source = unpacked(source).map_err(TableFault::named)?;
         let start = source.start(dialect::SAMPLE_BYTES).map_err(|error| faulty(error.into()))?;
-        let typed = match () {
-            () if start.starts_with(PARQUET_MAGIC) => Some((Format::Parquet, parquet::columns(&source))),
-            () if start.starts_with(arrow_file::MAGIC) => Some((Format::Arrow, arrow_file::columns(&source))),
-            () => None,
-        };
-        if let Some((format, columns)) = typed {
-            let (names, clocks) = columns.map_err(faulty)?;
+        if start.starts_with(PARQUET_MAGIC) {
+            let (names, clocks) = parquet::columns(&source).map_err(faulty)?;
             let units = vec![String::new(); names.len()];
-            return Ok(Self { source, format, names, units, clocks });
+            return Ok(Self { source, format: Format::Parquet, names, units, clocks });
         }
         let Heading { dialect, names, units } = dialect::detect(&start).map_err(faulty)?;
         let clocks = dialect.notations.iter().map(|notation| Clock::of(*notation)).collect();
@@ -183,11 +175,7 @@ impl Table {
                 Ok(ahead::ahead(batches.map(named)))
             }
             Format::Parquet => {
-                let batches = parquet::batches(&self.source, columns, cells).map_err(faulty)?;
-                Ok(ahead::ahead(batches.map(named)))
-            }
-            Format::Arrow => {
-                let batches = arrow_file::batches(&self.source, columns, cells).map_err(faulty)?;
+                let batches = parquet::ParquetBatches::open(&self.source, columns, cells).map_err(faulty)?;
                 Ok(ahead::ahead(batches.map(named)))
             }
         }

@@ -1,6 +1,6 @@
 //! What Python has, as what the crates read: a file, bytes, columns of numbers.
 //!
-//! Columns are kept as an Arrow file in memory, which is a table like any other: they are read and converted where a CSV is.
+//! Columns are kept as a Parquet file in memory, which is a table like any other: they are read and converted where a CSV is.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,10 +10,12 @@ use arrow_array::{
     ArrayRef, Float64Array, RecordBatch, TimestampMicrosecondArray, TimestampMillisecondArray,
     TimestampNanosecondArray, TimestampSecondArray,
 };
-use arrow_ipc::writer::FileWriter;
 use arrow_pyarrow::PyArrowType;
 use arrow_schema::{ArrowError, SchemaRef};
 use numpy::PyReadonlyArray1;
+use parquet::arrow::ArrowWriter;
+use parquet::errors::ParquetError;
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use pyo3::prelude::*;
 use zerorate_cal::source::Source as Readable;
 
@@ -60,8 +62,11 @@ impl Source {
         schema: &SchemaRef,
         records: impl IntoIterator<Item = Result<RecordBatch, ArrowError>>,
     ) -> PyResult<Self> {
-        let written = || {
-            let mut file = FileWriter::try_new(Vec::new(), schema)?;
+        // It is read once, and at once: nothing is worth packing or looking up.
+        let properties = WriterProperties::builder().set_dictionary_enabled(false);
+        let properties = properties.set_statistics_enabled(EnabledStatistics::None).build();
+        let written = || -> Result<Vec<u8>, ParquetError> {
+            let mut file = ArrowWriter::try_new(Vec::new(), Arc::clone(schema), Some(properties))?;
             for record in records {
                 file.write(&record?)?;
             }

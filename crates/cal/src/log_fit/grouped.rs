@@ -4,9 +4,9 @@ use zerorate_core::drift::Scale;
 use zerorate_fit::auto;
 use zerorate_fit::least_squares::{Basis, Fit};
 use zerorate_fit::series::{NextRun, Series};
+use zerorate_fit::side_by_side::side_by_side;
 
 use super::gather::{Gathered, gather, is_accelerometer};
-use super::side_by_side::side_by_side;
 use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, one_way, words};
 use crate::calibration::AxisCalibration;
 use crate::condition::{

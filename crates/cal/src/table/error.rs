@@ -22,8 +22,8 @@ pub enum TableFault {
     /// The file has no row.
     #[error("the file is empty: give a log with at least one row")]
     Empty,
-    /// The file is binary and neither Parquet nor Arrow, or has no second column under any delimiter.
-    #[error("neither Parquet, an Arrow file nor text in columns (delimited by comma, semicolon, tab or space)")]
+    /// The file is binary and not Parquet, or has no second column under any delimiter.
+    #[error("neither Parquet nor text in columns (delimited by comma, semicolon, tab or space)")]
     NotATable,
     /// A row has more or fewer cells than the first.
     #[error("line {line}: {found} cells where the first line has {expected}: the line is cut off or damaged")]
@@ -67,7 +67,7 @@ pub enum TableFault {
         /// The line, from 1.
         line: u64,
     },
-    /// A column of Parquet or Arrow is not of a numeric type.
+    /// A Parquet column is not of a numeric type.
     #[error("column '{column}' is of type {kind}, not numbers: choose another column")]
     NotNumeric {
         /// The column's name.
@@ -78,12 +78,6 @@ pub enum TableFault {
     /// The Parquet file is damaged or of a kind that is not read.
     #[error("the Parquet file cannot be read: {reason}")]
     Parquet {
-        /// What the reader said.
-        reason: String,
-    },
-    /// The Arrow file is damaged or of a kind that is not read.
-    #[error("the Arrow file cannot be read: {reason}")]
-    Arrow {
         /// What the reader said.
         reason: String,
     },

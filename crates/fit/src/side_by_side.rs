@@ -5,7 +5,8 @@ use std::panic::resume_unwind;
 use std::thread::{Builder, scope};
 
 /// What `work` makes of each place, in their order. Where there are no threads, as in a page, one after the other.
-pub(super) fn side_by_side<T: Send>(places: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+#[must_use]
+pub fn side_by_side<T: Send>(places: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     if cfg!(target_family = "wasm") || places < 2 {
         return (0..places).map(work).collect();
     }
