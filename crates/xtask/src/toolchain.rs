@@ -10,6 +10,9 @@ use anyhow::Result;
 use crate::cargo;
 use crate::provide;
 
+/// The oldest Rust that builds us.
+const LEAST: &str = env!("CARGO_PKG_RUST_VERSION");
+
 /// A target and what builds for it.
 pub struct Toolchain {
     target: &'static str,
@@ -44,7 +47,7 @@ impl Toolchain {
         if installed.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).lines().any(|line| line == target)) {
             return Ok(Self { target, libraries, builds_std: false });
         }
-        if !FILES.iter().all(|path| Path::new(path).is_file()) {
+        if !FILES.iter().all(|path| Path::new(path).is_file()) || is_older(&version_of(FILES[0]), LEAST) {
             println!("    `rustup target add {target}` would do; without it {libraries} is built from Debian's source");
             provide::install("a Rust with its own source, to build it for other targets", &PACKAGES)?;
         }
@@ -79,5 +82,34 @@ impl Toolchain {
             command.env_remove(variable);
         }
         command
+    }
+}
+
+/// What a compiler says of itself, `rustc 1.96.0 (...)`; nothing where it does not run.
+fn version_of(compiler: &str) -> String {
+    let output = Command::new(compiler).arg("--version").output();
+    output.map_or_else(|_| String::new(), |output| String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Whether a compiler that says so of itself is older than a version, by its first two numbers.
+fn is_older(says: &str, least: &str) -> bool {
+    let numbers =
+        |version: &str| -> Vec<u32> { version.split('.').take(2).map_while(|part| part.parse().ok()).collect() };
+    says.split_whitespace().nth(1).is_none_or(|own| numbers(own) < numbers(least))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_older;
+
+    #[test]
+    fn a_compiler_that_is_too_old_or_says_nothing_is_not_taken() {
+        let says = |version: &str| format!("rustc {version} (30a34c682 2026-05-25) (built from a source tarball)");
+        for (version, older) in
+            [("1.85.0", true), ("1.94.1", true), ("1.95.0", false), ("1.96.0", false), ("2.0.0", false)]
+        {
+            assert_eq!(is_older(&says(version), "1.95"), older, "{version}");
+        }
+        assert!(is_older("", "1.95"));
     }
 }
