@@ -37,6 +37,6 @@ mod tests {
     #[test]
     #[should_panic(expected = "a fault of one")]
     fn a_panic_of_one_is_a_panic_of_all() {
-        side_by_side(3, |place| assert!(place < 2, "a fault of one"));
+        let _ = side_by_side(3, |place| assert!(place < 2, "a fault of one"));
     }
 }
