@@ -1,15 +1,16 @@
 //! The Allan deviation.
 
-use numpy::{AllowTypeChange, IntoPyArray, PyArrayLike1};
+use numpy::{AllowTypeChange, PyArrayLike1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use zerorate_fit::allan::{Allan, AllanPoint};
 
 use crate::errors::raised;
+use crate::groups::{Told, columns};
 use crate::heard::heard;
 
 /// What is told of each averaging time.
-const COLUMNS: [(&str, fn(&AllanPoint) -> f64); 5] = [
+const COLUMNS: [Told<AllanPoint>; 5] = [
     ("tau_s", |point| point.tau_s),
     ("deviation", |point| point.deviation),
     ("low", |point| point.low),
@@ -27,10 +28,7 @@ pub fn allan_deviation<'py>(
     let rates = rates.as_array().to_vec();
     let found = heard(py, &[], move |_| Allan::of(&rates, period_s))?;
     let found = found.map_err(|error| raised(&error))?;
-    let told = PyDict::new(py);
-    for (name, of) in COLUMNS {
-        told.set_item(name, found.points.iter().map(of).collect::<Vec<f64>>().into_pyarray(py))?;
-    }
+    let told = columns(py, &found.points, &COLUMNS)?;
     let coefficients = serde_json::to_string(&found.coefficients).map_err(|error| raised(&error))?;
     told.set_item("coefficients", py.import("json")?.call_method1("loads", (coefficients,))?)?;
     Ok(told)

@@ -1,5 +1,7 @@
 //! A log's rows as arrays.
 
+use std::slice::from_ref;
+
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use zerorate_cal::log::{LogFile, Rows, Sink, Stream};
@@ -11,13 +13,17 @@ use crate::options::Columns;
 use crate::sources::Source;
 
 /// A sensor's name, and its columns by name.
-type Frame<'py> = (String, Vec<(String, Bound<'py, PyArray1<f64>>)>);
+type Frame<Column> = (String, Vec<(String, Column)>);
 
 /// Of each sensor its name and its columns: seconds, temperature, and a column an axis.
 #[pyfunction]
-pub fn read_log<'py>(py: Python<'py>, source: &Source, columns: Columns) -> PyResult<Vec<Frame<'py>>> {
+pub fn read_log<'py>(
+    py: Python<'py>,
+    source: &Source,
+    columns: Columns,
+) -> PyResult<Vec<Frame<Bound<'py, PyArray1<f64>>>>> {
     let columns = columns.checked()?;
-    let read = heard(py, &[source.0.clone()], move |sources| {
+    let read = heard(py, from_ref(&source.0), move |sources| {
         let mut kept = Kept::default();
         LogFile::open(&sources[0], &columns).and_then(|log| log.read(&mut kept)).map(|_| kept)
     })?;
@@ -30,7 +36,7 @@ pub fn read_log<'py>(py: Python<'py>, source: &Source, columns: Columns) -> PyRe
 
 /// All rows of all sensors.
 #[derive(Default)]
-struct Kept(Vec<(String, Vec<(String, Vec<f64>)>)>);
+struct Kept(Vec<Frame<Vec<f64>>>);
 
 impl Sink for Kept {
     fn stream(&mut self, stream: &Stream) -> bool {

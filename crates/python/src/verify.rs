@@ -1,5 +1,7 @@
 //! What a calibration leaves of a log that it has not seen.
 
+use std::slice::from_ref;
+
 use pyo3::prelude::*;
 use serde_json::to_string;
 use zerorate_apply::verify::{Limits, VerifyOptions, known_columns, verify as verify_log};
@@ -36,7 +38,7 @@ pub fn verify<'py>(
     let file = calibration.file.clone();
     limits.check(file.axes.keys().map(String::as_str)).map_err(|error| raised(&error))?;
     let (columns, sensor, in_sample) = (columns.checked()?, parsed(against.sensor.as_deref())?, against.in_sample);
-    let text = heard(py, &[source.0.clone()], move |sources| -> PyResult<_> {
+    let text = heard(py, from_ref(&source.0), move |sources| -> PyResult<_> {
         let columns = known_columns(&sources[0], &file, columns);
         let options = VerifyOptions { columns, sensor, limits, in_sample, told_in: None };
         let verified = verify_log(&sources[0], &file, &options).map_err(|error| raised(&error))?;
