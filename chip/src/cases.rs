@@ -5,11 +5,13 @@ mod calibration;
 mod faults;
 mod line;
 mod power;
+mod probe;
 mod real_time;
 mod records;
 mod restarts;
 mod same_bits;
 mod select;
+mod unit;
 
 use anyhow::{Result, ensure};
 use zerorate_core::compensate::StaticLaw;
@@ -28,7 +30,7 @@ use crate::paper_record;
 pub type Case = fn(&Given) -> Result<String>;
 
 /// Every case, in the order in which they are run.
-pub const ALL: [(&str, Case); 42] = [
+pub const ALL: [(&str, Case); 46] = [
     ("power comes, no record", power::without_a_record),
     ("a record committed over the line", power::commit),
     ("power comes, a record and no host", power::alone),
@@ -60,6 +62,7 @@ pub const ALL: [(&str, Case); 42] = [
     ("outside the range, and a saturated reading", faults::range_and_reading),
     ("a record damaged, in flash and on its way", records::damaged),
     ("another unit's record", records::another_unit),
+    ("the serial's sector, written and not", unit::sector),
     ("a record of an unknown version", records::unknown_version),
     ("numbers that make no law", records::no_law),
     ("a damaged line", line::damaged),
@@ -69,8 +72,11 @@ pub const ALL: [(&str, Case); 42] = [
     ("a program that hangs", restarts::hang),
     ("a program that stops itself", restarts::panic),
     ("three in a row", restarts::three_in_a_row),
+    ("three hangs in a row", restarts::three_hangs),
+    ("a stack that is full", restarts::full_stack),
     ("why it was reset", restarts::causes),
     ("power cut in a commit", power::cut_in_a_commit),
+    ("what a probe is told", probe::told),
 ];
 
 /// Each row of the fault table (crates/device/README.md), and the cases in which it is run.
@@ -100,7 +106,10 @@ const FAULTS: [(&str, &[&str]); 23] = [
     ),
     ("the program stops itself", &["a program that stops itself"]),
     ("the processor's supply dips", &["why it was reset"]),
-    ("the program stops itself three times in a row, never at work for 40 groups in between", &["three in a row"]),
+    (
+        "the program stops itself, or hangs at what its record decides, three times in a row, never at work for 40 groups in between",
+        &["three in a row", "three hangs in a row"],
+    ),
     (
         "record blank, damaged, of an unknown version, another unit's",
         &[
@@ -128,12 +137,13 @@ pub struct Given {
 }
 
 impl Given {
-    /// Has the image itself commit the record that the cases work with.
+    /// Takes the image of an ELF, gives the board the serial that the cases' record is of, and has it commit that record.
     ///
     /// # Errors
-    /// It does not.
-    pub fn new(image: Image) -> Result<Self> {
+    /// It does not, or is none for this chip.
+    pub fn new(elf: &[u8]) -> Result<Self> {
         let record = paper_record::record(VALID, None, 0.05);
+        let image = Image::of_elf(elf)?.with_serial(record.unit.as_bytes());
         let law = paper_record::model(VALID, None, 0.05).static_law(TemperatureScale::QUARTER_COUNTS);
         let records = committed(&image, &record)?;
         Ok(Self { image, records, record, law })

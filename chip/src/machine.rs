@@ -133,8 +133,10 @@ impl Machine {
             state ^= state << 17;
             state.to_le_bytes()
         };
-        let ram: Vec<u8> = (0..memory::RAM_BYTES / 8).flat_map(|_| junk()).collect();
-        self.unicorn.mem_write(memory::RAM.into(), &ram).map_err(said)?;
+        for (address, bytes) in [(memory::RAM, memory::RAM_BYTES), (memory::COUPLED, memory::COUPLED_BYTES)] {
+            let ram: Vec<u8> = (0..bytes / 8).flat_map(|_| junk()).collect();
+            self.unicorn.mem_write(address.into(), &ram).map_err(said)?;
+        }
         self.reset(Reset::Power)
     }
 
@@ -189,8 +191,13 @@ impl Machine {
     pub fn ambush(&mut self, interrupt: usize, ambush: Ambush) -> Result<()> {
         let vector = memory::FLASH + 4 * (16 + u32::try_from(interrupt)?);
         let address = self.word(vector)? & !1;
-        self.unicorn.get_data_mut().ambush = Some((address, ambush));
+        self.ambush_at(address, ambush);
         Ok(())
+    }
+
+    /// The same, when it comes to an address.
+    pub fn ambush_at(&mut self, address: u32, ambush: Ambush) {
+        self.unicorn.get_data_mut().ambush = Some((address, ambush));
     }
 
     fn get(&self, register: RegisterARM) -> Result<u32> {
@@ -200,6 +207,42 @@ impl Machine {
 
     fn set(&mut self, register: RegisterARM, word: u32) -> Result<()> {
         self.unicorn.reg_write(register, word.into()).map_err(said)
+    }
+
+    /// The bytes that wait for a probe, taken as it takes them: from where it was to where the program is, in the first channel of
+    /// RTT's block.
+    ///
+    /// # Errors
+    /// They do not lie in memory.
+    pub fn probed(&mut self) -> Result<Vec<u8>> {
+        const UP: u32 = 24;
+        const READ: u32 = UP + 16;
+        let block = self.image.probe;
+        let [place, size, write] = [4, 8, 12].map(|offset| self.word(block + UP + offset));
+        let (place, size, write, read) = (place?, size?, write?, self.word(block + READ)?);
+        let mut bytes = self.bytes(place, size as usize)?;
+        bytes.rotate_left(read as usize);
+        bytes.truncate((write + size - read).checked_rem(size).unwrap_or(0) as usize);
+        self.set_word(block + READ, write)?;
+        Ok(bytes)
+    }
+
+    /// Leaves the program no place on its stack.
+    ///
+    /// # Errors
+    /// What Unicorn says.
+    pub fn end_the_stack(&mut self) -> Result<()> {
+        self.set(RegisterARM::SP, memory::COUPLED + 8)
+    }
+
+    /// What memory holds.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn bytes(&self, address: u32, length: usize) -> Result<Vec<u8>> {
+        let mut bytes = vec![0; length];
+        self.unicorn.mem_read(address.into(), &mut bytes).map_err(said)?;
+        Ok(bytes)
     }
 
     /// A word of memory.
@@ -244,6 +287,7 @@ fn map(unicorn: &mut Unicorn<'static, Core>, image: &Image) -> Result<(), uc_err
         unicorn.mem_write(address, &image.flash[begin..end])?;
     }
     unicorn.mem_map(memory::RAM.into(), memory::RAM_BYTES as u64, ram)?;
+    unicorn.mem_map(memory::COUPLED.into(), memory::COUPLED_BYTES as u64, ram)?;
     unicorn.mem_map(memory::SIGNATURE.into(), 0x1000, Prot::READ)?;
     unicorn.mem_write(memory::FLASH_SIZE.into(), &memory::FLASH_KIB.to_le_bytes())?;
     unicorn.mem_map(memory::RETURN_PAGE.into(), 0x1000, Prot::READ | Prot::EXEC)?;

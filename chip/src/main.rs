@@ -19,13 +19,12 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 
 use crate::cases::Given;
-use crate::chip::memory::Image;
 
 fn main() -> Result<ExitCode> {
     let path = std::env::args_os().nth(1).context("say which ELF: zerorate-chip ELF")?;
     let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
     let wanted = std::env::args().nth(2).unwrap_or_default();
-    let given = Given::new(Image::of_elf(&bytes)?)?;
+    let given = Given::new(&bytes)?;
     let began = Instant::now();
     let cases = cases::ALL.iter().filter(|(name, _)| name.contains(&wanted));
     let (mut run, mut failed) = (0, 0);

@@ -7,7 +7,6 @@ fn main() -> io::Result<()> {
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or(io::ErrorKind::NotFound)?);
     fs::copy("memory.x", out.join("memory.x"))?;
     println!("cargo:rerun-if-changed=memory.x");
-    println!("cargo:rerun-if-env-changed=ZERORATE_UNIT");
     println!("cargo:rustc-link-search={}", out.display());
     Ok(())
 }

@@ -6,6 +6,7 @@ use zerorate_core::wire::{CalibrationState, ResetCause, Stop};
 
 use super::{Given, paper, wipers};
 use crate::bench::Bench;
+use crate::chip::memory;
 use crate::chip::nvic;
 use crate::chip::rcc::Reset;
 use crate::chip::time::{MILLISECOND, SECOND, milliseconds};
@@ -175,4 +176,52 @@ pub fn three_in_a_row(given: &Given) -> Result<String> {
     bench.nothing_wrong()?;
     Ok("the record is set aside, the wipers in the middle, 3 restarts counted; another record, or power, ends it"
         .into())
+}
+
+/// With its record the program hangs at its first group, three times; between groups a hang is no matter of the record.
+pub fn three_hangs(given: &Given) -> Result<String> {
+    let hang = |bench: &mut Bench, within: bool| {
+        let resets = bench.machine.resets.len();
+        if within {
+            bench.machine.ambush_at(given.image.within_set, Ambush::Hang);
+        } else {
+            bench.machine.ambush(nvic::EXTI0, Ambush::Hang)?;
+        }
+        let until = bench.now() + 20 * SECOND;
+        ensure!(bench.machine.run(until, |machine| machine.resets.len() > resets)?, "no reset");
+        bench.pass(SECOND / 10)
+    };
+    let mut bench = given.calibrated()?;
+    for _ in 0..4 {
+        hang(&mut bench, false)?;
+    }
+    let identity = bench.identify()?;
+    ensure!(identity.calibration == CalibrationState::InUse && identity.running, "between groups: {identity:?}");
+    for _ in 0..3 {
+        hang(&mut bench, true)?;
+    }
+    let identity = bench.identify()?;
+    ensure!(identity.calibration == CalibrationState::SetAside && !identity.running, "{identity:?}");
+    ensure!(identity.reset == ResetCause::Watchdog && wipers(&bench) == [511; 2], "{identity:?}");
+    ensure!(bench.faults()?.restarts == 7);
+    bench.nothing_wrong()?;
+    Ok("at the interrupt's beginning, four times: the record stays; at a set's temperature, three times: set aside, the wipers in \
+        the middle"
+        .into())
+}
+
+/// The stack's end is the memory's end: what does not fit is written nowhere, and the watchdog restarts what has locked up.
+pub fn full_stack(given: &Given) -> Result<String> {
+    let mut bench = given.at_work()?;
+    let held = wipers(&bench);
+    let statics = bench.machine.bytes(memory::RAM, memory::RAM_BYTES)?;
+    bench.machine.end_the_stack()?;
+    let until = bench.now() + 20 * SECOND;
+    let reset = bench.machine.run(until, |machine| machine.resets.len() > 1)?;
+    ensure!(reset, "no reset");
+    ensure!(bench.machine.bytes(memory::RAM, memory::RAM_BYTES)? == statics, "it has written into the statics");
+    bench.pass(SECOND / 10)?;
+    let identity = bench.identify()?;
+    ensure!(identity.reset == ResetCause::Watchdog && identity.running && wipers(&bench) == held, "{identity:?}");
+    Ok("nothing is written, the watchdog restarts it, the wipers are held, groups are taken".into())
 }

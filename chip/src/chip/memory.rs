@@ -4,7 +4,7 @@ use anyhow::{Context, Result, ensure};
 use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Object, ObjectSymbol};
 
-use super::flash::{RECORD_BYTES, RECORDS};
+use super::flash::{RECORD_BYTES, RECORDS, SECTOR};
 
 /// The flash: the vectors, then the records (`flash`), then the program.
 pub const FLASH: u32 = 0x0800_0000;
@@ -12,6 +12,11 @@ pub const FLASH_BYTES: usize = 1024 * FLASH_KIB as usize;
 /// SRAM 1 and 2.
 pub const RAM: u32 = 0x2000_0000;
 pub const RAM_BYTES: usize = 128 * 1024;
+/// The core-coupled memory.
+pub const COUPLED: u32 = 0x1000_0000;
+pub const COUPLED_BYTES: usize = 64 * 1024;
+/// Sector 3, where the unit's serial is (firmware/README.md).
+const UNIT: u32 = 0x0800_C000;
 /// The page of the chip's signature: the flash's size is a halfword in it.
 pub const SIGNATURE: u32 = 0x1FFF_7000;
 pub const FLASH_SIZE: u32 = 0x1FFF_7A22;
@@ -44,6 +49,10 @@ pub struct Image {
     pub panic: PanicSite,
     /// An instruction of the program that loads R0 from where R0 says.
     pub load: u32,
+    /// A function that is called while a set is worked on.
+    pub within_set: u32,
+    /// Where the lines for a probe lie in memory.
+    pub probe: u32,
 }
 
 impl Image {
@@ -67,16 +76,33 @@ impl Image {
             place.copy_from_slice(data);
         }
         let is_check = |name: &str| name.ends_with("panic_bounds_check");
-        let check = elf.symbols().find(|symbol| symbol.name().is_ok_and(is_check)).context("no index checked in it")?;
-        let panic =
-            panic_site(&flash, u32::try_from(check.address())? & !1).context("no index checked that is known")?;
+        let symbol = |is_it: &dyn Fn(&str) -> bool| -> Option<u32> {
+            let symbol = elf.symbols().find(|symbol| symbol.name().is_ok_and(is_it))?;
+            u32::try_from(symbol.address() & !1).ok()
+        };
+        let check = symbol(&is_check).context("no index checked in it")?;
+        let panic = panic_site(&flash, check).context("no index checked that is known")?;
+        let within_set = symbol(&|name| name.contains(WITHIN_SET)).context("no temperature looked at in it")?;
+        let probe = symbol(&|name| name == "_SEGGER_RTT").context("no lines for a probe in it")?;
         ensure!(flash[..4] != [0xFF; 4], "no vectors in it");
         let begin = (RECORDS - FLASH) as usize + RECORD_BYTES;
         let load = (begin..FLASH_BYTES).step_by(2).find(|&at| halfword(&flash, at) == Some(LDR_R0_R0));
         let load = FLASH + u32::try_from(load.context("no load by R0 in it")?)?;
-        Ok(Self { flash, panic, load })
+        Ok(Self { flash, panic, load, within_set, probe })
+    }
+
+    /// The same, with what stands where a unit's serial does.
+    #[must_use]
+    pub fn with_serial(mut self, bytes: &[u8]) -> Self {
+        let at = (UNIT - FLASH) as usize;
+        self.flash[at..at + SECTOR].fill(0xFF);
+        self.flash[at..at + bytes.len()].copy_from_slice(bytes);
+        self
     }
 }
+
+/// In the mangled name of what looks at a set's temperature.
+const WITHIN_SET: &str = "TemperatureWatch4look";
 
 const LDR_R0_R0: u16 = 0x6800;
 

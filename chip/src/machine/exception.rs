@@ -28,6 +28,11 @@ impl Machine {
         let size = if self.float_used { FRAME + FLOAT_FRAME } else { FRAME };
         let moved = if stack & 4 == 0 { 0 } else { MOVED };
         let frame = (stack - size) & !7;
+        // Nowhere to put it: the same holds for the fault that this is, and the core locks up.
+        if self.word(frame).is_err() {
+            (self.asleep, self.hung) = (true, true);
+            return Ok(());
+        }
         for (place, register) in (0..).zip(SAVED) {
             let word = self.get(register)?;
             self.set_word(frame + 4 * place, word)?;

@@ -15,7 +15,7 @@ use core::ops::Deref;
 use zerorate_core::board::BoardNumbers;
 use zerorate_core::compensate::Mode;
 use zerorate_core::record::UnitSerial;
-use zerorate_core::wire::{Command, Health};
+use zerorate_core::wire::{Command, Health, Identity};
 
 use crate::acquisition::{Acquisition, Timing};
 use crate::compensator::{self, Compensator};
@@ -116,9 +116,9 @@ where
             Compensator::new(acquisition, trim, memory, timing)
         };
         compensator.built_on(board);
-        let console = Console::new(unit, timing, store, buffer, started, health);
-        let mut task = Task { console, supervisor: Supervisor::new(watchdog), kept, taken: 0 };
-        if let Some(modes) = task.install(&mut compensator) {
+        let console = kept.at_record(|| Console::new(unit, timing, store, buffer, started, health));
+        let mut task = Task { console, supervisor: Supervisor::new(watchdog), kept: kept.clone(), taken: 0 };
+        if let Some(modes) = kept.at_record(|| task.install(&mut compensator)) {
             compensator.set_modes(modes);
             if modes != [Mode::Off; 2] {
                 compensator.begin_alone();
@@ -128,6 +128,12 @@ where
             compensator.rest();
         }
         Self { compensator, task }
+    }
+
+    /// Who the board is, and whether its record is in use.
+    #[must_use]
+    pub fn identity(&self) -> Identity {
+        self.task.console.identity(&self.compensator.status())
     }
 
     /// The task goes round once, in a home without interrupts, with the bytes that the host has sent.

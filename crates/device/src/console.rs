@@ -165,7 +165,8 @@ impl<S: RecordStore, B: borrow::BorrowMut<Buffer>> Console<S, B> {
         })
     }
 
-    fn identity(&self, status: &Status) -> Identity {
+    /// Who the board is.
+    pub(crate) fn identity(&self, status: &Status) -> Identity {
         Identity {
             wire_version: WIRE_VERSION,
             unit: self.calibration.unit().clone(),

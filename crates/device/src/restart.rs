@@ -16,7 +16,7 @@ use crate::trim_part::TrimPart;
 
 /// What stands beside the facts when they are some: memory holds anything when power comes. Another form of the facts has
 /// another mark.
-const MARK: u32 = 0x5A52_5356;
+const MARK: u32 = 0x5A52_5357;
 /// Faults of the program in a row after which its record is set aside: what happens three times happens with every group.
 const SET_ASIDE: u32 = 3;
 
@@ -44,6 +44,8 @@ pub struct Kept {
     restarts: AtomicU32,
     /// Whether the restart under way is the program's own.
     stopped: AtomicU32,
+    /// Whether it is at what its record decides.
+    at_record: AtomicU32,
     /// Faults of the program since it last was at work for a while.
     in_a_row: AtomicU32,
     /// Dips of the supply.
@@ -95,8 +97,12 @@ impl Kept {
             (Reset::Untold, _) if !has_facts => ResetCause::Power,
             (Reset::Software | Reset::Untold, _) => ResetCause::Software,
         };
+        let hung = self.at_record.swap(0, Relaxed) != 0;
         if reset == ResetCause::Watchdog {
             self.count();
+            if hung {
+                self.failed();
+            }
         }
         let tap = |kept: &AtomicU32| u16::try_from(kept.load(Relaxed)).ok().and_then(Taps::new).unwrap_or(Taps::MIDDLE);
         let set_aside = self.in_a_row.load(Relaxed) >= SET_ASIDE;
@@ -109,9 +115,18 @@ impl Kept {
             self.begin_anew();
         }
         self.count();
-        self.in_a_row.store(self.in_a_row.load(Relaxed).saturating_add(1), Relaxed);
+        self.failed();
         self.place.keep(stop);
         self.stopped.store(1, Relaxed);
+    }
+
+    /// Does what the record decides. A watchdog that bites meanwhile finds a program that its record has hung; at any other time
+    /// it may be the acquisition that is dead, which no record is to blame for.
+    pub fn at_record<R>(&self, work: impl FnOnce() -> R) -> R {
+        self.at_record.store(1, Relaxed);
+        let done = work();
+        self.at_record.store(0, Relaxed);
+        done
     }
 
     /// The program does its work with its record, or has been given another one: what failed before is another matter.
@@ -133,6 +148,10 @@ impl Kept {
         self.taps[axis.index()].store(tap.get().into(), Relaxed);
     }
 
+    fn failed(&self) {
+        self.in_a_row.store(self.in_a_row.load(Relaxed).saturating_add(1), Relaxed);
+    }
+
     fn count(&self) {
         self.restarts.store(self.restarts.load(Relaxed).saturating_add(1), Relaxed);
     }
@@ -142,7 +161,7 @@ impl Kept {
     }
 
     fn begin_anew(&self) {
-        for word in [&self.restarts, &self.stopped, &self.in_a_row, &self.dips, &self.place.kind] {
+        for word in [&self.restarts, &self.stopped, &self.at_record, &self.in_a_row, &self.dips, &self.place.kind] {
             word.store(0, Relaxed);
         }
         Axis::BOTH.into_iter().for_each(|axis| self.keep(axis, Taps::MIDDLE));
@@ -243,9 +262,9 @@ mod tests {
         for mark in [0, 1, MARK, u32::MAX] {
             for reset in [Reset::Power, Reset::BrownOut] {
                 let (taps, place) = ([9.into(), 8.into()], Place { kind: FAULT.into(), words: Default::default() });
-                let facts = [77, 1, 9, 5].map(AtomicU32::new);
-                let [restarts, stopped, in_a_row, dips] = facts;
-                let kept = Kept { mark: mark.into(), restarts, stopped, in_a_row, dips, taps, place };
+                let facts = [77, 1, 1, 9, 5].map(AtomicU32::new);
+                let [restarts, stopped, at_record, in_a_row, dips] = facts;
+                let kept = Kept { mark: mark.into(), restarts, stopped, at_record, in_a_row, dips, taps, place };
                 let started = kept.started(reset);
                 assert_eq!(Started { reset: ResetCause::Power, ..started.clone() }, Started::POWER);
                 assert_eq!((started.reset == ResetCause::BrownOut, kept.dips()), (reset == Reset::BrownOut, 0));
@@ -274,6 +293,26 @@ mod tests {
         kept.stopped(&Stop::Fault(REGISTERS));
         let fault = Started { reset: ResetCause::Fault, restarts: 3, stop: Some(Stop::Fault(REGISTERS)), ..bitten };
         assert_eq!(kept.started(Reset::Software), fault);
+    }
+
+    #[test]
+    fn a_watchdog_that_bites_at_what_the_record_decides_counts_against_the_record_and_no_other_does() {
+        let kept = Kept::default();
+        let _ = kept.started(Reset::Power);
+        // As a hang does it: the work never ends, and the flag stays.
+        let hang = || kept.at_record.store(1, Relaxed);
+        for n in 1..=9 {
+            kept.at_record(|| ());
+            assert!(!kept.started(Reset::Watchdog).set_aside, "{n} times between sets");
+        }
+        for n in 1..=3 {
+            hang();
+            let started = kept.started(Reset::Watchdog);
+            assert_eq!((started.set_aside, started.restarts), (n == 3, 9 + n));
+        }
+        kept.works();
+        hang();
+        assert!(!kept.started(Reset::Pin).set_aside && !kept.started(Reset::Watchdog).set_aside, "a pin ends it");
     }
 
     #[test]

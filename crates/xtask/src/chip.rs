@@ -12,8 +12,6 @@ use crate::workspace::Workspace;
 
 /// The emulator's workspace, from the root.
 const FOLDER: &str = "chip";
-/// The unit that the image is built for, as one that is given away is: the one that the cases' record is of.
-const UNIT: &str = "ZR-1";
 
 /// The chore's steps.
 pub fn steps(workspace: &Workspace) -> Vec<Step<'_>> {
@@ -35,7 +33,7 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
 
 /// Builds the very image, by the route of `cargo xtask firmware`.
 fn image(workspace: &Workspace) -> Result<PathBuf> {
-    firmware::build_for_unit(workspace, firmware::STM32F405, UNIT)?;
+    firmware::build_package(workspace, firmware::STM32F405)?;
     Ok(firmware::built(workspace, firmware::STM32F405))
 }
 

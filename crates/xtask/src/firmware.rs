@@ -122,16 +122,11 @@ fn costs(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// Builds a package for its target, and for any unit.
-fn build_package(workspace: &Workspace, package: &str) -> Result<()> {
-    build_for_unit(workspace, package, "")
-}
-
-/// Builds a package for its target, and for the unit of a serial.
-pub fn build_for_unit(workspace: &Workspace, package: &str, serial: &str) -> Result<()> {
+/// Builds a package for its target.
+pub fn build_package(workspace: &Workspace, package: &str) -> Result<()> {
     let folder = workspace.root.join(FOLDER);
     let arguments = ["build", "--release", "--locked", "--package", package];
-    Toolchain::of_board()?.run_with(&[("ZERORATE_UNIT", serial)], &folder, &folder.join("target"), &arguments)
+    Toolchain::of_board()?.run(&folder, &folder.join("target"), &arguments)
 }
 
 /// Where a package's program is when it has been built.

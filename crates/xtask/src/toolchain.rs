@@ -57,14 +57,9 @@ impl Toolchain {
     /// Runs a cargo command in a folder, for the target; what is built goes to a folder of its own, for another compiler
     /// may have built what is in the ordinary one.
     pub fn run(&self, folder: &Path, built: &Path, arguments: &[&str]) -> Result<()> {
-        self.run_with(&[], folder, built, arguments)
-    }
-
-    /// The same, with variables in its environment.
-    pub fn run_with(&self, variables: &[(&str, &str)], folder: &Path, built: &Path, arguments: &[&str]) -> Result<()> {
         println!("    cargo {} --target {}", arguments.join(" "), self.target);
         let mut command = if self.builds_std { self.debians_cargo() } else { cargo::program() };
-        command.current_dir(folder).env("CARGO_TARGET_DIR", built).envs(variables.iter().copied());
+        command.current_dir(folder).env("CARGO_TARGET_DIR", built);
         provide::succeed(command.args(arguments).args(["--target", self.target]))
     }
 

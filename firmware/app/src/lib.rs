@@ -35,6 +35,11 @@ impl<A: Acquisition, P: TrimPart, M: rtic::Mutex<T = Compensator<A, P, &'static 
     }
 }
 
+/// Has the compensator do an interrupt's work, which its record decides.
+pub fn serve<C, R>(compensator: &mut impl rtic::Mutex<T = C>, work: impl FnOnce(&mut C) -> R) -> R {
+    kept().at_record(|| compensator.lock(work))
+}
+
 #[allow(unsafe_code)]
 // SAFETY: the section `.uninit` of cortex-m-rt is RAM that start-up code leaves as it is; nothing else is placed by it.
 #[unsafe(link_section = ".uninit.restarts")]

@@ -22,7 +22,7 @@ use zerorate_device::restart::{Keeping, Kept, Reset};
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::NoWatchdog;
-use zerorate_firmware::{Locked, Received, health};
+use zerorate_firmware::{Locked, Received, health, serve};
 use zerorate_lockstep::{Answer, Board, Bus, BusFailed, Channel, LockstepFlash, LockstepSpi, Poll};
 
 use crate::chip::{Receiving, Sending};
@@ -108,14 +108,14 @@ mod app {
     /// Data ready.
     #[task(binds = PORT0, priority = 3, shared = [compensator])]
     fn data_ready(mut cx: data_ready::Context) {
-        cx.shared.compensator.lock(|compensator| compensator.service());
+        serve(&mut cx.shared.compensator, Compensator::service);
         rtic::pend(chip::Interrupt::PORT1);
     }
 
     /// The tick.
     #[task(binds = TIMER0, priority = 3, shared = [compensator])]
     fn tick(mut cx: tick::Context) {
-        cx.shared.compensator.lock(|compensator| compensator.tick());
+        serve(&mut cx.shared.compensator, Compensator::tick);
         rtic::pend(chip::Interrupt::PORT1);
     }
 

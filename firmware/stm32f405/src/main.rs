@@ -6,11 +6,12 @@
 use cortex_m_rt as _;
 
 mod flash;
+mod probe;
 mod scan_line;
 mod supply;
+mod unit;
 
 use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
-use heapless::String;
 use heapless::spsc::{Consumer, Producer};
 use nb::block;
 use stm32f4xx_hal::gpio::{Edge, Input, Output, PA4, PB0, PB1, PB12, PinState, Speed};
@@ -31,9 +32,10 @@ use zerorate_device::restart::{Keeping, Kept};
 use zerorate_device::store::FlashStore;
 use zerorate_device::trim_part::Max5494Trim;
 use zerorate_device::watchdog::Watchdog;
-use zerorate_firmware::{Locked, Received, health};
+use zerorate_firmware::{Locked, Received, health, serve};
 
 use crate::flash::ChipFlash;
+use crate::probe::Probe;
 use crate::scan_line::ScanLine;
 
 /// The crystal, and the fastest clocks of the chip and its buses (data sheet, table 14).
@@ -99,6 +101,8 @@ mod app {
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.start(WATCHDOG_MS.millis());
         let started = zerorate_firmware::kept().started(supply::reset(&device.RCC));
+        let mut probe = Probe::new();
+        probe.started(&started);
         let clocks =
             Config::hse(CRYSTAL_MHZ.MHz()).sysclk(CORE_MHZ.MHz()).pclk1(BUS_1_MHZ.MHz()).pclk2(BUS_2_MHZ.MHz());
         let mut rcc = device.RCC.freeze(clocks);
@@ -124,20 +128,22 @@ mod app {
 
         supply::hold_in_reset_when_low(&device.FLASH, &device.PWR);
         let Ok(store) = Store::new(ChipFlash(device.FLASH), flash::records()) else { panic!() };
-        let Application { compensator, task } = Application::start(Parts {
+        let application = Application::start(Parts {
             acquisition: Port::new(port),
             trim: Potentiometer::new(potentiometer, delay),
             store,
             watchdog: ChipWatchdog(watchdog),
             kept: zerorate_firmware::kept(),
             started,
-            unit: String::try_from(option_env!("ZERORATE_UNIT").unwrap_or_default()).unwrap_or_default(),
+            unit: unit::serial(),
             timing: Timing::PAPER,
             board: BoardNumbers::PAPER,
             health: health::health,
             memory: cx.local.memory,
             buffer: cx.local.buffer,
         });
+        probe.found(&application.identity());
+        let Application { compensator, task } = application;
 
         let line = serial::Config::default().baudrate(BAUD.bps());
         let Ok(serial) = device.USART2.serial::<u8>((a.pa2, a.pa3), line, &mut rcc) else { panic!() };
@@ -180,7 +186,7 @@ mod app {
     #[task(binds = EXTI1, priority = 4, shared = [compensator, scan_line], local = [scan_ready_pin])]
     fn scan_ready(mut cx: scan_ready::Context) {
         cx.local.scan_ready_pin.clear_interrupt_pending_bit();
-        let report = cx.shared.compensator.lock(|compensator| compensator.scan());
+        let report = serve(&mut cx.shared.compensator, Compensator::scan);
         if let Some(frame) = report.and_then(|report| report.frame().ok()) {
             cx.shared.scan_line.lock(|line| line.begin(frame));
         }
@@ -196,7 +202,7 @@ mod app {
     #[task(binds = EXTI0, priority = 3, shared = [compensator, data_ready_pin])]
     fn data_ready(mut cx: data_ready::Context) {
         cx.shared.data_ready_pin.clear_interrupt_pending_bit();
-        health::timed(|| cx.shared.compensator.lock(|compensator| compensator.service()));
+        health::timed(|| serve(&mut cx.shared.compensator, Compensator::service));
         rtic::pend(pac::Interrupt::EXTI2);
     }
 
@@ -209,9 +215,9 @@ mod app {
         *looks += 1;
         if *looks == LOOK_HZ {
             *looks = 0;
-            cx.shared.compensator.lock(|compensator| compensator.tick());
+            serve(&mut cx.shared.compensator, Compensator::tick);
         } else {
-            cx.shared.compensator.lock(|compensator| compensator.look(set_waits));
+            serve(&mut cx.shared.compensator, |compensator| compensator.look(set_waits));
             if !set_waits {
                 return;
             }
