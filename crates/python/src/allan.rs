@@ -18,7 +18,11 @@ const COLUMNS: [Told<AllanPoint>; 5] = [
     ("degrees_of_freedom", |point| point.degrees_of_freedom),
 ];
 
-/// The overlapping Allan deviation of evenly spaced rates.
+/// The overlapping Allan deviation of evenly spaced rates of shape (n,) at constant temperature, `period_s` seconds apart; NaN
+/// marks a gap.
+///
+/// Gives a dict of arrays of one shape: `tau_s`, averaging time, seconds; `deviation` and its confidence bounds `low` and
+/// `high`, in the rates' unit; `degrees_of_freedom`; and the `coefficients`: angle random walk, bias instability, rate random walk.
 #[pyfunction]
 pub fn allan_deviation<'py>(
     py: Python<'py>,

@@ -98,7 +98,10 @@ impl Calibration {
         self.fit.iter().flat_map(|fit| &fit.notes).map(String::as_str).collect()
     }
 
-    /// What a device would take off.
+    /// What a device takes off that is switched on with the first row: of each axis an array of shape (n,), in its rate unit.
+    ///
+    /// `temperature` is of shape (n,), in `temperature_unit`; `time` of shape (n,), seconds from anywhere, is needed where the
+    /// model lags behind its temperature. The recording's own drift in time is left out.
     #[pyo3(signature = (temperature, time=None))]
     fn predict<'py>(
         &self,
@@ -123,7 +126,7 @@ impl Calibration {
         Ok(predicted.into_iter().map(|(name, biases)| (name, biases.into_pyarray(py))).collect())
     }
 
-    /// The static curve of one axis; of a model with a history that for when it is not known.
+    /// The static curve of one axis, in its rate unit, at temperatures of shape (n,); of a model with a history that for when it is not known.
     fn curve<'py>(
         &self,
         py: Python<'py>,
@@ -138,7 +141,7 @@ impl Calibration {
         Ok(curve.into_pyarray(py))
     }
 
-    /// The calibration in the form of another program.
+    /// The text of a file for another program: px4, ardupilot, methodic-configurator, c, json or csv.
     #[pyo3(signature = (format, *, device_id=None, instance=None))]
     fn export(&self, format: &str, device_id: Option<u32>, instance: Option<u8>) -> PyResult<String> {
         let format: Format = format.parse().map_err(|error| raised(&error))?;
@@ -146,7 +149,7 @@ impl Calibration {
         Ok(exported.map_err(|error| raised(&error))?.text)
     }
 
-    /// The report as one HTML page.
+    /// The report as one HTML page, with rates in `units` (mdps, deg/h) if given; of a calibration that was just fitted.
     #[pyo3(signature = (*, units=None))]
     fn report_html(&self, py: Python<'_>, units: Option<&str>) -> PyResult<String> {
         let (fit, units) = (self.fit("report")?, parsed(units)?);
@@ -156,7 +159,7 @@ impl Calibration {
         Ok(py.detach(|| page().to_html()))
     }
 
-    /// The averages that were fitted.
+    /// Of each axis the averages that were fitted, arrays of shape (n,): `time_s`, seconds; `temperature`; `rate` and `residual`.
     fn groups<'py>(&self, py: Python<'py>) -> PyResult<BTreeMap<&str, Bound<'py, PyDict>>> {
         groups(py, self.fit("averages")?)
     }
