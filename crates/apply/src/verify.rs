@@ -28,7 +28,7 @@ pub use zerorate_cal::matching::Unmatched;
 use zerorate_cal::matching::{Known, calibrated, places, renamed};
 use zerorate_cal::quality::{Reason, Verdict};
 use zerorate_cal::source::{Faulty, Source};
-use zerorate_cal::table::Columns;
+use zerorate_cal::table::{Columns, Table};
 use zerorate_cal::units::{RateUnit, TemperatureUnit, WrittenRate};
 use zerorate_fit::trace::period_s;
 
@@ -117,6 +117,17 @@ pub enum NoTest {
         /// The calibration's.
         expected: String,
     },
+}
+
+/// The columns of a log as far as its calibration tells them: where rates were not named and the log is a table that has
+/// all of the calibration's axes, those; and the calibration's unit where no name says one.
+#[must_use]
+pub fn known_columns(log: &Source, calibration: &Calibration, asked: Columns) -> Columns {
+    let else_rate_unit = calibration.axes.values().find_map(|axis| WrittenRate::of(axis.rate_unit));
+    let names: Vec<String> = calibration.axes.keys().cloned().collect();
+    let has_all = || Table::open(log).is_ok_and(|table| names.iter().all(|name| table.names().contains(name)));
+    let rates = if asked.rates.is_empty() && has_all() { names } else { asked.rates };
+    Columns { rates, else_rate_unit, ..asked }
 }
 
 /// Applies a calibration to a log and holds what is left against limits.

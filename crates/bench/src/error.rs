@@ -1,6 +1,8 @@
 //! Why a procedure could not be carried through.
 
 use zerorate_cal::board_run::BoardRunError;
+use zerorate_cal::calibration::CalibrationFault;
+use zerorate_cal::log::LogError;
 use zerorate_cal::recording::{RecordingError, WriteError};
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::{Axis, Taps};
@@ -20,6 +22,12 @@ pub enum BenchError {
     /// A recording cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// A log cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// No calibration comes of a fit.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationFault),
     /// What was written cannot be read again.
     #[error(transparent)]
     BoardRun(#[from] BoardRunError),

@@ -3,8 +3,11 @@
 //! The drift is measured; the trim is the circuit's nominal one. So the device record starts in the digital mode, which
 //! leaves the potentiometer at its middle tap and subtracts the drift in numbers.
 
+use std::collections::BTreeMap;
+
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, TrimCalibration};
-use zerorate_cal::log_fit::LogFit;
+use zerorate_cal::log::{LogError, LogFault};
+use zerorate_cal::log_fit::{FittedLog, LogFit};
 use zerorate_cal::recording::{Recording, RecordingInfo};
 use zerorate_cal::source::Source;
 use zerorate_cal::units::TemperatureUnit;
@@ -18,6 +21,34 @@ use crate::setup::SetUp;
 /// What every such calibration says.
 const NO_TRIM: &str =
     "no trim experiment: the trim is the circuit's nominal one, and the device starts in mode digital";
+
+/// The calibration that a fit makes: a board's of its recording alone, else a log's. `sources` are what was fitted; the
+/// serial and the labels are a log's, for a recording has its own.
+///
+/// # Errors
+/// [`BenchError`], when what was fitted was rejected or cannot be read any more, or a recording's set-up makes no trim.
+pub fn of_fit(
+    sources: &[Source],
+    fit: &LogFit,
+    serial: Option<String>,
+    labels: BTreeMap<String, String>,
+) -> Result<Calibration, BenchError> {
+    if let [source] = sources
+        && Recording::is_one(source)
+    {
+        return calibration(source, fit);
+    }
+    Ok(Calibration { labels, ..fit.to_calibration(origins(sources, fit)?, serial)? })
+}
+
+/// The logs with their SHA-256.
+fn origins(sources: &[Source], fit: &LogFit) -> Result<Vec<Origin>, LogError> {
+    let origin = |(source, log): (&Source, &FittedLog)| {
+        let origin = Origin::of_log(fit.autopilot, source).map_err(|error| source.faulty::<LogFault>(error))?;
+        Ok(Origin { rows: log.rows.written(), ..origin.started_at(log.started) })
+    };
+    sources.iter().zip(&fit.sources).map(origin).collect()
+}
 
 /// The calibration that the fit of a recording makes.
 ///

@@ -16,6 +16,7 @@ mod repeated;
 mod words;
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::time::SystemTime;
 
 pub use averages::zero_taken_in;
@@ -35,6 +36,9 @@ use crate::table::Columns;
 use crate::units::{RateScale, RateUnit, TemperatureUnit, WrittenRate};
 use zerorate_fit::trace::TracePoint;
 
+/// Seconds that a group may take: rows of a log are no closer, and a ramp has more than a few groups.
+pub const GROUP_SECONDS: RangeInclusive<f64> = 0.01..=600.0;
+
 /// How a log is to be fitted.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FitOptions {
@@ -46,7 +50,7 @@ pub struct FitOptions {
     pub plain: bool,
     /// Fit a narrow temperature span too; the verdict is then a warning.
     pub allow_narrow: bool,
-    /// Seconds in a group; `None` for about 10 s, and shorter where the log is.
+    /// Seconds in a group, of [`GROUP_SECONDS`]; `None` for about 10 s, and shorter where the log is.
     pub group_s: Option<f64>,
     /// The sensors to fit; `None` for all.
     pub sensor: Option<SensorChoice>,

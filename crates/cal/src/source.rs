@@ -67,6 +67,13 @@ impl Source {
         Self { name: name.into(), path: None, open: Arc::new(open) }
     }
 
+    /// The same, read through what `wrap` makes of each reader: one that can be stopped, one that counts.
+    #[must_use]
+    pub fn read_through(&self, wrap: impl Fn(Box<dyn ReadSeek>) -> Box<dyn ReadSeek> + Send + Sync + 'static) -> Self {
+        let open = Arc::clone(&self.open);
+        Self { open: Arc::new(move || open().map(&wrap)), ..self.clone() }
+    }
+
     /// The name for messages: a file's path as it was given.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -12,17 +12,19 @@ mod lot;
 mod report;
 mod setup;
 mod study;
+mod typed;
 mod verify;
 mod virtual_board;
 
+use std::ffi::OsString;
 use std::io;
-use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use zerorate_words::sentence;
 
 use crate::screen;
+use typed::Typed;
 
 /// Takes the temperature drift out of the zero-rate output of MEMS gyroscopes: tests on the bench, fits the drift,
 /// compensates, and proves it with a second run.
@@ -77,15 +79,19 @@ pub enum Outcome {
 /// The exit code of an error; clap's own for wrong usage is the same.
 const ERROR: u8 = 2;
 
-/// Runs the command that was typed and gives its exit code.
-pub fn run() -> ExitCode {
-    match Cli::try_parse() {
-        Ok(cli) => cli.run(),
+/// Runs the command that was typed, the program's name first, and gives its exit code.
+#[must_use]
+pub fn run(typed: Vec<OsString>) -> u8 {
+    let typed = Typed(typed);
+    match Cli::try_parse_from(&typed.0) {
+        Ok(cli) => cli.run(&typed),
         Err(usage) => {
-            if usage.use_stderr() && wants_json() {
+            if usage.use_stderr() && typed.wants_json() {
                 screen::json_error(&usage_sentence(&usage));
             }
-            usage.exit()
+            // Whoever cannot be told reads the exit code.
+            let _ = usage.print();
+            if usage.use_stderr() { ERROR } else { 0 }
         }
     }
 }
@@ -99,17 +105,12 @@ fn usage_sentence(usage: &clap::Error) -> String {
     words.trim_start_matches("error: ").to_owned()
 }
 
-/// Whether programs are to be told: whatever else was typed, it may be what is wrong.
-fn wants_json() -> bool {
-    std::env::args_os().any(|argument| argument == "--json")
-}
-
 impl Cli {
     /// Runs the command and gives the exit code.
-    fn run(&self) -> ExitCode {
+    fn run(&self, typed: &Typed) -> u8 {
         let result = match &self.command {
             Command::Calibrate(calibrate) => calibrate.run(),
-            Command::Fit(fit) => fit.run(),
+            Command::Fit(fit) => fit.run(typed),
             Command::Apply(apply) => apply.run(),
             Command::Export(export) => export.run(),
             Command::Verify(verify) => verify.run(),
@@ -123,23 +124,23 @@ impl Cli {
             Command::VirtualBoard(board) => board.run(),
             Command::Completions(completions) => completions.run(),
         };
-        exit_code(&result)
+        exit_code(&result, typed)
     }
 }
 
-fn exit_code(result: &Result<Outcome>) -> ExitCode {
+fn exit_code(result: &Result<Outcome>, typed: &Typed) -> u8 {
     match result {
-        Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::Rejected) => ExitCode::from(1),
-        Ok(Outcome::Failed) => ExitCode::from(ERROR),
+        Ok(Outcome::Done) => 0,
+        Ok(Outcome::Rejected) => 1,
+        Ok(Outcome::Failed) => ERROR,
         // Whoever closed the pipe, as `| head` does, has all that they wanted.
-        Err(error) if is_closed_pipe(error) => ExitCode::SUCCESS,
+        Err(error) if is_closed_pipe(error) => 0,
         Err(error) => {
             screen::error(error);
-            if wants_json() {
+            if typed.wants_json() {
                 screen::json_error(&sentence(error.as_ref()));
             }
-            ExitCode::from(ERROR)
+            ERROR
         }
     }
 }

@@ -5,16 +5,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, ensure};
 use clap::Args;
 use zerorate_cal::log::SensorChoice;
-use zerorate_cal::log_fit::FitOptions;
+use zerorate_cal::log_fit::{FitOptions, GROUP_SECONDS};
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
 use zerorate_cal::units::{RateUnit, TimeUnit, WrittenRate, WrittenTemperature};
 use zerorate_fit::drift_fit::ResidualOver;
 use zerorate_fit::model::Model;
-
-/// A group may take this long: rows of a log are no closer, and a ramp has more than a few.
-const MIN_GROUP_S: f64 = 0.01;
-const MAX_GROUP_S: f64 = 600.0;
 
 /// Which column is which. What is left open is taken from the names where they make it plain.
 #[derive(Debug, Args)]
@@ -137,10 +133,10 @@ pub struct LogArguments {
 /// A time that a group can take.
 fn seconds(text: &str) -> std::result::Result<f64, String> {
     let seconds: f64 = text.parse().map_err(|_| "give a number of seconds".to_owned())?;
-    if (MIN_GROUP_S..=MAX_GROUP_S).contains(&seconds) {
+    if GROUP_SECONDS.contains(&seconds) {
         Ok(seconds)
     } else {
-        Err(format!("give {MIN_GROUP_S} to {MAX_GROUP_S} seconds"))
+        Err(format!("give {} to {} seconds", GROUP_SECONDS.start(), GROUP_SECONDS.end()))
     }
 }
 

@@ -31,6 +31,7 @@ pub mod row_marks;
 pub mod series;
 pub mod settling;
 pub mod shrinkage;
+pub mod side_by_side;
 pub mod spacing;
 pub mod spikes;
 pub mod still;

@@ -16,6 +16,7 @@ mod gateware;
 mod house;
 mod lines;
 mod lot;
+mod package;
 mod provide;
 mod python;
 mod report;
@@ -49,7 +50,7 @@ enum Chore {
     /// Run every check, in order, and stop at the first that fails
     ///
     /// Formatting, lints, documentation and tests by cargo; the rules of ARCHITECTURE.md by reading the sources; then
-    /// the built command against numpy and against damaged recordings; the circuit in ngspice and the gateware by the FPGA
+    /// the built command against numpy and against damaged recordings, and the Python package against the command; the circuit in ngspice and the gateware by the FPGA
     /// tools, the firmware in QEMU and the image for the chip in Unicorn, as the chores `circuit`, `gateware`, `firmware` and
     /// `chip` do; the report in a headless browser;
     /// last zerorate-lot, whose query engine takes longer to build than everything else together. What that needs is
@@ -67,7 +68,7 @@ enum Chore {
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house,
-        /// wiring, build, numpy, numbers, damage, circuit, gateware, firmware, chip, report, lot
+        /// wiring, build, numpy, numbers, damage, python, circuit, gateware, firmware, chip, report, lot
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -220,6 +221,7 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
             .skipped_if(fast, "--fast"),
         Step::new("damage", "see crates/xtask/python/damaged_recordings.py", within(python::damaged_recordings))
             .skipped_if(fast, "--fast"),
+        Step::new("python", "see crates/python/README.md", within(package::check)).skipped_if(fast, "--fast"),
         circuit(workspace).skipped_if(fast, "--fast"),
         Step::new("gateware", "`cargo xtask gateware` runs it alone", within(gateware::check))
             .skipped_if(fast, "--fast"),

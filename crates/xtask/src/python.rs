@@ -99,6 +99,20 @@ fn venv(workspace: &Workspace) -> Result<PathBuf> {
     venv_of(workspace, "venv", "requirements.txt", None)
 }
 
+/// The Python of the venv in which the package is tested; `None` where it is too old for it.
+pub fn package_venv(workspace: &Workspace) -> Result<Option<PathBuf>> {
+    has_python()?;
+    if !provide::works(Command::new("python3").args(["-c", "import sys; sys.exit(sys.version_info < (3, 11))"])) {
+        return Ok(None);
+    }
+    venv_of(workspace, "venv-package", "requirements-package.txt", None).map(Some)
+}
+
+/// The program that builds wheels, in a venv of its own: what is tested is to rest on nothing that builds it.
+pub fn maturin(workspace: &Workspace) -> Result<PathBuf> {
+    Ok(venv_of(workspace, "venv-maturin", "requirements-maturin.txt", None)?.with_file_name("maturin"))
+}
+
 /// The Python of the venv for lots.
 pub fn lot_venv(workspace: &Workspace) -> Result<PathBuf> {
     venv_of(workspace, "venv-lot", "requirements-lot.txt", None)
@@ -107,6 +121,17 @@ pub fn lot_venv(workspace: &Workspace) -> Result<PathBuf> {
 /// The Python of the venv with SKiDL, alone: what else it asks for draws schematics, which nobody here does.
 pub fn circuit_venv(workspace: &Workspace) -> Result<PathBuf> {
     venv_of(workspace, "venv-circuit", "requirements-circuit.txt", Some("skidl==3.0.0"))
+}
+
+/// Makes sure that there is a Python that can make a venv.
+fn has_python() -> Result<()> {
+    // Debian ships venv without the pip it installs: the module is there, ensurepip is not.
+    let has_venv = || provide::works(Command::new("python3").args(["-c", "import venv, ensurepip"]));
+    if !has_venv() {
+        provide::install("Python 3 with venv", &["python3", "python3-venv"])?;
+        ensure!(has_venv(), "python3 on the PATH has no venv, though python3-venv is installed");
+    }
+    Ok(())
 }
 
 /// The Python of a venv under target/ with the packages that a file pins and, without what it asks for, one more.
@@ -119,12 +144,7 @@ fn venv_of(workspace: &Workspace, name: &str, requirements: &str, alone: Option<
     if fs::read_to_string(&stamp).is_ok_and(|made| made == wanted) {
         return Ok(python);
     }
-    // Debian ships venv without the pip it installs: the module is there, ensurepip is not.
-    let has_venv = || provide::works(Command::new("python3").args(["-c", "import venv, ensurepip"]));
-    if !has_venv() {
-        provide::install("Python 3 with venv", &["python3", "python3-venv"])?;
-        ensure!(has_venv(), "python3 on the PATH has no venv, though python3-venv is installed");
-    }
+    has_python()?;
     println!("    making target/{name}");
     provide::succeed(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder))?;
     let pip = || {

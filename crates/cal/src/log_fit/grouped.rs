@@ -4,6 +4,7 @@ use zerorate_core::drift::Scale;
 use zerorate_fit::auto;
 use zerorate_fit::least_squares::{Basis, Fit};
 use zerorate_fit::series::{NextRun, Series};
+use zerorate_fit::side_by_side::side_by_side;
 
 use super::gather::{Gathered, gather, is_accelerometer};
 use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, one_way, words};
@@ -129,11 +130,15 @@ fn overlap(a: (f64, f64), b: (f64, f64)) -> bool {
 
 fn fit_sensor(sensor: &Gathered, levels: &Levels, options: &FitOptions, fit: &mut LogFit) {
     let untrue = words::of_temperature(sensor);
-    for (axis, name) in sensor.stream.names.iter().enumerate() {
+    let fit_axis = |axis: usize| {
         let mut judgement = Judgement::default();
         untrue.iter().for_each(|reason| judgement.add(reason.clone()));
         words::report(&mut judgement, sensor, axis, levels, options);
-        fit.axes.extend(fit_axis(sensor, options, axis, &mut judgement));
+        (fit_axis(sensor, options, axis, &mut judgement), judgement)
+    };
+    let names = &sensor.stream.names;
+    for ((fitted, judgement), name) in side_by_side(names.len(), fit_axis).into_iter().zip(names) {
+        fit.axes.extend(fitted);
         fit.verdicts.push(AxisVerdict { name: name.clone(), judgement });
     }
     fit.steps.extend(levels.steps.iter().map(|step| FoundStep {

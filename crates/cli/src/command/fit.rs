@@ -9,17 +9,15 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::Args;
 use zerorate_bench::recorded;
-use zerorate_cal::calibration::{Calibration, Origin};
+use zerorate_cal::calibration::Origin;
 use zerorate_cal::fit::fit;
-use zerorate_cal::log_fit::{FitOptions, FittedLog, LogFit};
-use zerorate_cal::recording::Recording;
-use zerorate_cal::source::Source;
+use zerorate_cal::log_fit::{FitOptions, LogFit};
 use zerorate_cal::units::WrittenRate;
 use zerorate_export::Format;
 use zerorate_report::LogPage;
 use zerorate_words::as_options;
 
-use super::Outcome;
+use super::{Outcome, Typed};
 use crate::log_arguments::{LogArguments, ShownUnits};
 use crate::progress::Busy;
 use crate::{output, screen};
@@ -98,7 +96,8 @@ Examples:
 Exit codes: 0 fitted; 1 the log was rejected, with reasons; 2 error.";
 
 impl Fit {
-    pub fn run(&self) -> Result<Outcome> {
+    /// `typed` is the command as it was typed, for what to type next.
+    pub fn run(&self, typed: &Typed) -> Result<Outcome> {
         let logs = self.log.paths();
         let places = self.places();
         let files = [("--out", &places.out), ("--record", &self.record), ("--report", &places.report)];
@@ -113,7 +112,8 @@ impl Fit {
             fit.notes.iter().for_each(|note| screen::note(note));
             screen::print_json(&fit)?;
         } else {
-            summary::page(&fit, units, self.log.over(), &written, &self.next(&fit, &places), self.explain).print()?;
+            summary::page(&fit, units, self.log.over(), &written, &self.next(&fit, &places, typed), self.explain)
+                .print()?;
         }
         Ok(if fit.judgement.rejected() { Outcome::Rejected } else { Outcome::Done })
     }
@@ -138,7 +138,7 @@ impl Fit {
         if places.out.is_none() && places.report.is_none() && self.record.is_none() {
             return Ok(written);
         }
-        let calibration = self.calibration(fit)?;
+        let calibration = recorded::of_fit(&self.log.sources(), fit, self.serial.clone(), self.labels())?;
         let origins = &calibration.sources;
         // Before the first is written, all places are known to be free.
         if let Some(out) = &places.out {
@@ -168,27 +168,6 @@ impl Fit {
         Ok(written)
     }
 
-    /// The logs with their SHA-256.
-    fn origins(&self, fit: &LogFit) -> Result<Vec<Origin>> {
-        let origin = |(source, log): (&Source, &FittedLog)| {
-            let origin = Origin::of_log(fit.autopilot, source);
-            let origin = origin.with_context(|| format!("{}: cannot be read", source.name()))?;
-            Ok(Origin { rows: log.rows.written(), ..origin.started_at(log.started) })
-        };
-        self.log.sources().iter().zip(&fit.sources).map(origin).collect()
-    }
-
-    fn calibration(&self, fit: &LogFit) -> Result<Calibration> {
-        let sources = self.log.sources();
-        if let [source] = sources.as_slice()
-            && Recording::is_one(source)
-        {
-            return Ok(recorded::calibration(source, fit)?);
-        }
-        let calibration = fit.to_calibration(self.origins(fit)?, self.serial.clone())?;
-        Ok(Calibration { labels: self.labels(), ..calibration })
-    }
-
     fn labels(&self) -> BTreeMap<String, String> {
         self.labels.iter().cloned().collect()
     }
@@ -205,15 +184,17 @@ impl Fit {
     }
 
     /// What to type next, and why.
-    fn next(&self, fit: &LogFit, places: &Places) -> Option<(&'static str, String)> {
+    fn next(&self, fit: &LogFit, places: &Places, typed: &Typed) -> Option<(&'static str, String)> {
         match &places.out {
             _ if fit.judgement.rejected() => None,
             Some(out) => Some(self.use_command(fit, out)),
             // The same command again, whatever options it had.
-            None if places.report.is_some() => Some(("To keep the calibration", typed() + " --out calibration.json")),
+            None if places.report.is_some() => {
+                Some(("To keep the calibration", format!("{typed} --out calibration.json")))
+            }
             None => Some((
                 "To keep the calibration, and to see it drawn",
-                typed() + " --out calibration.json --report report.html",
+                format!("{typed} --out calibration.json --report report.html"),
             )),
         }
     }
@@ -263,10 +244,4 @@ struct Places {
 
 fn apply_command(calibration: &Path, log: &Path) -> String {
     format!("zerorate apply {} {} --out corrected.csv", output::argument(calibration), output::argument(log))
-}
-
-/// The command as it was typed.
-fn typed() -> String {
-    let arguments = std::env::args_os().skip(1).map(|argument| output::argument(Path::new(&argument)));
-    std::iter::once("zerorate".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
 }

@@ -8,12 +8,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde::Serialize;
-use zerorate_apply::verify::{Limit, Limits, Verified, VerifyOptions, verify};
+use zerorate_apply::verify::{Limit, Limits, Verified, VerifyOptions, known_columns, verify};
 use zerorate_cal::calibration::{Calibration, Kind, Origin};
 use zerorate_cal::log::SensorChoice;
 use zerorate_cal::source::{Source, in_quotes};
-use zerorate_cal::table::Table;
-use zerorate_cal::units::WrittenRate;
 
 use super::Outcome;
 use crate::log_arguments::{ColumnArguments, ShownUnits};
@@ -109,13 +107,13 @@ impl Verify {
         limits.check(calibration.axes.keys().map(String::as_str))?;
         let log = Source::from(&self.log);
         let busy = Busy::reading(&self.log);
-        let mut columns = self.columns.columns();
-        columns.else_rate_unit = calibration.axes.values().find_map(|axis| WrittenRate::of(axis.rate_unit));
-        if columns.rates.is_empty() {
-            columns.rates = self.known_columns(&calibration);
-        }
-        let (sensor, in_sample, told_in) = (self.sensor, self.in_sample, self.units.asked());
-        let options = VerifyOptions { columns, sensor, limits, in_sample, told_in };
+        let options = VerifyOptions {
+            columns: known_columns(&log, &calibration, self.columns.columns()),
+            sensor: self.sensor,
+            limits,
+            in_sample: self.in_sample,
+            told_in: self.units.asked(),
+        };
         let verified = verify(&log, &calibration, &options)?;
         drop(busy);
         let units = self.units.of(verified.axes.iter().map(|axis| axis.rate_unit))?;
@@ -154,13 +152,5 @@ impl Verify {
             let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].lines().count().max(1));
             anyhow::anyhow!("{}:{line}: {}", path.display(), in_quotes(error.message()))
         })
-    }
-
-    /// The calibration's axes as columns, where the log is a table that has them all.
-    fn known_columns(&self, calibration: &Calibration) -> Vec<String> {
-        let names: Vec<String> = calibration.axes.keys().cloned().collect();
-        let table = Table::open(&(&self.log).into()).ok();
-        let has_all = table.is_some_and(|table| names.iter().all(|name| table.names().contains(name)));
-        if has_all { names } else { Vec::new() }
     }
 }

@@ -1,0 +1,11 @@
+//! The command `zerorate`: all of it, for whoever starts it. Its own program does, and so does the Python package.
+
+mod command;
+mod interrupt;
+mod log_arguments;
+mod output;
+mod plant;
+mod progress;
+mod screen;
+
+pub use command::run;

@@ -1,0 +1,94 @@
+"""What a log may be in Python: a path, bytes, a data frame, arrays."""
+
+import os
+from collections.abc import Mapping
+
+import numpy as np
+
+from zerorate._zerorate import Error, Source
+
+_AXES = ("x", "y", "z")
+
+
+def sources(log):
+    """Of a log, or a list of logs of one unit, what is read."""
+    several = log if isinstance(log, (list, tuple)) else [log]
+    if not several:
+        raise Error("give a log at least")
+    return [_source(log) for log in several]
+
+
+def of_arrays(temperature, rates, time, time_unit):
+    """Of arrays what is read, and which of its columns is which."""
+    rates = _named(rates)
+    columns = {"temperature": temperature} | rates
+    if time is not None:
+        columns |= {"time": time}
+        if time_unit is None and np.asarray(time).dtype.kind != "M":
+            time_unit = "s"
+    names = named_columns(None if time is None else "time", "temperature", list(rates), time_unit)
+    return _columns("arrays", columns), names
+
+
+def named_columns(time, temperature, rates, time_unit):
+    """Which column is which, by name."""
+    rates = [rates] if isinstance(rates, str) else rates
+    return {"time": time, "temperature": temperature, "rates": rates, "time_unit": time_unit}
+
+
+def _source(log):
+    if isinstance(log, (bytes, bytearray, memoryview)):
+        return Source.bytes("bytes", bytes(log))
+    if isinstance(log, (str, os.PathLike)):
+        # Python's own error where there is no such file.
+        os.stat(log)
+        return Source.file(os.fspath(log))
+    if isinstance(log, Mapping):
+        return _columns("columns", log)
+    if hasattr(log, "columns") or hasattr(log, "__arrow_c_stream__"):
+        return _frame(log)
+    raise Error(f"a log is a path, bytes, a data frame or a dict of columns, and this is a {type(log).__name__}")
+
+
+def _frame(frame):
+    if hasattr(frame, "reset_index") and type(frame.index).__name__ != "RangeIndex":
+        # An index of times is a column like any other.
+        frame = frame.reset_index()
+    try:
+        return Source.stream("frame", frame)
+    except (ImportError, TypeError):
+        # pandas gives Arrow's columns where pyarrow is there; numpy's it always has.
+        return _columns("frame", {str(name): frame[name].to_numpy() for name in frame.columns}, whole=False)
+
+
+def _columns(name, columns, whole=True):
+    """Columns of numpy; of a frame that is not taken whole those that are no numbers are left out."""
+    arrays = {str(column): np.asarray(numbers) for column, numbers in columns.items()}
+    if not whole:
+        arrays = {column: numbers for column, numbers in arrays.items() if numbers.dtype.kind in "biufM"}
+    lengths = {column: numbers.shape for column, numbers in arrays.items()}
+    if len(set(lengths.values())) != 1 or any(len(shape) != 1 for shape in lengths.values()):
+        told = ", ".join(f"{column} {shape}" for column, shape in lengths.items())
+        raise Error(f"columns must be of one dimension and one length, and are: {told}")
+    return Source.columns(name, [(column, _plain(column, numbers)) for column, numbers in arrays.items()])
+
+
+def _plain(column, numbers):
+    if numbers.dtype.kind == "M":
+        return np.ascontiguousarray(numbers).view(np.int64), np.datetime_data(numbers.dtype)[0]
+    try:
+        return np.ascontiguousarray(numbers, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise Error(f"column '{column}' is no numbers: {error}") from error
+
+
+def _named(rates):
+    """Rates as columns by name: a dict as it is, an array's columns as gyro_x, gyro_y, gyro_z."""
+    if isinstance(rates, Mapping):
+        return dict(rates)
+    array = np.asarray(rates)
+    if array.ndim == 1:
+        return {"gyro": array}
+    if array.ndim != 2 or array.shape[1] > len(_AXES):
+        raise Error(f"rates of shape {array.shape}: give (n,), (n, 2), (n, 3), or a dict of names")
+    return {f"gyro_{axis}": array[:, place] for place, axis in enumerate(_AXES[: array.shape[1]])}
