@@ -116,7 +116,10 @@ fn a_trim_experiment_that_came_to_nothing_is_run_again_and_the_ramp_before_it_is
         assert_eq!(parts.last(), Some(&Part::TrimExperiment), "{parts:?}");
     }
     let (summary, parts) = run(Keep::Resume, true);
-    assert_eq!((summary.unwrap().serial.as_str(), parts[0]), ("ZR-1", Part::TrimExperiment));
+    let summary = summary.unwrap();
+    assert_eq!((summary.serial.as_str(), parts[0]), ("ZR-1", Part::TrimExperiment));
+    let without_soaks = summary.recordings.iter().all(|recording| recording.file != "soaks.parquet");
+    assert!(without_soaks && !out.join("soaks.parquet").exists(), "soaks that were not made have no recording");
     for attempt in ["trim-sweep.cut.arrows", "trim-sweep.cut-1.arrows"] {
         let kept = Recording::read(&(&out.join("in-progress").join(attempt)).into()).unwrap();
         assert!(kept.groups() > 21 * 2, "{attempt}: what failed is kept");
