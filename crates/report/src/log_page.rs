@@ -219,7 +219,7 @@ fn definitions(fit: &LogFit) -> Markup {
             "Deployed",
             html! {
                 "What a device has left of a whole log like this one, in averages over " (fit.averaged_over()) ": it takes its "
-                "zero in the " (fit.zero_taken_in()) ", and the prediction off from then on. Held out; the log’s own drift in time, which no device knows, is left in it. "
+                "zero in the " (fit.zero_taken_in()) ", and the prediction off from then on. Held out, but for the zero of a start that is colder or warmer than all else in the log; the log’s own drift in time, which no device knows, is left in it. "
                 code { "zerorate verify" } " measures the same of another run."
             },
         ),

@@ -23,7 +23,8 @@ fn sentence(axis: &str, trend: &Trend, scale: RateScale) -> String {
     let (ends, meaning) = match trend.against {
         Against::Time => (
             "the log's start to its end",
-            "a drift in time, which no calibration knows, and of which the curve may hold a part besides",
+            "a drift in time, which no calibration knows, or a hysteresis that the model does not hold; of either the curve may \
+             hold a part besides",
         ),
         Against::Temperature => {
             ("the coldest to the hottest", "the model does not follow the whole drift over temperature")
@@ -53,7 +54,8 @@ mod tests {
         assert_eq!(
             told,
             "gyro_x: what the model leaves still falls by 0.400 \u{b1} 0.025 mrad/s from the log's start to its end: a drift \
-             in time, which no calibration knows, and of which the curve may hold a part besides."
+             in time, which no calibration knows, or a hysteresis that the model does not hold; of either the curve may hold a part \
+             besides."
         );
     }
 }

@@ -265,7 +265,7 @@ fn a_fit_that_leaves_more_than_nothing_does_is_told() {
         walk += ((state >> 33) as f64 / (1_u64 << 31) as f64 - 0.5) * 1e-4;
         walk
     };
-    let temperatures: Vec<f64> = (0..4000).map(|row| 20.0 + 0.01 * f64::from(row)).collect();
+    let temperatures: Vec<f64> = (0..4000).map(|row: i32| 20.0 + 0.02 * f64::from(2000 - (2000 - row).abs())).collect();
     let rates = vec![
         (0..4000).map(|_| step()).collect::<Vec<f64>>(),
         temperatures.iter().map(|t| 1e-4 * t + 1e-6 * (t * 77.0).sin()).collect(),

@@ -6,7 +6,7 @@ use zerorate_core::drift::{Drift, ValidRange};
 
 use super::fits::{Fits, ends};
 use super::{in_recording, predict};
-use crate::boot::{move_zero, take_zero_off, variance_by_the_zero};
+use crate::boot::{booted, move_zero, take_zero_off, variance_by_the_zero};
 use crate::choose::standard_error;
 use crate::drift_fit::{Candidate, HeldOut, LogLeft, StaticCubic, finite};
 use crate::folds::{FOLDS, rows_of_fold};
@@ -125,9 +125,24 @@ impl Outer {
         if self.complete() && rms.is_finite() { rms } else { f64::INFINITY }
     }
 
-    /// What a deployed device has left over whole logs like these.
-    pub(super) fn deployed(&self, series: &Series<'_>) -> Option<ResidualStatistics> {
-        self.of_whole_logs(series, &self.deployed)
+    /// What a deployed device has left of the groups: as the folds leave it, but for the zero at the start of each log. Where the
+    /// rest of the log tells nothing of the start's temperatures, the rest can but go on in its own way, and all of the log would
+    /// be wrong by what the start is. A device was calibrated there: its zero is as the fit of all leaves it, `all`.
+    pub(super) fn left_of_device(&self, series: &Series<'_>, all: &[f64]) -> Vec<f64> {
+        let mut left = self.deployed.clone();
+        for log in known_by_log(series, &left) {
+            for &group in &log[..booted(series.time_s, &log)] {
+                if !self.between[group] {
+                    left[group] = all[group];
+                }
+            }
+        }
+        left
+    }
+
+    /// The size of that over whole logs like these.
+    pub(super) fn deployed(&self, series: &Series<'_>, left: &[f64]) -> Option<ResidualStatistics> {
+        self.of_whole_logs(series, left)
     }
 
     /// What it has left without a model.
@@ -247,11 +262,16 @@ pub(super) fn zeroed(series: &Series<'_>, left: &[f64]) -> Vec<f64> {
     zeroed_logs(series, left).0
 }
 
-/// The same, and the groups of each log of which something was left.
-fn zeroed_logs(series: &Series<'_>, left: &[f64]) -> (Vec<f64>, Vec<Vec<usize>>) {
+/// The groups of which something is left, log by log.
+fn known_by_log(series: &Series<'_>, left: &[f64]) -> Vec<Vec<usize>> {
     let known: Vec<usize> = (0..left.len()).filter(|&group| left[group].is_finite()).collect();
     let of_one_log = |&a: &usize, &b: &usize| series.log[a] == series.log[b];
-    let logs: Vec<Vec<usize>> = known.chunk_by(of_one_log).map(<[usize]>::to_vec).collect();
+    known.chunk_by(of_one_log).map(<[usize]>::to_vec).collect()
+}
+
+/// The same, and the groups of each log of which something was left.
+fn zeroed_logs(series: &Series<'_>, left: &[f64]) -> (Vec<f64>, Vec<Vec<usize>>) {
+    let logs = known_by_log(series, left);
     let mut zeroed = left.to_vec();
     logs.iter().for_each(|log| take_zero_off(&mut zeroed, series.time_s, log));
     (zeroed, logs)

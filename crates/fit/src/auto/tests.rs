@@ -143,6 +143,23 @@ fn a_ramp_in_one_direction_has_neither_history_nor_drift_in_time() {
 
 /// An end of a heating ramp is held out: going on along its tangent is nearer there than a cubic that is held.
 #[test]
+fn what_is_deployed_after_a_ramp_with_hysteresis_is_what_the_same_ramp_leaves_again() {
+    let temperature: Vec<f64> = (0..400).map(|group| -20.0 + 0.2 * f64::from(group)).collect();
+    let history = bouc_wen(&temperature);
+    let ramp = Made::new(temperature, |group, t| cubic(t) + 10.0 * history[group]);
+    let GroupFit { fit, .. } = ramp.fit(Model::Auto);
+    // Again: the truth, with no noise but the model's own, zeroed over three groups.
+    let mut predictor = Predictor::new(&fit.model, Start::Unknown);
+    let mut of =
+        |(group, t): (usize, &f64)| cubic(*t) + 10.0 * history[group] - predictor.predict(ramp.time_s[group], *t).bias;
+    let left: Vec<f64> = ramp.temperature.iter().enumerate().map(&mut of).collect();
+    let zero = left[..3].iter().sum::<f64>() / 3.0;
+    let again = (left[3..].iter().map(|left| (left - zero).powi(2)).sum::<f64>() / 397.0 + 1e-8).sqrt();
+    let told = fit.statistics.deployed.unwrap().rms;
+    assert!(told > 0.5 * again && told < 3.0 * again, "told {told:.2e}, again {again:.2e}");
+}
+
+#[test]
 fn at_either_end_it_is_better_than_a_cubic_that_is_held() {
     for curve in [cubic as fn(f64) -> f64, |t| 0.01 + 3e-4 * t, |t| 0.01 * (-(t + 30.0) / 30.0).exp()] {
         let ramp: Vec<f64> = (0..400).map(|group| -30.0 + 0.25 * f64::from(group)).collect();

@@ -113,7 +113,7 @@ pub(crate) fn figure(fit: &LogFit, axis: &AxisFit, units: Option<WrittenRate>, p
         key.push((
             Ink::Aim,
             Sample::Line,
-            "95 of 100 averages of a next run that goes the same way lie between, after a zero at its start",
+            "95 of 100 averages of a next run that goes the same way lie between, after a zero at its start, if the gyro does not wander by itself",
         ));
     }
     if !fit.excluded.is_empty() && time.unit_s.is_some() {
