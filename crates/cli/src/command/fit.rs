@@ -12,6 +12,7 @@ use zerorate_bench::recorded;
 use zerorate_cal::calibration::{Calibration, Origin};
 use zerorate_cal::fit::fit;
 use zerorate_cal::log_fit::{FitOptions, LogFit};
+use zerorate_cal::source::Source;
 use zerorate_cal::units::WrittenRate;
 use zerorate_export::Format;
 use zerorate_report::LogPage;

@@ -167,14 +167,13 @@ fn width(share: f64) -> String {
 fn unit_facts(board: &Board) -> Markup {
     let (calibration, summary) = (&board.run.calibration, board.summary);
     let groups = fixed(60.0 / calibration.group_period_s.unwrap_or(f64::NAN), 0);
-    let mut facts: Vec<(&str, Markup)> = vec![("Trim part", html! { (summary.trim_part.to_uppercase()) })];
-    facts.extend([
+    let mut facts: Vec<(&str, Markup)> = vec![
+        ("Trim part", html! { (summary.trim_part.to_uppercase()) }),
         ("Centre", html! { (fixed(board.centre_counts(), 0)) " counts" }),
         ("Middle tap", html! { (board.middle_tap()) }),
         ("Groups", html! { (board.group_samples()) " samples, " (groups) " a minute" }),
         ("Scale factor", html! { (significant(summary.counts_per_dps, 4)) " counts per deg/s" }),
-    ]);
-    let recorded = &board.run.full_temperature.info;
+    ];
     if board.run.full_temperature.rows.iter().all(|row| row.chamber_c.is_nan()) {
         facts.push((
             "Chamber",
