@@ -68,7 +68,6 @@ fn the_model_is_taken_as_the_sentence_beside_its_table_says() {
     let Some(path) = recording() else { return };
     let sentence = zerorate_fit::drift_fit::HOW_AUTO_CHOOSES;
     assert!(sentence.contains("held against poly:3 and against the cubic that autopilots get of it"), "{sentence}");
-    let mut rivals_that_were_none = 0;
     for axis in &fit_one(path, &FitOptions::default()).axes {
         let statistics = &axis.calibration.fit.statistics;
         let zeroed = |model: &str| {
@@ -78,11 +77,7 @@ fn the_model_is_taken_as_the_sentence_beside_its_table_says() {
         let last = statistics.candidates.last().unwrap();
         let rival = zeroed("poly:3").unwrap().min(statistics.nested.unwrap().cubic_deployed.unwrap());
         assert_eq!(last.chosen, last.deployed_rms.unwrap() <= 1.05 * rival, "{}", axis.name);
-        rivals_that_were_none += usize::from(
-            last.chosen && zeroed("poly:3 + time").is_some_and(|less| 1.05 * less < last.deployed_rms.unwrap()),
-        );
     }
-    assert_eq!(rivals_that_were_none, 1, "one axis's cubic with time leaves less, and is none that it is held against");
 }
 
 #[test]

@@ -109,6 +109,7 @@ fn a_board_run_shows_when_it_was_begun_and_every_recording_that_it_left() {
     let mut run = sample::board_run();
     assert!(!board_page(&run, None).contains("begun"), "a simulated run has no date");
     run.full_temperature.info.started = Some("2026-03-01T08:05:59Z".parse().unwrap());
+    run.full_temperature.info.firmware = "0.1.0".to_owned();
     let first = run.summary.recordings[0].clone();
     run.summary.recordings = files
         .map(|file| Origin { file: format!("{file}.parquet"), sha256: format!("hash of {file}"), ..first.clone() })
