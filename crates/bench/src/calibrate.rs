@@ -22,7 +22,7 @@ use crate::plan::Part;
 use crate::procedure::compensation_test::{self, Extent};
 use crate::procedure::soaks;
 use crate::results::{self, SOAKS, TRIM_SWEEP};
-use crate::run::{Progress, Session};
+use crate::run::{Progress, Recorder, Session};
 use crate::setup::SetUp;
 use crate::soak_comparison;
 use crate::summary::summary;
@@ -126,7 +126,11 @@ fn run(
         recorder.finish()?;
     }
 
-    let mut recorder = output.go_on(SOAKS, &info("soaks"), soaks::extent(&checkpoints, setup.soaks().len()))?;
+    let has_soaks = !setup.soaks().is_empty();
+    let mut recorder = match has_soaks {
+        true => output.go_on(SOAKS, &info("soaks"), soaks::extent(&checkpoints, setup.soaks().len()))?,
+        false => Recorder::discarding(),
+    };
     let soaks = soaks::run_once(&mut session, &mut recorder, &checkpoints)?;
     let soaks = soak_comparison::compared(&soaks, setup, &measured);
     recorder.finish()?;
@@ -151,7 +155,7 @@ fn run(
     let tested = [("compensation-test", TRIM_TEST), ("compensation-test", HYBRID_TEST), ("soaks", SOAKS)];
     measured.calibration.sources = fitted.into_iter().map(origin).collect::<Result<_, _>>()?;
     let mut recordings = measured.calibration.sources.clone();
-    for recording in tested {
+    for recording in tested.into_iter().filter(|(_, file)| has_soaks || *file != SOAKS) {
         recordings.push(origin(recording)?);
     }
     let mut run = Calibrated { unit, setup: setup.clone(), measured, verifications, soaks, checks };

@@ -95,6 +95,14 @@ impl Checkpoints {
         Ok(results)
     }
 
+    /// What a procedure came to cannot be used: a run that goes on runs it again.
+    pub fn withdraw(&self, procedure: &str) {
+        if let Some(file) = self.file(procedure) {
+            // If it cannot be removed, the next run comes to the same and tries again.
+            let _ = fs::remove_file(file);
+        }
+    }
+
     fn file(&self, procedure: &str) -> Option<PathBuf> {
         self.folder.as_ref().map(|folder| folder.join(format!("{procedure}.bin")))
     }
@@ -141,6 +149,8 @@ mod tests {
         let resumed = Checkpoints::open(folder.path(), Keep::Resume, "unit 1").unwrap();
         assert!(resumed.extent("ramp").is_some());
         assert_eq!(once(&resumed, 9), 7);
+        resumed.withdraw("ramp");
+        assert_eq!((resumed.extent("ramp"), once(&resumed, 8)), (None, 8));
         forget(folder.path());
         assert_eq!(once(&Checkpoints::open(folder.path(), Keep::Anew, "unit 1").unwrap(), 9), 9);
     }

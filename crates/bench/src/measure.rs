@@ -18,8 +18,10 @@ use crate::error::BenchError;
 use crate::evaluate::{self, drift_pp};
 use crate::instruments::Witness;
 use crate::plan::Part;
+use crate::procedure::trim_experiment::TrimMeasurements;
 use crate::procedure::{full_temperature, trim_experiment};
 use crate::run::{Phase, Recorder, Session, Taken, row};
+use crate::setup::SetUp;
 
 /// What is known of one axis before it is compensated.
 #[derive(Debug, Clone)]
@@ -99,27 +101,30 @@ pub fn measure_on(
     mut sweep: Recorder,
     checkpoints: &Checkpoints,
 ) -> Result<Measured, BenchError> {
+    // What cannot be used is no checkpoint: it is judged before it is done with, and a run that goes on runs it again.
     let (ramp, ramp_time) = checkpoints.once(FULL_TEMPERATURE, &mut full, |full| {
         session.part(Part::FullTemperature);
         let began = session.elapsed;
         let ramp = full_temperature::run(session, full)?;
-        // A ramp that is rejected is no checkpoint, so that the run can go on with another.
-        Axis::BOTH.into_iter().try_for_each(|axis| fit_ramp(session, &ramp, axis).map(|_| ()))?;
         Ok((ramp, session.elapsed - began))
     })?;
+    let drifts = fit_ramps(session, &ramp).inspect_err(|_| checkpoints.withdraw(FULL_TEMPERATURE))?;
     full.finish()?;
-    let [x, y] = Axis::BOTH.map(|axis| fit_ramp(session, &ramp, axis));
-    let drifts = [x?, y?];
 
     let measured = checkpoints.once(TRIM_SWEEP, &mut sweep, |sweep| {
         session.part(Part::TrimExperiment);
         trim_experiment::run(session, drifts.each_ref().map(|fit| extremes(fit.calibration.drift())), sweep)
     })?;
+    let trims = fit_trims(session.setup, &measured).inspect_err(|_| checkpoints.withdraw(TRIM_SWEEP))?;
     sweep.finish()?;
+    compose(session, serial, ramp, ramp_time, drifts, trims)
+}
 
+/// The trim of X and Y, and what a calibration keeps of it.
+fn fit_trims(setup: &SetUp, measured: &TrimMeasurements) -> Result<Vec<(TrimFit, TrimCalibration)>, BenchError> {
     let mut trims = Vec::new();
     for axis in Axis::BOTH {
-        let (setup, failed) = (session.setup, |reason: &dyn std::fmt::Display| fit_error(axis, reason));
+        let failed = |reason: &dyn std::fmt::Display| fit_error(axis, reason);
         let points = &measured.points[axis.index()];
         let trim = fit_trim(points, setup.centre(), setup.middle()).map_err(|error| failed(&error))?;
         let effects = tap_effects(&measured.sweep[axis.index()], setup.middle()).map_err(|error| failed(&error))?;
@@ -135,7 +140,7 @@ pub fn measure_on(
         };
         trims.push((trim, calibration));
     }
-    compose(session, serial, ramp, ramp_time, drifts, trims)
+    Ok(trims)
 }
 
 /// The calibration of what was fitted, and its record.
@@ -190,6 +195,12 @@ fn compose(
 
 fn fit_error(axis: Axis, reason: &dyn std::fmt::Display) -> BenchError {
     BenchError::Fit { axis, reason: reason.to_string() }
+}
+
+/// The drift of X and Y.
+fn fit_ramps(session: &Session<'_>, ramp: &[Taken]) -> Result<[AxisFit; 2], BenchError> {
+    let [x, y] = Axis::BOTH.map(|axis| fit_ramp(session, ramp, axis));
+    Ok([x?, y?])
 }
 
 /// The fit of a ramp, judged as `zerorate fit` judges its recording.

@@ -31,7 +31,7 @@ pub use origin::{Origin, sha256};
 pub use trim::TrimCalibration;
 
 use crate::source::Source;
-use crate::units::TemperatureUnit;
+use crate::units::{RateScale, RateUnit, TemperatureUnit, WrittenRate};
 
 /// The version of the file that this code writes. It reads 1 as well, which has no history, drift in time, static cubic
 /// or band, and 2, whose histories have no parts that are behind.
@@ -87,6 +87,9 @@ pub struct Calibration {
     /// What whoever made it knows of it, by name, as `operator` and `station`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub labels: BTreeMap<String, String>,
+    /// The unit of rates in which its sentences are told, and are to be told on, where one was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub told_in: Option<WrittenRate>,
     /// The set-up that it was made with, as it was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub setup: Option<serde_json::Value>,
@@ -130,6 +133,7 @@ impl Calibration {
             axes,
             warnings: Vec::new(),
             labels: BTreeMap::new(),
+            told_in: None,
             setup: None,
         }
     }
@@ -167,9 +171,15 @@ impl Calibration {
         }
     }
 
+    /// The unit for what is told of its axes in this unit: that of their drifts, as of a fit's.
+    #[must_use]
+    pub fn scale(&self, unit: RateUnit) -> RateScale {
+        scale(self.axes.values(), unit, self.told_in)
+    }
+
     /// What is to be known of the axes that it does not help, a sentence each.
     pub fn no_gains(&self) -> impl Iterator<Item = String> {
-        self.axes.iter().filter_map(|(name, axis)| axis.no_gain(name, None))
+        self.axes.iter().filter_map(|(name, axis)| axis.no_gain(name, self.told_in))
     }
 
     /// The file's text.
@@ -185,6 +195,17 @@ impl Calibration {
         Self::from_json(&text).map_err(|_| unwritable(&"a number in it is not finite"))?;
         Ok(text)
     }
+}
+
+/// The unit for what is told of those axes that are in this unit: that of their drifts.
+pub(crate) fn scale<'a>(
+    axes: impl Iterator<Item = &'a AxisCalibration>,
+    unit: RateUnit,
+    asked: Option<WrittenRate>,
+) -> RateScale {
+    let axes = axes.filter(|axis| axis.rate_unit == unit);
+    let drifts: Vec<f64> = axes.map(|axis| axis.measured_drift().peak_to_peak()).collect();
+    RateScale::of(unit, &drifts, asked)
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ use zerorate_core::drift::{Scale, ValidRange};
 use zerorate_fit::drift_fit::LogLeft;
 use zerorate_fit::model::Model;
 
-use crate::calibration::{AxisCalibration, Calibration, CalibrationFault, Kind, Origin, sha256};
+use crate::calibration::{AxisCalibration, Calibration, CalibrationFault, Kind, Origin, scale, sha256};
 use crate::condition::{Excluded, Rejected};
 use crate::log::{LogError, LogFault, SensorChoice, Stream};
 use crate::quality::{Judgement, Verdict};
@@ -210,9 +210,7 @@ impl LogFit {
     /// The unit for what is told of the axes in this unit: that of their drifts.
     #[must_use]
     pub fn scale(&self, unit: RateUnit, asked: Option<WrittenRate>) -> RateScale {
-        let axes = self.axes.iter().filter(|axis| axis.calibration.rate_unit == unit);
-        let drifts: Vec<f64> = axes.map(|axis| axis.calibration.measured_drift().peak_to_peak()).collect();
-        RateScale::of(unit, &drifts, asked)
+        scale(self.axes.iter().map(|axis| &axis.calibration), unit, asked)
     }
 
     pub(crate) fn new(sources: &[Source]) -> Self {

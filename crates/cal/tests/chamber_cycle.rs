@@ -62,6 +62,29 @@ fn a_plain_cubic_is_that_of_numpy_to_a_billionth_of_the_curves_range() {
     }
 }
 
+/// The sentence, read as a person reads it, on the figures that stand beside it.
+#[test]
+fn the_model_is_taken_as_the_sentence_beside_its_table_says() {
+    let Some(path) = recording() else { return };
+    let sentence = zerorate_fit::drift_fit::HOW_AUTO_CHOOSES;
+    assert!(sentence.contains("held against poly:3 and against the cubic that autopilots get of it"), "{sentence}");
+    let mut rivals_that_were_none = 0;
+    for axis in &fit_one(path, &FitOptions::default()).axes {
+        let statistics = &axis.calibration.fit.statistics;
+        let zeroed = |model: &str| {
+            let found = statistics.candidates.iter().find(|candidate| candidate.model == model);
+            found.and_then(|candidate| candidate.deployed_rms)
+        };
+        let last = statistics.candidates.last().unwrap();
+        let rival = zeroed("poly:3").unwrap().min(statistics.nested.unwrap().cubic_deployed.unwrap());
+        assert_eq!(last.chosen, last.deployed_rms.unwrap() <= 1.05 * rival, "{}", axis.name);
+        rivals_that_were_none += usize::from(
+            last.chosen && zeroed("poly:3 + time").is_some_and(|less| 1.05 * less < last.deployed_rms.unwrap()),
+        );
+    }
+    assert_eq!(rivals_that_were_none, 1, "one axis's cubic with time leaves less, and is none that it is held against");
+}
+
 #[test]
 fn units_are_guessed_and_the_start_up_row_is_left_out() {
     let Some(path) = recording() else { return };

@@ -13,7 +13,7 @@ use zerorate_fit::drift_fit::ResidualOver;
 use zerorate_fit::model::Model;
 
 /// Which column is which. What is left open is taken from the names where they make it plain.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Columns (guessed from their names where these make it plain)")]
 pub struct ColumnArguments {
     /// The time column
@@ -53,7 +53,8 @@ pub struct UnitArguments {
 #[derive(Debug, Clone, Copy, Args)]
 pub struct ShownUnits {
     /// Tell rates in this unit, on the screen, in tables and in figures: dps (deg/s), mdps, deg/h, rad/s, mrad/s or counts;
-    /// without it in the log's own, or a thousandth of it. JSON stays in the log's own, which it names
+    /// without it in dps of a log in degrees (dps, mdps, deg/h), in rad/s of one in radians, or in thousandths of these. What a
+    /// calibration was fitted with is kept in it, for info, export and report. JSON stays in dps or rad/s, which it names
     #[arg(long, value_name = "UNIT", help_heading = "Output")]
     units: Option<WrittenRate>,
 }

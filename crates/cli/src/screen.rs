@@ -75,9 +75,9 @@ pub fn print(text: &str) -> Result<()> {
     Ok(out.flush()?)
 }
 
-/// Prints JSON to standard output.
+/// Prints JSON to standard output; its sentences name the command's options.
 pub fn print_json(value: &impl Serialize) -> Result<()> {
-    print(&(serde_json::to_string_pretty(value)? + "\n"))
+    print(&(as_options(&serde_json::to_string_pretty(value)?) + "\n"))
 }
 
 /// An error for programs, which read standard output alone.
@@ -88,7 +88,7 @@ pub fn json_error(sentence: &str) {
         error: String,
     }
     // Whoever does not listen is not told.
-    let _ = print_json(&Failed { schema: 1, error: as_options(sentence) });
+    let _ = print_json(&Failed { schema: 1, error: sentence.to_owned() });
 }
 
 /// Tells something on standard error, where it does not mix with JSON.

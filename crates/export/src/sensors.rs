@@ -25,6 +25,9 @@ pub struct ExportedSensor {
     pub range: [f64; 2],
     /// X, Y and Z; `None` where the calibration has none of it.
     pub axes: [Option<ExportedAxis>; 3],
+    /// The unit in which people are told what it costs: the calibration's, as it tells its own.
+    #[serde(skip)]
+    pub told: RateScale,
 }
 
 /// One axis of a sensor.
@@ -83,7 +86,17 @@ pub(super) fn sensors(
         let at = sensors.iter().position(|sensor| (sensor.kind, sensor.instance) == (kind, instance));
         let at = at.unwrap_or_else(|| {
             let range = [f64::NEG_INFINITY, f64::INFINITY];
-            sensors.push(ExportedSensor { kind, instance, device_id, range, axes: [None, None, None] });
+            let mut new = ExportedSensor {
+                kind,
+                instance,
+                device_id,
+                range,
+                axes: [None, None, None],
+                told: RateScale::own(axis.rate_unit),
+            };
+            // Its unit is the axis's, or the factor would be none.
+            new.told = calibration.scale(axis.rate_unit).of_rates_in(new.unit(), axis.rate_unit).unwrap_or(new.told);
+            sensors.push(new);
             if options.device_id.is_some() && axis.sensor.and_then(|sensor| sensor.device_id).is_none() {
                 named.extend(sensors.last().map(ToString::to_string));
             }
@@ -143,14 +156,20 @@ pub(super) fn of_another_autopilot(calibration: &Calibration, own: imu_logs::For
 
 /// What to know of a sensor's cubics, a sentence an axis.
 pub(super) fn remarks(sensor: &ExportedSensor) -> Vec<String> {
-    let mut remarks = vec![format!(
-        "{sensor}: from {:.2} to {:.2} C; outside, the curve is held at its end",
-        sensor.range[0], sensor.range[1]
-    )];
+    let (told, own) = (sensor.told.unit(), sensor.unit());
+    let here = if told == own.name() { String::new() } else { format!("; what they leave is told in {told}") };
+    let units = format!("{sensor}: parameters are in the autopilot's own unit, {own}{here}");
+    let mut remarks = vec![
+        units,
+        format!(
+            "{sensor}: from {:.2} to {:.2} C; outside, the curve is held at its end",
+            sensor.range[0], sensor.range[1]
+        ),
+    ];
     for (axis, letter) in sensor.axes.iter().zip(LETTERS) {
         remarks.push(match axis {
             None => format!("{sensor} {letter}: not calibrated, left at 0"),
-            Some(axis) => format!("{sensor} {letter}: {}", axis.cost(RateScale::own(sensor.unit()))),
+            Some(axis) => format!("{sensor} {letter}: {}", axis.cost(sensor.told)),
         });
     }
     remarks

@@ -184,6 +184,12 @@ pub struct LogLeft {
     pub offset: Option<f64>,
 }
 
+/// Which of the candidates `auto` takes, for people: the last, or a cubic.
+pub const HOW_AUTO_CHOOSES: &str = "the last one, whose curve and memories are as strong as the data say. It is held against \
+    poly:3 and against the cubic that autopilots get of it: where it leaves more than a twentieth more, zeroed, than the better of \
+    these two, a cubic is taken. poly:3 + time is no rival, but the cubic that is taken then, where a drift in time was found; and \
+    held out decides nothing. On a board's ramp only temperatures between those of the other folds count";
+
 /// A model that was tried, and its errors, rate units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {

@@ -1,7 +1,7 @@
 //! The table of candidate models, the same for a board and for a log.
 
 use maud::{Markup, html};
-use zerorate_fit::drift_fit::Candidate;
+use zerorate_fit::drift_fit::{Candidate, HOW_AUTO_CHOOSES};
 
 use super::number::{decimals_for, fixed, fixed_or_none};
 use super::page::Table;
@@ -23,7 +23,8 @@ pub(super) fn table(axis: &str, candidates: &[Candidate], scale: RateScale) -> M
     let heads = ["Model", "In-sample rms", "Held-out rms", "± to the best’s", "Zeroed by fold, rms"];
     let row = |candidate: &Candidate| {
         vec![
-            html! { (candidate.model) @if candidate.chosen { " ✓" } },
+            // Long names give way to the figures.
+            html! { span.wraps { (candidate.model) @if candidate.chosen { " ✓" } } },
             html! { (fixed(scale.of_rate(candidate.in_sample_rms), decimals)) },
             scaled(candidate.held_out_rms),
             scaled(candidate.held_out_excess_standard_error),
@@ -33,8 +34,7 @@ pub(super) fn table(axis: &str, candidates: &[Candidate], scale: RateScale) -> M
     let caption = html! {
         b { (axis) } ": models compared by blocked cross-validation. Held out is within the recording, its drift in time taken off; ± is "
         "one standard error of how far that is from the best one’s. Zeroed by fold is what a device has left in a run as long as "
-        "a fold, which knows no drift in time and takes its zero at the fold’s start: over a whole log more is left. Taken (✓) is the last one, whose curve and memories are as strong as the data "
-        "say; or a cubic, where that one leaves more than a twentieth more, zeroed. In " (scale.unit()) "."
+        "a fold, which knows no drift in time and takes its zero at the fold’s start: over a whole log more is left. Taken (✓) is " (HOW_AUTO_CHOOSES) ". In " (scale.unit()) "."
         @if all > candidates.len() { " The " (candidates.len()) " of " (all) " that predict best." }
     };
     Table { caption, heads: &heads, rows: candidates.into_iter().map(row).collect(), numbers_from: 1 }.markup()

@@ -62,7 +62,7 @@ impl LogPage<'_> {
         if !fit.axes.is_empty() {
             chapters.push(("noise", "Noise and sensitivities", noise::chapter(fit, self.units)));
             chapters.push(("coefficients", "Coefficients to copy", coefficients(fit, self.units)));
-            let parameters = parameters::chapter(fit, self.export_command);
+            let parameters = parameters::chapter(self);
             chapters.extend(parameters.map(|chapter| ("parameters", "Parameters to copy", chapter)));
         }
         let advice = fit.judgement.advice();

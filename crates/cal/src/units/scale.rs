@@ -43,6 +43,12 @@ impl RateScale {
         Self { name: unit.name(), factor: 1.0 }
     }
 
+    /// The same for rates that are in another unit than the calibration's; `None` where they cannot be converted.
+    #[must_use]
+    pub fn of_rates_in(self, other: RateUnit, own: RateUnit) -> Option<Self> {
+        other.in_unit(own).map(|one| Self { factor: self.factor * one, ..self })
+    }
+
     /// A rate of the calibration in this unit.
     #[must_use]
     pub fn of_rate(self, rate: f64) -> f64 {
@@ -103,6 +109,16 @@ mod tests {
             assert!((scale.of_rate(7.292_115e-5) / shown - 1.0).abs() < 1e-6, "{scale:?}");
             assert_eq!(scale.unit(), asked.to_string());
         }
+    }
+
+    #[test]
+    fn the_earths_rate_in_rad_s_is_told_as_a_calibration_in_dps_tells_it() {
+        let told =
+            |asked| RateScale::of(RateUnit::Dps, &[1.0], asked).of_rates_in(RateUnit::RadPerS, RateUnit::Dps).unwrap();
+        assert_eq!(told(Some(WrittenRate::DegPerHour)).told(7.292_115e-5), "15.04 deg/h");
+        assert_eq!(told(None).told(7.292_115e-5), "0.004178 dps");
+        let acceleration = RateScale::own(RateUnit::MetresPerS2);
+        assert_eq!(acceleration.of_rates_in(RateUnit::RadPerS, RateUnit::MetresPerS2), None);
     }
 
     #[test]

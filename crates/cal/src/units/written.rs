@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
+
 use super::{RateUnit, TemperatureUnit, UnitError};
 
 /// 0 degrees C in kelvin.
@@ -83,19 +85,25 @@ impl fmt::Display for WrittenTemperature {
 }
 
 /// The unit in which a column of rates is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WrittenRate {
     /// Degrees per second.
+    #[serde(rename = "dps")]
     Dps,
     /// Thousandths of a degree per second.
+    #[serde(rename = "mdps")]
     MilliDps,
     /// Degrees per hour.
+    #[serde(rename = "deg/h")]
     DegPerHour,
     /// Radians per second.
+    #[serde(rename = "rad/s")]
     RadPerS,
     /// Thousandths of a radian per second.
+    #[serde(rename = "mrad/s")]
     MilliRadPerS,
     /// Counts of an A/D.
+    #[serde(rename = "counts")]
     Counts,
 }
 

@@ -1,25 +1,23 @@
 //! `zerorate apply`.
 
+mod table;
+
 use std::io::{BufWriter, IntoInnerError};
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate_apply::apply::{
-    Applied, AppliedModel, AppliedSensors, AppliedTo, ApplyError, apply, apply_to_sensors, in_common,
-};
+use zerorate_apply::apply::{Applied, AppliedSensors, AppliedTo, ApplyError, apply, apply_to_sensors, in_common};
 use zerorate_bench::whole_file::WholeFile;
 use zerorate_cal::calibration::{Calibration, Kind};
-use zerorate_cal::log::{SensorChoice, autopilot_format, doubts};
-use zerorate_cal::quality::ReasonKind;
+use zerorate_cal::log::{SensorChoice, autopilot_format};
 use zerorate_cal::source::Source;
-use zerorate_cal::table::{Columns, Table};
-use zerorate_cal::units::{TimeUnit, WrittenRate};
 use zerorate_fit::predict::Start;
 
+use self::table::Found;
 use super::Outcome;
-use crate::log_arguments::UnitArguments;
+use crate::log_arguments::ColumnArguments;
 use crate::progress::Busy;
 use crate::screen::{Page, thousands};
 use crate::{output, screen};
@@ -32,7 +30,10 @@ use crate::{output, screen};
 /// temperature the curve is held at its end, and such rows are counted.
 ///
 /// Of an autopilot's log the rows of every calibrated sensor are written, one table for all: sensor, rate_unit, time_s,
-/// temperature_c, x, y, z, and predicted_ and corrected_ of each. Its axes are matched as verify matches them.
+/// temperature_c, x, y, z, and predicted_ and corrected_ of each.
+///
+/// Axes are matched as verify matches them: by the part's number, by the name, else by what is measured along which
+/// direction, so that gyro0.x of an autopilot's log is x_rad_s of a table of the same unit; what was taken for what is told.
 ///
 /// It predicts as a device would that started with the log's first row: the history of a model that has
 /// one (hysteresis, lag) begins there, and what is predicted is uncertain until enough of it was seen.
@@ -42,8 +43,8 @@ pub struct Apply {
     /// The calibration that `zerorate fit --out` wrote
     calibration: PathBuf,
 
-    /// The log: text in columns or Parquet, also packed by gzip or zip, its rate columns named as in the log that was fitted;
-    /// PX4 ULog or ArduPilot DataFlash
+    /// The log: text in columns or Parquet, also packed by gzip or zip, PX4 ULog or ArduPilot
+    /// DataFlash
     #[arg(value_name = "FILE")]
     log: PathBuf,
 
@@ -51,15 +52,8 @@ pub struct Apply {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 
-    /// The temperature column, where its name does not make it plain
-    #[arg(long, value_name = "COL")]
-    temperature: Option<String>,
-
-    /// The time column, where its name does not make it plain; models with lags need one
-    #[arg(long, value_name = "COL")]
-    time: Option<String>,
-
-    /// Correct these sensors of an autopilot's log alone: gyro, accel, gyro0 or another number, or a part's device id
+    /// Correct these sensors alone, of the calibration and of the log: gyro, accel, gyro0 or another number, or a part's
+    /// device id
     #[arg(long, value_name = "SENSOR")]
     sensor: Option<SensorChoice>,
 
@@ -77,7 +71,7 @@ pub struct Apply {
 
     // The last: its heading would stand over what follows.
     #[command(flatten)]
-    units: UnitArguments,
+    columns: ColumnArguments,
 }
 
 const EXAMPLES: &str = "\
@@ -85,6 +79,8 @@ Examples:
   zerorate apply calibration.json flight.csv --out corrected.csv
   zerorate apply calibration.json imu.parquet --temperature die_temp --out corrected.csv
   zerorate apply flight.calibration.json flight.ulg --sensor gyro --out corrected.csv
+  zerorate apply flight.calibration.json chamber.csv --sensor gyro0 --out corrected.csv
+      a table, by the calibration of an autopilot's log that has several gyros
 
 To test a calibration on data it has not seen: empty the rate cells of some rows, fit, apply, and compare
 predicted_COLUMN with what was in the cells.";
@@ -115,16 +111,6 @@ struct Told {
     applied: Applied,
     calibrated_temperature: [f64; 2],
     measured_temperature: [f64; 2],
-    notes: Vec<String>,
-}
-
-/// What was found of the log's columns.
-struct Found {
-    table: Table,
-    time: Option<String>,
-    time_unit: Option<TimeUnit>,
-    models: Vec<AppliedModel>,
-    /// The units that were guessed.
     notes: Vec<String>,
 }
 
@@ -164,8 +150,8 @@ impl Apply {
     /// An autopilot's log.
     fn sensors(&self, log: &Source, calibration: &Calibration) -> Result<Told> {
         ensure!(
-            self.temperature.is_none() && self.time.is_none() && self.units == UnitArguments::default(),
-            "{}: an autopilot's log says itself which is which: leave out --temperature, --time and their units",
+            self.columns == ColumnArguments::default(),
+            "{}: an autopilot's log says itself which is which: leave out --temperature, --time, --rate and their units",
             self.log.display()
         );
         let mut done = self.written(|out| apply_to_sensors(log, calibration, self.sensor, self.start(), out))?;
@@ -183,7 +169,10 @@ impl Apply {
 
     /// A table.
     fn table(&self, calibration: &Calibration) -> Result<Told> {
-        let Found { table, time, time_unit, models, notes } = self.columns(calibration)?;
+        let Found { table, time, time_unit, models, notes } =
+            table::found(&(&self.log).into(), calibration, self.columns.columns(), self.sensor).with_context(|| {
+                format!("{} is for the rate columns of {}", self.calibration.display(), whose(calibration))
+            })?;
         let to = AppliedTo { time: time.as_deref(), time_unit, start: self.start() };
         let applied = self.written(|out| apply(&table, &to, &models, out))?;
         let calibrated_temperature = in_common(models.iter().map(|own| own.model.drift.valid));
@@ -252,71 +241,12 @@ impl Apply {
         notes.iter().for_each(|note| page.sentence("  - ", note));
         page
     }
+}
 
-    /// The columns, and what to apply to which rate column, in the log's order.
-    fn columns(&self, calibration: &Calibration) -> Result<Found> {
-        let table = Table::open(&(&self.log).into())?;
-        let asked = Columns {
-            temperature: self.temperature.clone(),
-            time: self.time.clone(),
-            rates: calibration.axes.keys().cloned().collect(),
-            time_unit: self.units.time_unit,
-            temperature_unit: self.units.temperature_unit,
-            rate_unit: self.units.rate_unit,
-            else_rate_unit: calibration.axes.values().find_map(|axis| WrittenRate::of(axis.rate_unit)),
-        };
-        let found = asked.resolve(&table).with_context(|| {
-            let whose = match calibration.kind {
-                Kind::Log => "the log that was fitted",
-                Kind::AnalogueBoard => "an analogue board (x and y, in counts)",
-            };
-            format!("{} is for the rate columns of {whose}", self.calibration.display())
-        })?;
-        let mut models: Vec<(usize, AppliedModel)> = Vec::new();
-        for sensor in &found.sensors {
-            let temperature = &table.names()[sensor.temperature];
-            let (own, of_log) = (calibration.temperature_unit, sensor.written_temperature.unit());
-            ensure!(
-                own == of_log,
-                "{}: column '{temperature}' is in {}, and the calibration's temperatures are in {}: give the column in {2} with --temperature",
-                self.log.display(),
-                of_log.name(),
-                own.name()
-            );
-            for rate in &sensor.rates {
-                let axis = &calibration.axes[&rate.name];
-                let to_own = WrittenRate::of(sensor.rate_unit).and_then(|unit| unit.in_unit(axis.rate_unit));
-                let to_own = to_own.with_context(|| {
-                    format!(
-                        "{}: column '{}' is in {}, and the calibration's in {}: say which it is (--rate-unit)",
-                        self.log.display(),
-                        rate.name,
-                        sensor.rate_unit,
-                        axis.rate_unit
-                    )
-                })?;
-                let model = AppliedModel {
-                    column: rate.name.clone(),
-                    temperature: temperature.clone(),
-                    written_temperature: sensor.written_temperature,
-                    model: axis.fit.model.clone(),
-                    measured: axis.fit.measured,
-                    factor: rate.factor * to_own,
-                };
-                models.push((rate.column, model));
-            }
-        }
-        models.sort_by_key(|(place, _)| *place);
-        let doubts = doubts(&table, &found)?;
-        let guessed = doubts
-            .into_iter()
-            .filter(|reason| matches!(reason.kind, ReasonKind::AssumedUnit | ReasonKind::GuessedUnit));
-        Ok(Found {
-            notes: guessed.map(|reason| reason.text).collect(),
-            time: found.time.map(|place| table.names()[place].clone()),
-            time_unit: found.time_unit,
-            models: models.into_iter().map(|(_, model)| model).collect(),
-            table,
-        })
+/// Whose columns a calibration is for.
+fn whose(calibration: &Calibration) -> &'static str {
+    match calibration.kind {
+        Kind::Log => "the log that was fitted",
+        Kind::AnalogueBoard => "an analogue board (x and y, in counts)",
     }
 }

@@ -46,7 +46,7 @@ use crate::screen;
 ///
 /// On a real board a person is at the chamber, the supply and the switch: told what to do, and watched by the board's own
 /// temperature reading. Before it begins the run says its steps, how long each takes and when the last ends. Ctrl-C stops
-/// such a run, --resume goes on after what was finished.
+/// such a run, --resume goes on after what was finished; a step whose result cannot be used is run again.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Calibrate {
@@ -195,8 +195,11 @@ impl Calibrate {
         }
         let kept = self.out.join(zerorate_bench::output::IN_PROGRESS);
         let left = if kept.is_dir() {
-            let go_on =
-                if self.device.is_real() { "; the same with --resume goes on after what was finished" } else { "" };
+            let go_on = match self.device.is_real() {
+                true if error.is_interrupted() => "; the same with --resume goes on after what was finished",
+                true => "; once the cause is mended, the same with --resume goes on with the step that failed",
+                false => "",
+            };
             format!("the run stopped; what it had recorded is in {}{go_on}", kept.display())
         } else {
             "the run could not begin".into()

@@ -101,10 +101,10 @@ impl Export {
         page.sentence("", &format!("Wrote {out}, for {}.", self.format));
         for sensor in &exported.sensors {
             page.heading(&format!(
-                "{sensor}, {:.1} to {:.1} C: what a cubic leaves of held-out eighths of the log, zeroed, m{} rms",
+                "{sensor}, {:.1} to {:.1} C: what a cubic leaves of held-out eighths of the log, zeroed, {} rms",
                 sensor.range[0],
                 sensor.range[1],
-                sensor.unit()
+                sensor.told.unit()
             ));
             page.grid(&losses(sensor));
         }
@@ -128,7 +128,7 @@ impl Export {
 fn losses(sensor: &ExportedSensor) -> Grid {
     let axes: Vec<&ExportedAxis> = sensor.axes.iter().flatten().collect();
     let column = |of: &dyn Fn(&ExportedAxis) -> Option<f64>| {
-        aligned(&axes.iter().map(|axis| 1e3 * of(axis).unwrap_or(f64::NAN)).collect::<Vec<_>>())
+        aligned(&axes.iter().map(|axis| sensor.told.of_rate(of(axis).unwrap_or(f64::NAN))).collect::<Vec<_>>())
     };
     let columns = [
         column(&|axis| axis.loss.chosen_rms),

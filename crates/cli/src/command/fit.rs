@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::Args;
 use zerorate_bench::recorded;
-use zerorate_cal::calibration::Origin;
+use zerorate_cal::calibration::{Calibration, Origin};
 use zerorate_cal::fit::fit;
 use zerorate_cal::log_fit::{FitOptions, LogFit};
+use zerorate_cal::source::Source;
 use zerorate_cal::units::WrittenRate;
 use zerorate_export::Format;
 use zerorate_report::LogPage;
@@ -104,7 +105,7 @@ impl Fit {
         output::check_all(&files.map(|(option, path)| (option, path.as_deref())), &logs)?;
         let busy = Busy::reading(logs[0]);
         let options = FitOptions { told_in: self.units.asked(), ..self.log.options() };
-        let fit = fit(&self.log.sources(), &options)?;
+        let fit = fitted(&self.log.sources(), &options)?;
         let units = self.units.of(fit.axes.iter().map(|axis| axis.calibration.rate_unit))?;
         let written = if fit.judgement.rejected() { Vec::new() } else { self.write(&fit, &places, units)? };
         drop(busy);
@@ -139,6 +140,7 @@ impl Fit {
             return Ok(written);
         }
         let calibration = recorded::of_fit(&self.log.sources(), fit, self.serial.clone(), self.labels())?;
+        let calibration = Calibration { told_in: units, ..calibration };
         let origins = &calibration.sources;
         // Before the first is written, all places are known to be free.
         if let Some(out) = &places.out {
@@ -211,15 +213,16 @@ pub(super) fn page(
     let name = output::argument(calibration.unwrap_or(Path::new("calibration.json")));
     let export = |format: Format| format!("zerorate export {name} --format {format} --out {}", format.file_name());
     let About { serial, labels, units } = about;
-    let fit = &in_options(fit.clone());
     LogPage { fit, units, serial, labels, sources: origins, next_command, export_command: Some(&export) }.to_html()
 }
 
-/// A fit whose sentences name the command's options, where the library names its parameters.
-fn in_options(mut fit: LogFit) -> LogFit {
+/// Fits logs. The fit's sentences name the command's options, where the library names its parameters, on the page and in the
+/// files that are made of it.
+pub(super) fn fitted(sources: &[Source], options: &FitOptions) -> Result<LogFit> {
+    let mut fit = fit(sources, options)?;
     fit.notes.iter_mut().for_each(|note| *note = as_options(note));
     fit.judgement.reasons.iter_mut().for_each(|reason| reason.text = as_options(&reason.text));
-    fit
+    Ok(fit)
 }
 
 /// Of what unit a page is, by whom, and how it is to be told.

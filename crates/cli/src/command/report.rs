@@ -7,7 +7,6 @@ use clap::Args;
 use serde::Serialize;
 use zerorate_cal::board_run::{BoardRun, CALIBRATION, FILES, REPORT};
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, sha256};
-use zerorate_cal::fit::fit;
 use zerorate_cal::log::{Sensor, SensorChoice};
 use zerorate_cal::log_fit::{FitOptions, LogFit};
 use zerorate_cal::source::Source;
@@ -18,7 +17,7 @@ use zerorate_fit::model::Model;
 use zerorate_report::board_page;
 
 use super::Outcome;
-use super::fit::About;
+use super::fit::{About, fitted};
 use crate::log_arguments::{ShownUnits, UnitArguments};
 use crate::progress::Busy;
 use crate::screen::Page;
@@ -105,11 +104,12 @@ impl Report {
         output::check("--out", &out, &[&[path.as_path()], &inputs[..]].concat())?;
         let busy = Busy::reading(log);
         let sources: Vec<Source> = logs.iter().map(Source::from).collect();
-        let fit = fit(&sources, &self.options(&calibration))?;
+        let told_in = self.shown.asked().or(calibration.told_in);
+        let fit = fitted(&sources, &FitOptions { told_in, ..self.options(&calibration) })?;
         drop(busy);
         in_the_same_units(log, &fit, &calibration)?;
         self.force.text("--out", &out, &calibration.sources, None)?;
-        let units = self.shown.of(fit.axes.iter().map(|axis| axis.calibration.rate_unit))?;
+        let units = self.shown.of(fit.axes.iter().map(|axis| axis.calibration.rate_unit))?.or(calibration.told_in);
         let about = About { serial: calibration.unit_serial.as_deref(), labels: &calibration.labels, units };
         output::write(&out, &super::fit::page(&fit, about, &calibration.sources, None, Some(&path)))?;
         self.tell(&out, Some(log), &fit.source(), &fit.notes)
@@ -170,24 +170,23 @@ impl Report {
         let fits = || axes().map(|axis| &axis.fit.statistics);
         let chosen = fits().any(|fit: &FitStatistics| fit.candidates.len() > 1);
         let sensors: Vec<Sensor> = axes().filter_map(|axis| axis.sensor).collect();
-        // A board's recording has its columns and knows them.
-        let is_log = calibration.kind == Kind::Log;
+        // A board's recording and an autopilot's log have their columns and know them.
+        let is_table = calibration.kind == Kind::Log && calibration.sources.iter().all(|log| log.autopilot().is_none());
         FitOptions {
             columns: Columns {
                 time: self.time.clone(),
                 temperature: self.temperature.clone(),
-                rates: if is_log { calibration.axes.keys().cloned().collect() } else { Vec::new() },
+                rates: if is_table { calibration.axes.keys().cloned().collect() } else { Vec::new() },
                 time_unit: self.units.time_unit,
                 temperature_unit: self.units.temperature_unit,
                 rate_unit: self.units.rate_unit,
-                else_rate_unit: axes().next().and_then(|axis| WrittenRate::of(axis.rate_unit)).filter(|_| is_log),
+                else_rate_unit: axes().next().and_then(|axis| WrittenRate::of(axis.rate_unit)).filter(|_| is_table),
             },
             model: if chosen { Model::Auto } else { axes().next().map_or(Model::Auto, AxisCalibration::model) },
             plain: fits().any(|fit| fit.residual_over == ResidualOver::Rows),
             // What was calibrated was allowed.
             allow_narrow: true,
             sensor: choice(&sensors),
-            told_in: self.shown.asked(),
             ..FitOptions::default()
         }
     }

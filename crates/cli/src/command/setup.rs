@@ -66,8 +66,11 @@ impl Setup {
             return screen::print_json(&Checked { schema: 1, file, sound: true, unreachable, differences });
         }
         let mut page = Page::default();
-        let found =
-            if unreachable.is_empty() { "sound" } else { "nothing in it contradicts itself, but no unit can pass" };
+        let found = if unreachable.is_empty() {
+            "sound"
+        } else {
+            "nothing in it contradicts itself, but few units can pass, if any"
+        };
         if differences.is_empty() {
             page.sentence("", &format!("{}: {found}, and the same as the paper's.", file.display()));
         } else {
@@ -80,7 +83,7 @@ impl Setup {
             page.grid(&grid);
         }
         if !unreachable.is_empty() {
-            page.heading("No unit can meet");
+            page.heading("Few units can meet, if any");
             unreachable.iter().for_each(|sentence| page.sentence("  - ", sentence));
         }
         page.print()

@@ -80,8 +80,8 @@ fn what_cannot_be_corrected_leaves_the_earlier_output() {
         ("empty.csv", Some(""), vec!["empty.csv: the file is empty"]),
         (
             "other.csv",
-            Some("t_s,temperature_c,gx,y_rad_s\n0,20,1,2\n"),
-            vec!["there is no column 'x_rad_s'", "gx, y_rad_s"],
+            Some("t_s,temperature_c,gyro_roll,gyro_pitch\n0,20,1,2\n"),
+            vec!["other.csv: it has gyro_roll, gyro_pitch, and the calibration is for x_rad_s, y_rad_s"],
         ),
         ("heat.csv", Some("t_s,heat,x_rad_s,y_rad_s\n0,20,1,2\n"), vec!["--temperature", "t_s, heat"]),
         (
@@ -147,6 +147,31 @@ fn rows_without_a_temperature_are_kept_and_counted() {
     let ran = apply(folder.path(), "flight.csv");
     ran.says(&["1 rows have no temperature", "1 rows are outside -28.2 to 84.2 C, over which the curve is believed"]);
     assert!(fs::read_to_string(folder.path().join("out.csv")).unwrap().contains("\n,1,2,,,,\n"));
+}
+
+/// The same unit's table and flight: the truth is the parabola that both were made by.
+#[test]
+fn a_table_is_corrected_by_the_calibration_of_an_autopilots_log_as_verify_matches_them() {
+    let log = Log::cycle();
+    let folder = folder_with("flight.ulg", log.ulg_of_topics(&[("sensor_gyro", 3), ("sensor_accel", 5)]));
+    fs::write(folder.path().join("log.csv"), log.csv()).unwrap();
+    assert_eq!(zerorate(folder.path(), &["fit", "flight.ulg", "--out", "calibration.json"]).code, 0);
+    let ran = apply(folder.path(), "log.csv");
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    ran.says(&[
+        "8400 rows, x_rad_s, y_rad_s corrected.",
+        "'x_rad_s' of the log is taken for gyro0.x of the calibration",
+        "accel0.x of the calibration: the log has no such axis, and none was corrected by it",
+    ]);
+    let predicted = column(&folder.path().join("out.csv"), "predicted_y_rad_s");
+    for (temperature, predicted) in log.temperature_c.iter().zip(&predicted) {
+        assert!((predicted + 2.0 * parabola(*temperature)).abs() < 2e-4, "{predicted} at {temperature}");
+    }
+    let gyro = ["apply", "calibration.json", "log.csv", "--out", "out.csv", "--sensor", "gyro"];
+    let ran = zerorate(folder.path(), &gyro);
+    assert!(ran.code == 0 && !ran.out.contains("accel0"), "{} {}", ran.out, ran.err);
+    zerorate(folder.path(), &[&gyro[..4], &["none.csv", "--rate", "y_rad_s"]].concat())
+        .says(&["8400 rows, y_rad_s corrected."]);
 }
 
 /// The flight is written by hand, byte by byte, and its curve is known.

@@ -24,6 +24,39 @@ fn parameters_are_written_and_their_loss_is_told() {
 }
 
 #[test]
+fn the_page_shows_the_very_text_that_export_writes_and_both_say_whose_axes_they_are_and_what_is_in_which_unit() {
+    let folder = folder_with("flight.ulg", Log::cycle().ulg());
+    let fit = ["fit", "flight.ulg", "--out", "calibration.json", "--report", "report.html", "--force"];
+    let parameters = |units: &[&str]| {
+        assert_eq!(zerorate(folder.path(), &[&fit[..], units].concat()).code, 0);
+        let page = fs::read_to_string(folder.path().join("report.html")).unwrap().replace("&gt;", ">");
+        for format in ["px4", "ardupilot", "methodic-configurator"] {
+            let text = zerorate(folder.path(), &["export", "calibration.json", "--format", format]).out;
+            assert!(page.contains(&text), "{format} on the page is not what export writes: {text}");
+        }
+        let text = zerorate(folder.path(), &["export", "calibration.json", "--format", "ardupilot"]).out;
+        assert!(text.contains("# the log is PX4's and these are ArduPilot's parameters: axes"), "{text}");
+        text.lines().map(str::to_owned).partition::<Vec<_>, _>(|line| line.starts_with('#'))
+    };
+    let (own_words, own) = parameters(&[]);
+    let (words, asked) = parameters(&["--units", "deg/h"]);
+    assert_eq!(own, asked, "parameters stay in the autopilot's unit");
+    assert!(
+        own_words
+            .iter()
+            .any(|line| line.ends_with("in the autopilot's own unit, rad/s; what they leave is told in mrad/s"))
+    );
+    assert!(words.iter().any(|line| line.ends_with("unit, rad/s; what they leave is told in deg/h")), "{words:#?}");
+    assert!(!words.iter().any(|line| line.contains(" mrad/s") || line.contains(" rad/s rms")), "{words:#?}");
+    let info = zerorate(folder.path(), &["info", "calibration.json"]);
+    assert!(info.out.contains("pp, deg/h") && !info.out.contains("rad/s"), "{}", info.out);
+    let again = ["report", "calibration.json", "--out", "again.html"];
+    assert_eq!(zerorate(folder.path(), &again).code, 0);
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    assert!(read("again.html").contains("rate, deg/h") && !read("again.html").contains("mrad/s"));
+}
+
+#[test]
 fn without_a_place_the_text_alone_is_on_standard_output() {
     let folder = calibrated();
     let ran = zerorate(folder.path(), &["export", "calibration.json", "--format", "methodic-configurator"]);

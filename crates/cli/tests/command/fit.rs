@@ -288,6 +288,8 @@ fn a_narrow_span_is_rejected_and_where_it_is_allowed_its_range_is_written_and_en
     let json = ran.json();
     assert_eq!((ran.code, json["verdict"].as_str(), json["axes"].as_object().unwrap().len()), (1, Some("rejected"), 0));
     assert_eq!(json["reasons"][0]["kind"], "narrow-span");
+    let text = json["reasons"][0]["text"].as_str().unwrap();
+    assert!(text.contains("(--allow-narrow)"), "an option that there is: {text}");
 
     let folder = folder_with("narrow.csv", narrow.csv());
     fs::write(folder.path().join("whole.csv"), whole.csv()).unwrap();

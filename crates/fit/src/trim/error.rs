@@ -23,7 +23,7 @@ pub enum TrimFitError {
     },
     /// The search ended at the same tap at every voltage.
     #[error(
-        "the search ended at tap {tap} at every supply voltage: the wiper does not move, the supply does not, or its span is less than a tap"
+        "the search ended at tap {tap} at every supply voltage: the supply did not reach the inputs, the wiper does not move, or the span of voltages is less than a tap; check that what is fed changes the reading, and measure again"
     )]
     OneTap {
         /// The tap.
@@ -31,7 +31,7 @@ pub enum TrimFitError {
     },
     /// The reading at the middle tap does not follow the supply.
     #[error(
-        "the reading stays at {reading:.1} counts whatever the supply and the tap: the supply does not reach the input"
+        "the reading stays at {reading:.1} counts whatever the supply and the tap: the supply does not reach the input; check its leads, and measure again"
     )]
     OneReading {
         /// The reading.

@@ -22,6 +22,7 @@ pub(super) fn headline(board: &Board) -> Markup {
     html! {
         p.over { "Calibration of a gyroscope’s zero-rate output" }
         h1 { "Unit " (summary.serial) }
+        p.over { (which(board)) }
         p { (page::verdict(summary.verdict)) }
         // What speaks against the unit stands before every number that speaks for it.
         @if !failed.is_empty() {
@@ -38,6 +39,20 @@ pub(super) fn headline(board: &Board) -> Markup {
         (left(board))
         (unit_facts(board))
     }
+}
+
+/// Which board it was: of a real one its firmware and when the run began, of a simulated one the plant.
+fn which(board: &Board) -> String {
+    let (summary, recorded) = (board.summary, &board.run.full_temperature.info);
+    let mut words = match &summary.plant {
+        Some(plant) => vec![format!("Simulated board, plant {plant}")],
+        None => vec!["Real board".to_owned()],
+    };
+    words.extend(summary.seed.map(|seed| format!("seed {seed}")));
+    words.extend(Some(&recorded.firmware).filter(|firmware| !firmware.is_empty()).map(|f| format!("firmware {f}")));
+    // A simulated run has no date, so that it gives the same bytes again.
+    words.extend(recorded.started.map(|started| started.format("begun %Y-%m-%d %H:%M UTC").to_string()));
+    words.join(", ")
 }
 
 fn lead(board: &Board) -> Markup {
@@ -114,18 +129,20 @@ fn left(board: &Board) -> Markup {
         let mut cells = vec![
             html! { (name_of(test.axis)) " " (test.mode.name()) ", " (test.direction.name()) },
             html! { (fixed(test.residual_pp_counts, 1)) },
+            html! { (fixed(test.ratio(), 1)) },
+            html! { (fixed(test.uncompensated_pp_counts, 1)) },
         ];
         cells.extend(Known::of(summary).floor.then(|| html! { (fixed_or_none(test.floor_pp_counts, 1)) }));
         cells.extend([html! { (board.rate(test.residual_pp_counts)) }, html! { (fixed(test.residual_rms_counts, 2)) }]);
-        cells.extend([html! { (fixed(test.uncompensated_pp_counts, 1)) }, html! { (fixed(test.ratio(), 1)) }]);
         let by_quadratic = [test.quadratic_pp_counts, test.ratio_to_quadratic()];
         cells.extend(by_quadratic.map(|figure| html! { (fixed_or_none(figure, 1)) }));
         cells
     };
-    let mut heads = vec!["Axis, mode, ramp", "Left, pp, counts"];
+    // What it comes to stands where a narrow screen shows it.
+    let mut heads = vec!["Axis, mode, ramp", "Left, pp, counts", "Without / left", "Without, pp, counts"];
     heads.extend(Known::of(summary).floor.then_some("Floor, pp, counts"));
     let in_rates = format!("Left, pp, {}", board.rate_unit());
-    heads.extend([in_rates.as_str(), "Left, rms, counts", "Without, pp, counts", "Without / left"]);
+    heads.extend([in_rates.as_str(), "Left, rms, counts"]);
     heads.extend(["Quadratic, pp, counts", "Quadratic / left"]);
     html! {
         @if !summary.tests.is_empty() {
@@ -151,30 +168,17 @@ fn unit_facts(board: &Board) -> Markup {
     let (calibration, summary) = (&board.run.calibration, board.summary);
     let groups = fixed(60.0 / calibration.group_period_s.unwrap_or(f64::NAN), 0);
     let mut facts: Vec<(&str, Markup)> = vec![
-        ("Serial number", html! { (summary.serial) }),
-        ("Board", html! { @if summary.plant.is_some() { "simulated" } @else { "real" } }),
         ("Trim part", html! { (summary.trim_part.to_uppercase()) }),
-    ];
-    if let Some(plant) = &summary.plant {
-        facts.push(("Plant, simulated", html! { (plant) @if let Some(seed) = summary.seed { ", seed " (seed) } }));
-    }
-    facts.extend([
         ("Centre", html! { (fixed(board.centre_counts(), 0)) " counts" }),
         ("Middle tap", html! { (board.middle_tap()) }),
         ("Groups", html! { (board.group_samples()) " samples, " (groups) " a minute" }),
         ("Scale factor", html! { (significant(summary.counts_per_dps, 4)) " counts per deg/s" }),
-    ]);
-    let recorded = &board.run.full_temperature.info;
+    ];
     if board.run.full_temperature.rows.iter().all(|row| row.chamber_c.is_nan()) {
         facts.push((
             "Chamber",
             html! { "not driven by the bench: soaks and ramps are seen in the board’s own reading" },
         ));
-    }
-    // A simulated run has no date, so that it gives the same bytes again.
-    facts.extend(recorded.started.map(|started| ("Begun", html! { (started.format("%Y-%m-%d %H:%M UTC")) })));
-    if !recorded.firmware.is_empty() {
-        facts.push(("Firmware", html! { (recorded.firmware) }));
     }
     facts.extend(calibration.labels.iter().map(|(name, label)| (name.as_str(), html! { (label) })));
     facts.push(("Made by", html! { (calibration.created_by) }));

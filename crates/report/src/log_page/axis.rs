@@ -125,7 +125,8 @@ pub(crate) fn figure(fit: &LogFit, axis: &AxisFit, units: Option<WrittenRate>, p
         name: format!("Figure {}", place + 1),
         caption: html! {
             (name) ", " (axis.calibration.fit.chosen_model()) ": the rate against time and against temperature; below, less the "
-            "fitted curve (in-sample, " (significant(scale.of_rate(axis.calibration.fit.statistics.in_sample.rms), 3)) " " (unit) " rms)."
+            "fitted curve" @if axis.calibration.fit.model.time_drift.is_some() { " and the log’s own drift in time, which no device knows" }
+            " (in-sample, " (significant(scale.of_rate(axis.calibration.fit.statistics.in_sample.rms), 3)) " " (unit) " rms)."
         },
         key: key.into_iter().map(|(ink, sample, what)| (ink, sample, what.to_owned())).collect(),
         columns: vec![vec![time_raw, short(time_left)], vec![warm_raw, short(warm_left)]],

@@ -50,10 +50,10 @@ impl LogPage<'_> {
             vec![
                 html! { (axis.name) },
                 rms(left, scale, decimals),
+                html! { (times_smaller(before.rms / left.rms)) },
                 scaled(left.pp),
                 scaled(before.rms),
                 scaled(before.pp),
-                html! { (times_smaller(before.rms / left.rms)) },
                 html! { (axis.calibration.fit.chosen_model()) },
                 html! { (whole(statistics.samples_used)) },
             ]
@@ -75,7 +75,7 @@ impl LogPage<'_> {
                 "± is one standard error, by how much the eight folds of the log differ"
                 @if is_deployed(fit) { " and by the noise of the zero" } "."
             },
-            heads: &["Axis", left_rms, left_pp, "Before, rms", "Before, pp", "Times smaller, by rms", "Model", "Samples"],
+            heads: &["Axis", left_rms, "Times smaller, by rms", left_pp, "Before, rms", "Before, pp", "Model", "Samples"],
             rows: axes.iter().map(row).collect(),
             numbers_from: 1,
         }

@@ -1,10 +1,11 @@
 //! Text to be copied: a button where the browser lets it, and text that is selected at a click everywhere.
 
 use maud::{Markup, html};
-use zerorate_cal::log_fit::LogFit;
+use zerorate_cal::calibration::Calibration;
 use zerorate_cal::units::{RateUnit, TemperatureUnit};
 use zerorate_export::{ExportOptions, Format, export};
 
+use super::LogPage;
 use crate::page::told;
 
 /// The forms that a page shows: those of autopilots, which people paste.
@@ -52,15 +53,16 @@ pub(super) fn to_copy(id: &str, text: &str) -> Markup {
     }
 }
 
-/// The parameters of each program; none for rates or temperatures in counts, or for a rejected log.
-pub(super) fn chapter(fit: &LogFit, command: Option<&dyn Fn(Format) -> String>) -> Option<Markup> {
+/// The parameters of each program, as `export` writes them; none for rates or temperatures in counts, or for a rejected log.
+pub(super) fn chapter(page: &LogPage<'_>) -> Option<Markup> {
+    let (fit, command) = (page.fit, page.export_command);
     let in_counts = |unit: RateUnit| unit == RateUnit::Counts;
     let known = fit.axes.first().is_some_and(|axis| axis.temperature_unit == TemperatureUnit::C);
     if !known || fit.axes.iter().any(|axis| in_counts(axis.calibration.rate_unit)) {
         return None;
     }
-    // Without what a file needs and parameters do not: sources, serial.
-    let calibration = fit.to_calibration(Vec::new(), None).ok()?;
+    let calibration = fit.to_calibration(page.sources.to_vec(), page.serial.map(str::to_owned)).ok()?;
+    let calibration = Calibration { told_in: page.units, ..calibration };
     Some(html! {
         p {
             "An autopilot evaluates a cubic of temperature and no more: these are the best cubics there are of this log. What they "

@@ -2,7 +2,7 @@
 
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::units::{RateScale, WrittenRate};
-use zerorate_fit::drift_fit::{Candidate, HeldOut};
+use zerorate_fit::drift_fit::{Candidate, HOW_AUTO_CHOOSES, HeldOut};
 
 use crate::screen::{Grid, Page, aligned};
 
@@ -58,8 +58,7 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
             "Held out: each fold of the log, predicted by a fit of the others; ± to the best: one standard error of how \
              far that is from the best one's. Zeroed: the same without drift in time, less \
              the mean of each fold's {}. Cold and hot end: the coldest and the hottest groups held out, as many as a fold. Taken (*) is \
-             the last one, whose curve and memories are as strong as the data say; or the cubic, where that one predicts \
-             folds more than a twentieth worse, zeroed.",
+             {HOW_AUTO_CHOOSES}.",
             fit.zero_taken_in()
         ),
     );

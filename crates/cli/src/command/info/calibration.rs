@@ -22,6 +22,9 @@ pub struct Facts {
     temperature_unit: &'static str,
     axes: Vec<Axis>,
     warnings: Vec<String>,
+    /// The unit for the axes' rates.
+    #[serde(skip)]
+    scale: Option<RateScale>,
 }
 
 #[derive(Debug, Serialize)]
@@ -50,7 +53,9 @@ struct Trim {
 impl Facts {
     pub fn read(file: &Path) -> Result<Self> {
         let calibration = Calibration::read(&file.into())?;
+        let scale = calibration.axes.values().next().map(|first| calibration.scale(first.rate_unit));
         Ok(Self {
+            scale,
             calibrated: calibration.kind,
             unit_serial: calibration.unit_serial,
             created_by: calibration.created_by,
@@ -90,9 +95,7 @@ impl Facts {
     }
 
     fn show_axes(&self, page: &mut Page) {
-        let Some(first) = self.axes.first() else { return };
-        let drifts: Vec<f64> = self.axes.iter().map(|axis| axis.drift_pp).collect();
-        let scale = RateScale::of(first.rate_unit, &drifts, None);
+        let Some(scale) = self.scale else { return };
         page.gap();
         let mut grid = Grid::new("llrrrr");
         grid.head(["", "", "calibrated", "drift", "in-sample", "held out"]);
