@@ -6,8 +6,8 @@ usage, as `cargo xtask circuit` calls it (SKiDL in a venv of its own):
 It writes FOLDER/zero-adjust.net, which KiCad's layout editor imports, after SKiDL's electrical rules check; one fault of that check is a
 failure. Values and part numbers come from parts.csv. One axis is one function, called twice.
 
-Pins have numbers where the package's are known for certain; those of U5 and U7 have their names instead, and get numbers and a
-footprint when the makers' present sheets are at hand.
+Pins have numbers where the package's are known for certain; those of U5 have their names instead, and get numbers and a
+footprint when the maker's present sheet is at hand.
 """
 
 import csv
@@ -31,7 +31,9 @@ PARTS = {
     "MAX5494": ("VDD:VDD:v VSS:VSS:v GND:GND:v CS:CS:i SCLK:SCLK:i DIN:DIN:i "
                 "H1:HA:p W1:WA:p L1:LA:p H2:HB:p W2:WB:p L2:LB:p", "to-be-numbered:TQFN-16"),
     "ADR45": ("2:VIN:v 4:GND:v 6:VOUT:w", "Package_SO:SOIC-8_3.9x4.9mm_P1.27mm"),
-    "LT3045": ("IN:IN:v EN:EN:i ILIM:ILIM:p PGFB:PGFB:i SET:SET:p GND:GND:v OUTS:OUTS:p OUT:OUT:w", "to-be-numbered:MSOP-12"),
+    # MSE, as KiCad's library numbers it; power good is open.
+    "LT3045": ("1:IN:v 2:IN2:v 3:IN3:v 4:EN:i 5:PG:n 6:ILIM:p 7:PGFB:i 8:SET:p 9:GND:v 10:OUTS:p 11:OUT:w 12:OUT2:p 13:GND2:v",
+               "Package_SO:MSOP-12-1EP_3x4mm_P0.65mm_EP1.65x2.85mm"),
     "AD7949": ("1:VDD:v 2:REF:p 3:REFIN:p 4:GND:v 5:GND2:v 6:IN4:i 7:IN5:i 8:IN6:i 9:IN7:i 10:COM:i 11:CNV:i 12:DIN:i 13:SCK:i "
                "14:SDO:o 15:VIO:v 16:IN0:i 17:IN1:i 18:IN2:i 19:IN3:i 20:VDD2:v",
                "Package_CSP:LFCSP-20-1EP_4x4mm_P0.5mm_EP2.1x2.1mm"),
@@ -197,7 +199,8 @@ def main(folder):
     temperature(board, 2, rails, (temperatures, "B"), signals["TEMPY"], signals["ADTY"])
     # Supplies: the rail follows its reference.
     board.part("U6", "ADR45", VIN=v6, GND=ground, VOUT=signals["SET5"])
-    board.part("U7", "LT3045", IN=v6, EN=v6, PGFB=v6, ILIM=ground, SET=signals["SET5"], GND=ground, OUT=v5a, OUTS=v5a)
+    board.part("U7", "LT3045", IN=v6, IN2=v6, IN3=v6, EN=v6, PGFB=v6, ILIM=ground, SET=signals["SET5"],
+               GND=ground, GND2=ground, OUT=v5a, OUT2=v5a, OUTS=v5a)
     board.part("U8", "ADR45", VIN=v6, GND=ground, VOUT=vref)
     board.part("J5", "terminal of 2", **{"1": v6, "2": ground})
     for axis_number, name in ((1, "X"), (2, "Y")):

@@ -6,6 +6,9 @@
 //! input and converts it by the configuration of the frame before, so the result in frame k belongs to the configuration of
 //! frame k - 2: six frames read the four channels of a scan, the first two results being left over from before.
 
+/// A conversion at most, with the board's 5 V (t_CONV, table 5). A clock meanwhile disturbs it: no result of it is to be believed.
+const CONVERSION_NS: u64 = 2200;
+
 /// The part's registers.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Ad7949 {
@@ -16,6 +19,8 @@ pub(crate) struct Ad7949 {
     sending: u16,
     /// What the conversion since the last frame gave.
     converted: u16,
+    /// When that is done.
+    converting_until_ns: u64,
     shift: u32,
     clocks: u32,
 }
@@ -38,8 +43,11 @@ impl Configuration {
 }
 
 impl Ad7949 {
-    /// Chip select falls: the last conversion's result goes to the shift register.
-    pub(crate) fn select(&mut self) {
+    /// Chip select falls: the last conversion's result goes to the shift register. What is not done gives nothing.
+    pub(crate) fn select(&mut self, now_ns: u64) {
+        if now_ns < self.converting_until_ns {
+            self.converted = 0;
+        }
         self.sending = self.converted << 2;
         self.shift = 0;
         self.clocks = 0;
@@ -56,7 +64,8 @@ impl Ad7949 {
 
     /// Chip select rises: the inputs, as they are held, are converted by the configuration so far; then the new one is
     /// taken over, if its bit 13 says so.
-    pub(crate) fn deselect(&mut self, held: &[u16; 4]) {
+    pub(crate) fn deselect(&mut self, held: &[u16; 4], now_ns: u64) {
+        self.converting_until_ns = now_ns + CONVERSION_NS;
         // Inputs 4 to 7 are grounded.
         self.converted = self.configuration.map_or(0, |cfg| held.get(cfg.channel).copied().unwrap_or(0));
         if self.clocks != 16 {
@@ -82,10 +91,16 @@ mod tests {
         1 << 13 | 0b111 << 10 | channel << 7 | 1 << 6 | 0b110 << 3 | 1
     }
 
+    /// A frame as soon as the conversion is done.
     fn frame(part: &mut Ad7949, word: u16, held: &[u16; 4]) -> u16 {
-        part.select();
+        let now_ns = part.converting_until_ns;
+        frame_at(part, word, held, now_ns)
+    }
+
+    fn frame_at(part: &mut Ad7949, word: u16, held: &[u16; 4], now_ns: u64) -> u16 {
+        part.select(now_ns);
         let result = (word << 2).to_be_bytes().map(|byte| eight_clocks(byte, |bit| part.clock(bit)));
-        part.deselect(held);
+        part.deselect(held, now_ns);
         u16::from_be_bytes(result)
     }
 
@@ -102,6 +117,15 @@ mod tests {
         frame(&mut part, word(0), &[1, 0, 0, 0]);
         frame(&mut part, word(0), &[2, 0, 0, 0]);
         assert_eq!(frame(&mut part, word(0), &[3, 0, 0, 0]) >> 2, 2);
+    }
+
+    #[test]
+    fn a_frame_before_the_conversion_is_done_brings_nothing_of_it() {
+        let mut part = Ad7949::default();
+        frame_at(&mut part, word(0), &HELD, 0);
+        frame_at(&mut part, word(0), &HELD, 3000);
+        assert_eq!(frame_at(&mut part, word(0), &HELD, 5199), 0);
+        assert_eq!(frame_at(&mut part, word(0), &HELD, 8200) >> 2, HELD[0]);
     }
 
     #[test]
@@ -122,9 +146,10 @@ mod tests {
             }
         }
         frame(&mut part, word(2), &HELD);
-        part.select();
+        let now_ns = part.converting_until_ns;
+        part.select(now_ns);
         eight_clocks(0xFF, |bit| part.clock(bit));
-        part.deselect(&HELD);
+        part.deselect(&HELD, now_ns);
         assert_eq!(frame(&mut part, word(0), &HELD) >> 2, HELD[2]);
         assert_eq!(frame(&mut part, word(0), &HELD) >> 2, HELD[2]);
     }

@@ -253,14 +253,15 @@ impl Slave for ConverterSlave {
     const BUS: Bus = Bus::Converter;
 
     fn select(plant: &mut Plant) {
-        plant.ad7949.select();
+        let now_ns = plant.now_ns();
+        plant.ad7949.select(now_ns);
     }
     fn clock(plant: &mut Plant, bit: bool) -> bool {
         plant.ad7949.clock(bit)
     }
     fn deselect(plant: &mut Plant) {
-        let held = plant.held();
-        plant.ad7949.deselect(&held);
+        let (held, now_ns) = (plant.held(), plant.now_ns());
+        plant.ad7949.deselect(&held, now_ns);
     }
 }
 

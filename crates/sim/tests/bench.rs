@@ -29,11 +29,12 @@ fn silent() -> PlantParameters {
 }
 
 /// Reads the four held channels through the A/D's own protocol: four configurations, two frames behind.
-fn convert(converter: &mut ConverterSpi) -> [u16; 4] {
+fn convert(converter: &mut ConverterSpi, delay: &mut PlantDelay) -> [u16; 4] {
     let frames = [0_u16, 1, 2, 3, 0, 0].map(|channel| {
         let word: u16 = 1 << 13 | 0b111 << 10 | channel << 7 | 1 << 6 | 0b110 << 3 | 1;
         let mut frame = (word << 2).to_be_bytes();
         converter.transfer_in_place(&mut frame).unwrap();
+        delay.delay_ns(2200);
         u16::from_be_bytes(frame) >> 2
     });
     [frames[2], frames[3], frames[4], frames[5]]
@@ -44,7 +45,7 @@ fn a_processor_that_drives_the_converter_sees_the_port_s_samples() {
     let (through_port, mut port, mut port_wiper) = running(PlantParameters::typical(5), 5);
     let (direct, mut idle, mut direct_wiper) = running(PlantParameters::typical(5), 5);
     run(&mut idle, false);
-    let mut converter = ConverterSpi::new(&direct);
+    let (mut converter, mut delay) = (ConverterSpi::new(&direct), PlantDelay::new(&direct));
     // Both scan from one instant on, more than a period after all before.
     run(&mut port, false);
     through_port.borrow_mut().wait(Seconds(0.01));
@@ -61,7 +62,7 @@ fn a_processor_that_drives_the_converter_sees_the_port_s_samples() {
         let of_port = read_samples(&mut port, 500);
         for (index, scan) in of_port.iter().enumerate() {
             direct.borrow_mut().next_scan();
-            assert_eq!(convert(&mut converter), *scan, "set {set}, scan {index}");
+            assert_eq!(convert(&mut converter, &mut delay), *scan, "set {set}, scan {index}");
         }
         assert_eq!(direct.borrow_mut().take_truth(), Some(truth));
         write_tap(&mut direct_wiper, Axis::Y, 505 + set);
