@@ -1,7 +1,5 @@
 //! The verdict on a log, with its reasons.
 
-mod advice;
-
 use serde::{Deserialize, Serialize};
 
 use crate::units::TemperatureUnit;

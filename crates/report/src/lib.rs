@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod advice;
 mod board_page;
 mod by_log;
 mod candidates;
@@ -13,6 +14,7 @@ mod paper;
 mod ranges;
 mod trend;
 
+pub use advice::advice;
 pub use board_page::board_page;
 pub use by_log::by_log_sentence;
 pub use log_page::LogPage;

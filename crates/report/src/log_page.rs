@@ -17,6 +17,7 @@ use zerorate_export::{ExportedAxis, Format};
 use zerorate_fit::least_squares::raw_coefficients;
 use zerorate_fit::model::Model;
 
+use super::advice::advice;
 use super::by_log;
 use super::candidates;
 use super::number::{fixed, polynomial, whole};
@@ -65,7 +66,7 @@ impl LogPage<'_> {
             let parameters = parameters::chapter(self);
             chapters.extend(parameters.map(|chapter| ("parameters", "Parameters to copy", chapter)));
         }
-        let advice = fit.judgement.advice();
+        let advice = advice(&fit.judgement);
         if !advice.is_empty() {
             let advice = html! { ul.reasons { @for sentence in advice { li { (told(sentence)) } } } };
             chapters.push(("advice", "How to get a better log", advice));

@@ -9,7 +9,7 @@ use zerorate_cal::quality::Verdict;
 use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
 use zerorate_fit::drift_fit::{FitStatistics, LogLeft, ResidualOver};
 use zerorate_fit::residual::ResidualStatistics;
-use zerorate_report::{believed_temperatures, by_log_sentence, measured_temperatures, trend_sentences};
+use zerorate_report::{advice, believed_temperatures, by_log_sentence, measured_temperatures, trend_sentences};
 
 use super::models;
 use crate::screen::{Grid, Page, aligned, style, thousands};
@@ -48,7 +48,7 @@ pub fn page(
         }
         left_out(&mut page, fit);
     }
-    let advice = fit.judgement.advice();
+    let advice = advice(&fit.judgement);
     if fit.judgement.rejected() && !advice.is_empty() {
         page.heading("What to do");
         advice.iter().for_each(|sentence| page.sentence("  - ", sentence));
