@@ -1,6 +1,7 @@
 """What the tests have in common: a made log, and the command that the package is held against."""
 
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -10,6 +11,11 @@ import pytest
 ROOT = Path(__file__).parents[3]
 
 ROWS = 8000
+
+
+def by_parameters(text):
+    """What the command tells, as the package tells it: it names a parameter where that names an option. All else is the same."""
+    return re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda option: f"`{option[1].replace('-', '_')}`", text)
 
 
 @pytest.fixture(scope="session")

@@ -7,6 +7,8 @@ import pandas
 import polars
 import pytest
 
+from conftest import by_parameters
+
 import zerorate
 
 
@@ -37,7 +39,7 @@ def test_a_second_run_is_verified_as_the_command_does(columns, second, command, 
     rows = zip(*(column.tolist() for column in second.values()), strict=True)
     path.write_text("\n".join([",".join(second), *(",".join(map(repr, row)) for row in rows)]) + "\n")
     options = ["--with", tmp_path / "calibration.json", "--max-rms", "1mrad/s", "--in-sample", "--json"]
-    commanded = json.loads(command("verify", path, *options).stdout)
+    commanded = json.loads(by_parameters(command("verify", path, *options).stdout))
     assert {key: commanded[key] for key in verified if key != "log"} == {
         key: value for key, value in verified.items() if key != "log"
     }
