@@ -152,14 +152,14 @@ impl Attempt {
             true => ResidualStatistics::by_folds(&outer.residuals),
             false => ResidualStatistics::NONE,
         };
-        let left = outer.left_of_device(series, &deployed);
         let band = band::band(series, measured, &[&deployed]);
         let [a, b] = nested::zeroed_either_way(series, &deployed);
         // What is held out says as much of the next run as what was fitted (Toussaint and Sharpe, *An efficient method for
         // estimating the probability of misclassification*, 1975): a fit that lacks a whole fold is worse than the one that
-        // is deployed, and a residual of what was fitted is smaller than one to come.
+        // is deployed, and a residual of what was fitted is smaller than one to come. So is its zero: the next run may begin
+        // where this one tells little.
         let next_run_band = if outer.complete() {
-            let [c, d] = nested::zeroed_either_way(series, &left);
+            let [c, d] = nested::zeroed_either_way(series, &outer.deployed);
             band::band(series, measured, &[&a, &b, &c, &d])
         } else {
             band::band(series, measured, &[&a, &b])
@@ -168,7 +168,7 @@ impl Attempt {
         let statistics = FitStatistics {
             candidates,
             nested: Some(outer.figures()),
-            deployed: outer.deployed(series, &left),
+            deployed: outer.deployed(series, &deployed),
             uncorrected: outer.uncorrected(series),
             by_log: outer.by_log(series, &deployed),
             trends: trends(&deployed, series),

@@ -128,7 +128,7 @@ impl Outer {
     /// What a deployed device has left of the groups: as the folds leave it, but for the zero at the start of each log. Where the
     /// rest of the log tells nothing of the start's temperatures, the rest can but go on in its own way, and all of the log would
     /// be wrong by what the start is. A device was calibrated there: its zero is as the fit of all leaves it, `all`.
-    pub(super) fn left_of_device(&self, series: &Series<'_>, all: &[f64]) -> Vec<f64> {
+    fn left_of_device(&self, series: &Series<'_>, all: &[f64]) -> Vec<f64> {
         let mut left = self.deployed.clone();
         for log in known_by_log(series, &left) {
             for &group in &log[..booted(series.time_s, &log)] {
@@ -140,9 +140,9 @@ impl Outer {
         left
     }
 
-    /// The size of that over whole logs like these.
-    pub(super) fn deployed(&self, series: &Series<'_>, left: &[f64]) -> Option<ResidualStatistics> {
-        self.of_whole_logs(series, left)
+    /// What a deployed device has left over whole logs like these; `all` is what the fit of all leaves, as deployed.
+    pub(super) fn deployed(&self, series: &Series<'_>, all: &[f64]) -> Option<ResidualStatistics> {
+        self.of_whole_logs(series, &self.left_of_device(series, all))
     }
 
     /// What it has left without a model.
@@ -262,13 +262,6 @@ pub(super) fn zeroed(series: &Series<'_>, left: &[f64]) -> Vec<f64> {
     zeroed_logs(series, left).0
 }
 
-/// The groups of which something is left, log by log.
-fn known_by_log(series: &Series<'_>, left: &[f64]) -> Vec<Vec<usize>> {
-    let known: Vec<usize> = (0..left.len()).filter(|&group| left[group].is_finite()).collect();
-    let of_one_log = |&a: &usize, &b: &usize| series.log[a] == series.log[b];
-    known.chunk_by(of_one_log).map(<[usize]>::to_vec).collect()
-}
-
 /// The same, and the groups of each log of which something was left.
 fn zeroed_logs(series: &Series<'_>, left: &[f64]) -> (Vec<f64>, Vec<Vec<usize>>) {
     let logs = known_by_log(series, left);
@@ -286,6 +279,13 @@ pub(super) fn zeroed_either_way(series: &Series<'_>, left: &[f64]) -> [Vec<f64>;
         logs.iter().for_each(|log| move_zero(&mut other, series.time_s, log, side));
         other
     })
+}
+
+/// The groups of which something is left, log by log.
+fn known_by_log(series: &Series<'_>, left: &[f64]) -> Vec<Vec<usize>> {
+    let known: Vec<usize> = (0..left.len()).filter(|&group| left[group].is_finite()).collect();
+    let of_one_log = |&a: &usize, &b: &usize| series.log[a] == series.log[b];
+    known.chunk_by(of_one_log).map(<[usize]>::to_vec).collect()
 }
 
 /// The static cubic of everything, with what it leaves of the rates less the recording's own drift in time.
