@@ -8,6 +8,7 @@ use zerorate_fit::allan::{Allan, AllanPoint};
 use crate::errors::raised;
 use crate::groups::{Told, columns};
 use crate::heard::heard;
+use crate::json::loaded;
 
 /// What is told of each averaging time.
 const COLUMNS: [Told<AllanPoint>; 5] = [
@@ -34,6 +35,6 @@ pub fn allan_deviation<'py>(
     let found = found.map_err(|error| raised(&error))?;
     let told = columns(py, &found.points, &COLUMNS)?;
     let coefficients = serde_json::to_string(&found.coefficients).map_err(|error| raised(&error))?;
-    told.set_item("coefficients", py.import("json")?.call_method1("loads", (coefficients,))?)?;
+    told.set_item("coefficients", loaded(py, coefficients)?)?;
     Ok(told)
 }

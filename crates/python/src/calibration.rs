@@ -16,6 +16,7 @@ use zerorate_report::LogPage;
 
 use crate::errors::{raised, told};
 use crate::groups::groups;
+use crate::json::loaded;
 use crate::options::parsed;
 
 /// What was fitted, as `calibration.json` keeps it; of a calibration that was just fitted its averages and its report too.
@@ -60,7 +61,7 @@ impl Calibration {
 
     /// The same as a dict.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("json")?.call_method1("loads", (self.to_json()?,))
+        loaded(py, self.to_json()?)
     }
 
     /// Writes `calibration.json`.

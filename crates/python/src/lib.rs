@@ -10,6 +10,7 @@ mod errors;
 mod fit;
 mod groups;
 mod heard;
+mod json;
 mod options;
 mod read_log;
 mod sources;

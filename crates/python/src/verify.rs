@@ -9,6 +9,7 @@ use zerorate_apply::verify::{Limits, VerifyOptions, known_columns, verify as ver
 use crate::calibration::Calibration;
 use crate::errors::raised;
 use crate::heard::heard;
+use crate::json::loaded;
 use crate::options::{Columns, parsed};
 use crate::sources::Source;
 
@@ -44,5 +45,5 @@ pub fn verify<'py>(
         let verified = verify_log(&sources[0], &file, &options).map_err(|error| raised(&error))?;
         to_string(&verified).map_err(|error| raised(&error))
     })??;
-    py.import("json")?.call_method1("loads", (text,))
+    loaded(py, text)
 }

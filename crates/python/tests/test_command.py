@@ -3,7 +3,6 @@
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 ZERORATE = Path(sys.executable).with_name("zerorate")
@@ -33,8 +32,10 @@ def test_what_to_type_next_is_the_command_as_it_was_typed(csv):
 
 
 def test_ctrl_c_stops_it(tmp_path):
-    board = subprocess.Popen([ZERORATE, "virtual-board", "--on", f"pty:{tmp_path}/board"], stderr=subprocess.DEVNULL)
-    time.sleep(1.0)
+    asked = [ZERORATE, "virtual-board", "--on", f"pty:{tmp_path}/board"]
+    board = subprocess.Popen(asked, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    # It says so when it hears.
+    assert "listens" in board.stdout.readline()
     assert board.poll() is None
     board.send_signal(signal.SIGINT)
     assert board.wait(timeout=10) == 0

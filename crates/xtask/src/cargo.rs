@@ -1,6 +1,7 @@
 //! The checks that cargo does.
 
 use std::env;
+use std::path::Path;
 use std::process::Command;
 
 use anyhow::Result;
@@ -56,6 +57,14 @@ pub fn run(workspace: &Workspace, arguments: &[&str]) -> Result<Outcome> {
 pub fn run_documentation(workspace: &Workspace, arguments: &[&str]) -> Result<Outcome> {
     println!("    with RUSTDOCFLAGS='-D warnings'");
     run_with(command(workspace).env("RUSTDOCFLAGS", "-D warnings"), arguments)
+}
+
+/// Runs a cargo command in a workspace of its own, from the root; what it builds goes to `target`.
+pub fn run_in(workspace: &Workspace, folder: &str, target: &Path, arguments: &[&str]) -> Result<()> {
+    println!("    cargo {}, in {folder}", arguments.join(" "));
+    let mut command = program();
+    command.current_dir(workspace.root.join(folder)).env("CARGO_TARGET_DIR", target);
+    provide::succeed(command.args(arguments))
 }
 
 fn run_with(command: &mut Command, arguments: &[&str]) -> Result<Outcome> {

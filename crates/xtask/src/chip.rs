@@ -55,8 +55,5 @@ fn cases(workspace: &Workspace) -> Result<Outcome> {
 
 /// A cargo command in the emulator's workspace.
 fn run(workspace: &Workspace, arguments: &[&str]) -> Result<()> {
-    println!("    cargo {}, in {FOLDER}", arguments.join(" "));
-    let mut command = cargo::program();
-    command.current_dir(workspace.root.join(FOLDER)).env("CARGO_TARGET_DIR", workspace.target.join(FOLDER));
-    provide::succeed(command.args(arguments))
+    cargo::run_in(workspace, FOLDER, &workspace.target.join(FOLDER), arguments)
 }

@@ -98,14 +98,11 @@ fn lint(workspace: &Workspace) -> Result<Outcome> {
 
 /// The block in simulation, from Rust.
 fn simulation(workspace: &Workspace) -> Result<Outcome> {
-    let folder = workspace.root.join(BLOCK).join("sim");
+    let (folder, target) = (format!("{BLOCK}/sim"), out(workspace)?);
     let commands: [&[&str]; 3] =
         [&["fmt", "--check"], &["clippy", "--all-targets", "--", "-D", "warnings"], &["test", "--no-fail-fast"]];
     for arguments in commands {
-        println!("    cargo {}, in {BLOCK}/sim", arguments.join(" "));
-        let mut command = cargo::program();
-        command.current_dir(&folder).env("CARGO_TARGET_DIR", out(workspace)?);
-        provide::succeed(command.args(arguments))?;
+        cargo::run_in(workspace, &folder, &target, arguments)?;
     }
     Ok(Outcome::Passed)
 }

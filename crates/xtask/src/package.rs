@@ -53,10 +53,7 @@ fn wheel(workspace: &Workspace) -> Result<PathBuf> {
 
 /// A cargo command in the package's workspace.
 fn run(workspace: &Workspace, arguments: &[&str]) -> Result<()> {
-    println!("    cargo {}, in {FOLDER}", arguments.join(" "));
-    let mut command = cargo::program();
-    command.current_dir(workspace.root.join(FOLDER)).env("CARGO_TARGET_DIR", target(workspace));
-    provide::succeed(command.args(arguments))
+    cargo::run_in(workspace, FOLDER, &target(workspace), arguments)
 }
 
 /// Where it is built: with features of its own, so that the other crates are not built anew for it.

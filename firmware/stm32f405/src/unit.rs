@@ -1,8 +1,6 @@
 //! The unit's serial: text in a sector of its own, which whoever builds the board writes with the probe. So every unit has the
 //! same program, and a new program leaves the serial where it is.
 
-use core::slice;
-
 use zerorate_core::record::UnitSerial;
 
 #[allow(unsafe_code)]
@@ -21,7 +19,7 @@ const ERASED: u8 = 0xFF;
 pub fn serial() -> UnitSerial {
     #[allow(unsafe_code)]
     // SAFETY: the linker has left a whole sector to it; any bytes will do.
-    let place = unsafe { slice::from_raw_parts((&raw const __unit).cast::<u8>(), PLACE) };
+    let place = unsafe { &__unit };
     let written = place.iter().copied().take_while(|&byte| !matches!(byte, ERASED | 0 | b'\r' | b'\n'));
     let readable = |byte: u8| if byte.is_ascii_graphic() { char::from(byte) } else { '?' };
     let mut serial = UnitSerial::new();

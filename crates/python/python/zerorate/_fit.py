@@ -80,15 +80,15 @@ def fit(
     Error
         The log cannot be read, or its columns are unclear.
     """
+    units = {"temperature_unit": temperature_unit, "rate_unit": rate_unit}
     if log is None:
         if temperature is None or rates is None:
             raise _zerorate.Error("give a log, or the arrays `temperature` and `rates`")
-        source, columns = of_arrays(temperature, rates, time, time_unit)
+        source, columns = of_arrays(temperature, rates, time, time_unit, **units)
         read = [source]
     else:
         read = sources(log)
-        columns = named_columns(time, temperature, rates, time_unit)
-    columns |= {"temperature_unit": temperature_unit, "rate_unit": rate_unit}
+        columns = named_columns(time, temperature, rates, time_unit, **units)
     how = {
         "model": model,
         "plain": plain,

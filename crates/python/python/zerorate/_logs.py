@@ -48,8 +48,9 @@ def read_log(
     if kind not in _KINDS:
         raise _zerorate.Error(f"'{kind}' are no frames: give one of {', '.join(_KINDS)}")
     [source] = sources([log])
-    columns = named_columns(time, temperature, rates, time_unit)
-    columns |= {"temperature_unit": temperature_unit, "rate_unit": rate_unit}
+    columns = named_columns(
+        time, temperature, rates, time_unit, temperature_unit=temperature_unit, rate_unit=rate_unit
+    )
     return {sensor: _frame(kind, dict(rows)) for sensor, rows in _zerorate.read_log(source, columns)}
 
 

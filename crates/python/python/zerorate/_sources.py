@@ -18,7 +18,7 @@ def sources(log):
     return [_source(log) for log in several]
 
 
-def of_arrays(temperature, rates, time, time_unit):
+def of_arrays(temperature, rates, time, time_unit, **units):
     """Of arrays what is read, and which of its columns is which."""
     rates = _named(rates)
     columns = {"temperature": temperature} | rates
@@ -26,14 +26,14 @@ def of_arrays(temperature, rates, time, time_unit):
         columns |= {"time": time}
         if time_unit is None and np.asarray(time).dtype.kind != "M":
             time_unit = "s"
-    names = named_columns(None if time is None else "time", "temperature", list(rates), time_unit)
+    names = named_columns(None if time is None else "time", "temperature", list(rates), time_unit, **units)
     return _columns("arrays", columns), names
 
 
-def named_columns(time, temperature, rates, time_unit):
-    """Which column is which, by name."""
+def named_columns(time, temperature, rates, time_unit, **units):
+    """Which column is which, by name, and the units of the others."""
     rates = [rates] if isinstance(rates, str) else rates
-    return {"time": time, "temperature": temperature, "rates": rates, "time_unit": time_unit}
+    return {"time": time, "temperature": temperature, "rates": rates, "time_unit": time_unit} | units
 
 
 def _source(log):

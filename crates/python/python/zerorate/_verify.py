@@ -52,8 +52,9 @@ def verify(
         The log cannot be read, is no test, or its axes are not the calibration's.
     """
     [source] = sources([log])
-    columns = named_columns(time, temperature, rates, time_unit)
-    columns |= {"temperature_unit": temperature_unit, "rate_unit": rate_unit}
+    columns = named_columns(
+        time, temperature, rates, time_unit, temperature_unit=temperature_unit, rate_unit=rate_unit
+    )
     against = {"max_rms": max_rms, "max_pp": max_pp, "max_offset": max_offset, "in_sample": in_sample}
     against["sensor"] = None if sensor is None else str(sensor)
     return _zerorate.verify(source, calibration, columns, against)
