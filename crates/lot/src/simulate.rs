@@ -95,8 +95,8 @@ pub enum SimulateError {
     Bench {
         /// Its serial.
         serial: String,
-        /// Why.
-        source: BenchError,
+        /// Why; boxed, for it is far larger than the others.
+        source: Box<BenchError>,
     },
 }
 
@@ -161,9 +161,9 @@ impl Simulation {
 
     fn unit(&self, number: u32, truth: &Truth) -> Result<(), SimulateError> {
         let unit = &truth.units[number as usize];
-        let failed = |source| SimulateError::Bench { serial: unit.serial.clone(), source };
         let setup = set_up(number, self.cooling);
-        let mut rows = record(unit.seed, &setup, &unit.serial).map_err(failed)?;
+        let mut rows = record(unit.seed, &setup, &unit.serial)
+            .map_err(|source| SimulateError::Bench { serial: unit.serial.clone(), source: Box::new(source) })?;
         let mut info = RecordingInfo {
             unit_serial: unit.serial.clone(),
             procedure: "full-temperature".into(),
