@@ -6,8 +6,7 @@
 use std::collections::BTreeMap;
 
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, TrimCalibration};
-use zerorate_cal::log::{LogError, LogFault};
-use zerorate_cal::log_fit::{FittedLog, LogFit};
+use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::recording::{Recording, RecordingInfo};
 use zerorate_cal::source::Source;
 use zerorate_cal::units::TemperatureUnit;
@@ -38,16 +37,7 @@ pub fn of_fit(
     {
         return calibration(source, fit);
     }
-    Ok(Calibration { labels, ..fit.to_calibration(origins(sources, fit)?, serial)? })
-}
-
-/// The logs with their SHA-256.
-fn origins(sources: &[Source], fit: &LogFit) -> Result<Vec<Origin>, LogError> {
-    let origin = |(source, log): (&Source, &FittedLog)| {
-        let origin = Origin::of_log(fit.autopilot, source).map_err(|error| source.faulty::<LogFault>(error))?;
-        Ok(Origin { rows: log.rows.written(), ..origin.started_at(log.started) })
-    };
-    sources.iter().zip(&fit.sources).map(origin).collect()
+    Ok(Calibration { labels, ..fit.to_calibration(fit.origins(sources)?, serial)? })
 }
 
 /// The calibration that the fit of a recording makes.

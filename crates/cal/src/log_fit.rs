@@ -251,6 +251,18 @@ impl LogFit {
         self.judgement.reasons.iter().map(|reason| reason.text.as_str())
     }
 
+    /// The logs that were fitted, with their SHA-256.
+    ///
+    /// # Errors
+    /// [`LogError`], when one cannot be read any more.
+    pub fn origins(&self, sources: &[Source]) -> Result<Vec<Origin>, LogError> {
+        let origin = |(source, log): (&Source, &FittedLog)| {
+            let origin = Origin::of_log(self.autopilot, source).map_err(|error| source.faulty::<LogFault>(error))?;
+            Ok(Origin { rows: log.rows.written(), ..origin.started_at(log.started) })
+        };
+        sources.iter().zip(&self.sources).map(origin).collect()
+    }
+
     /// The calibration that comes of it.
     ///
     /// # Errors

@@ -85,9 +85,8 @@ impl Entry {
         };
         let mut zip = ZipArchive::new(BufReader::new(source.open()?)).map_err(damaged)?;
         let mut entries = Vec::new();
-        for (place, name) in zip.file_names_raw().enumerate() {
-            let name = String::from_utf8_lossy(name).into_owned();
-            entries.extend(is_file(&name).then_some((place, name)));
+        for (place, name) in zip.file_names().enumerate() {
+            entries.extend(is_file(name).then(|| (place, name.to_owned())));
         }
         let [(place, name)] = &entries[..] else {
             let found = if entries.is_empty() { "no file".to_owned() } else { several(&entries) };

@@ -3,7 +3,8 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
-use std::thread;
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
@@ -16,6 +17,9 @@ const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome-stable"
 
 /// Debian's packages; without a font, figures have no text.
 const PACKAGES: [&str; 2] = ["chromium", "fonts-dejavu-core"];
+
+/// How often a page's memory is looked at.
+const LOOK: Duration = Duration::from_millis(20);
 
 /// How long a browser may take to end when asked to, before it is killed.
 const FAREWELL: Duration = Duration::from_secs(5);
@@ -57,6 +61,50 @@ impl Browser {
         println!("    {}", version["product"].as_str().unwrap_or("a browser without a name"));
         Ok(browser)
     }
+
+    /// Watches how much memory of their own the pages' processes have, until it is asked.
+    pub fn memory(&self) -> Memory {
+        let profile = self.profile.display().to_string();
+        let (end, ended) = mpsc::channel::<()>();
+        let watch = move || {
+            let mut most = None;
+            while ended.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
+                most = most.max(own_memory_kb(&profile));
+            }
+            most
+        };
+        Memory { end, watch: thread::spawn(watch) }
+    }
+}
+
+/// A watch over the pages' memory.
+pub struct Memory {
+    end: Sender<()>,
+    watch: JoinHandle<Option<u64>>,
+}
+
+impl Memory {
+    /// The most that one had, kB; nothing where the system does not tell.
+    pub fn most_kb(self) -> Option<u64> {
+        drop(self.end);
+        self.watch.join().ok().flatten()
+    }
+}
+
+/// The memory of the largest page of a profile that it shares with nobody, as the browser's own task manager counts it, kB.
+fn own_memory_kb(profile: &str) -> Option<u64> {
+    let of_page = |process: &PathBuf| {
+        let line = fs::read(process.join("cmdline")).unwrap_or_default();
+        let line = String::from_utf8_lossy(&line);
+        line.contains("--type=renderer") && line.contains(profile)
+    };
+    let own = |process: PathBuf| {
+        let status = fs::read_to_string(process.join("status")).ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix("RssAnon:"))?;
+        line.split_whitespace().next()?.parse().ok()
+    };
+    let processes = fs::read_dir("/proc").ok()?.flatten().map(|entry| entry.path());
+    processes.filter(of_page).filter_map(own).max()
 }
 
 impl Drop for Browser {

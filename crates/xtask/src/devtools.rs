@@ -2,13 +2,23 @@
 //!
 //! Source: Chromium's `--remote-debugging-pipe`. Pipes need no port, no web socket and no handshake.
 
+use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
+use std::path::Path;
 use std::sync::mpsc::{self, Receiver};
 use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
+
+/// A screen: name, width and height in CSS pixels, whether it is a phone's.
+pub type Screen = (&'static str, u32, u32, bool);
+
+/// Those on which pages are looked at.
+pub const SCREENS: [Screen; 2] = [("desktop", 1280, 900, false), ("phone", 390, 844, true)];
 
 /// Longer than any answer should take; a browser that is silent for so long is stuck.
 const PATIENCE: Duration = Duration::from_secs(600);
@@ -48,6 +58,29 @@ impl<W: Write> DevTools<W> {
         let attached = self.call("Target.attachToTarget", json!({ "targetId": page["targetId"], "flatten": true }))?;
         self.session = Some(attached["sessionId"].as_str().context("the browser gave no session")?.to_owned());
         self.events.clear();
+        Ok(())
+    }
+
+    /// Goes to an address on a screen, in a colour scheme, and waits until what is there has drawn itself.
+    pub fn go_to(&mut self, url: &str, (_, width, height, mobile): Screen, scheme: &str) -> Result<()> {
+        for domain in ["Page", "Runtime", "Log", "Network"] {
+            self.call(&format!("{domain}.enable"), json!({}))?;
+        }
+        let metrics = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile });
+        self.call("Emulation.setDeviceMetricsOverride", metrics)?;
+        let media = json!({ "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
+        self.call("Emulation.setEmulatedMedia", media)?;
+        self.call("Page.navigate", json!({ "url": url }))?;
+        self.wait_for("Page.loadEventFired")?;
+        // Two frames on, scripts that draw have drawn.
+        self.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))")?;
+        Ok(())
+    }
+
+    /// Takes a picture of the whole page.
+    pub fn photograph(&mut self, picture: &Path) -> Result<()> {
+        let shot = self.call("Page.captureScreenshot", json!({ "captureBeyondViewport": true }))?;
+        fs::write(picture, BASE64_STANDARD.decode(shot["data"].as_str().unwrap_or_default())?)?;
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! Runs two builds of `zerorate` side by side and compares their figures digit by digit: a change that only moves code must
 //! move none of them.
 
-mod difference;
+pub mod difference;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -60,8 +60,7 @@ impl Comparison<'_> {
             fs::create_dir_all(folder.join(build)).with_context(|| folder.display().to_string())?;
         }
         let mut jobs = simulations();
-        let recording = self.workspace.data().map(|data| data.join("imu-chamber-cycle/imu_raw_data.tsv"));
-        let recording = recording.filter(|recording| recording.is_file());
+        let recording = self.workspace.recording();
         match &recording {
             Some(recording) => jobs.extend(fits(&self.logs(&folder, recording)?)),
             None => {
@@ -83,9 +82,7 @@ impl Comparison<'_> {
     /// The chamber cycle as the formats have it.
     fn logs(&self, folder: &Path, recording: &Path) -> Result<Vec<PathBuf>> {
         let prefix = folder.join("chamber");
-        let encoder = python::tool(self.workspace, "encode_flight_logs.py")?;
-        python::run(self.workspace, &[&encoder, recording, &prefix])?;
-        let encoded = ["ulg", "bin", "csv"].map(|form| prefix.with_extension(form));
+        let encoded = python::encoded(self.workspace, recording, &prefix, &[])?;
         Ok(encoded.into_iter().chain([recording.to_owned()]).collect())
     }
 

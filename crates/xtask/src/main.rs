@@ -9,6 +9,7 @@ mod chip;
 mod circles;
 mod circuit;
 mod devtools;
+mod faults;
 mod figures;
 mod firmware;
 mod fuzz;
@@ -25,6 +26,7 @@ mod syntax;
 mod targets;
 mod toolchain;
 mod unused;
+mod web;
 mod wiring;
 mod workspace;
 
@@ -52,7 +54,8 @@ enum Chore {
     /// Formatting, lints, documentation and tests by cargo; the rules of ARCHITECTURE.md by reading the sources; then
     /// the built command against numpy and against damaged recordings, and the Python package against the command; the circuit in ngspice and the gateware by the FPGA
     /// tools, the firmware in QEMU and the image for the chip in Unicorn, as the chores `circuit`, `gateware`, `firmware` and
-    /// `chip` do; the report in a headless browser;
+    /// `chip` do; the report in a headless browser, and the
+    /// page that fits a log held against the command;
     /// last zerorate-lot, whose query engine takes longer to build than everything else together. What that needs is
     /// installed if this runs as root on Debian, and named if it does not.
     ///
@@ -68,7 +71,7 @@ enum Chore {
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house,
-        /// wiring, build, numpy, numbers, damage, python, circuit, gateware, firmware, chip, report, lot
+        /// wiring, build, numpy, numbers, damage, python, circuit, gateware, firmware, chip, report, web, lot
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -147,6 +150,10 @@ enum Chore {
         #[arg(long)]
         cost: bool,
     },
+    /// Build the page that fits a log in a browser: target/web/zerorate.html, one file
+    ///
+    /// With the toolchain that builds the firmware, which is installed if this runs as root on Debian, and named if not.
+    Web,
     /// Run the image for the STM32F405 in an emulator of the chip, against the simulated bench
     ///
     /// Builds the image as `firmware` does, and runs every case of chip/README.md on it, a line each: power-up, the fault
@@ -186,6 +193,7 @@ fn main() -> Result<ExitCode> {
         Chore::Circuit => steps::run(&[circuit(&workspace)]),
         Chore::Gateware => steps::run(&gateware::steps(&workspace)),
         Chore::Firmware { cost } => steps::run(&firmware::steps(&workspace, cost)),
+        Chore::Web => steps::run(&[Step::new("web", "mend the build", || web::build_page(&workspace))]),
         Chore::Chip => steps::run(&chip::steps(&workspace)),
     })
 }
@@ -234,6 +242,8 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("chip", "`cargo xtask chip` runs its cases alone; see chip/README.md", within(chip::check))
             .skipped_if(fast, "--fast"),
         Step::new("report", "look at target/report-screenshots", within(report::check)).skipped_if(fast, "--fast"),
+        Step::new("web", "see crates/web/README.md; look at target/web-screenshots", within(web::check))
+            .skipped_if(fast, "--fast"),
         Step::new("lot", "`cargo test --release -p zerorate-lot NAME` runs one", within(lot::check))
             .skipped_if(fast, "--fast"),
     ]

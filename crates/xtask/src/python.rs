@@ -16,11 +16,11 @@ pub const SCRIPTS: &str = "crates/xtask/python";
 /// Holds `zerorate fit --plain` against numpy.polyfit, on made data and on a real recording where there is one.
 pub fn compare_fit(workspace: &Workspace) -> Result<Outcome> {
     let mut script = script(workspace, "compare_fit.py")?;
-    match workspace.data().map(|data| data.join("imu-chamber-cycle/imu_raw_data.tsv")) {
-        Some(recording) if recording.is_file() => {
+    match workspace.recording() {
+        Some(recording) => {
             script.arg(recording);
         }
-        _ => println!("    without the real recording: no ../shared/data, and ZERORATE_DATA names no other folder"),
+        None => println!("    without the real recording: no ../shared/data, and ZERORATE_DATA names no other folder"),
     }
     provide::succeed(&mut script)?;
     Ok(Outcome::Passed)
@@ -71,6 +71,14 @@ pub fn tool(workspace: &Workspace, name: &str) -> Result<PathBuf> {
     let tool = workspace.data().map(|data| data.join("../tools").join(name));
     tool.filter(|tool| tool.is_file())
         .with_context(|| format!("{name} is missing: it is looked for in ../tools from the folder of the recordings"))
+}
+
+/// A recording as logs of ULog, DataFlash and CSV, named by a prefix, by the tool that stands beside the recordings.
+pub fn encoded(workspace: &Workspace, recording: &Path, prefix: &Path, options: &[&str]) -> Result<[PathBuf; 3]> {
+    let encoder = tool(workspace, "encode_flight_logs.py")?;
+    let options: Vec<&Path> = options.iter().map(Path::new).collect();
+    run(workspace, &[&[encoder.as_path(), recording, prefix], &options[..]].concat())?;
+    Ok(["ulg", "bin", "csv"].map(|form| prefix.with_extension(form)))
 }
 
 /// Runs a script with the pinned packages.

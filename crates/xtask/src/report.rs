@@ -5,18 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
-use base64::Engine;
-use base64::prelude::BASE64_STANDARD;
-use serde_json::{Value, json};
 
 use crate::browser::Browser;
-use crate::devtools::DevTools;
+use crate::devtools::{DevTools, SCREENS, Screen};
+use crate::faults;
 use crate::provide;
 use crate::steps::Outcome;
 use crate::workspace::Workspace;
-
-/// A screen: name, width and height in CSS pixels, whether it is a phone's.
-const SCREENS: [(&str, u32, u32, bool); 2] = [("desktop", 1280, 900, false), ("phone", 390, 844, true)];
 
 /// A figure's text is legible from about this height on, in CSS pixels of its glyph box.
 const LEGIBLE_PX: f64 = 7.0;
@@ -61,8 +56,7 @@ fn of_calibration(workspace: &Workspace) -> Result<PathBuf> {
 
 /// The report of a real log, where there is one.
 fn of_log(workspace: &Workspace) -> Result<Option<PathBuf>> {
-    let recording = workspace.data().map(|data| data.join("imu-chamber-cycle/imu_raw_data.tsv"));
-    let Some(recording) = recording.filter(|recording| recording.is_file()) else { return Ok(None) };
+    let Some(recording) = workspace.recording() else { return Ok(None) };
     let report = workspace.target.join("report-log.html");
     println!("    zerorate fit {} --report {}", recording.display(), report.display());
     let mut fit = Command::new(workspace.zerorate()?);
@@ -74,26 +68,14 @@ fn of_log(workspace: &Workspace) -> Result<Option<PathBuf>> {
 fn look<W: std::io::Write>(
     page: &mut DevTools<W>,
     url: &str,
-    (_, width, height, mobile): (&str, u32, u32, bool),
+    screen: Screen,
     scheme: &str,
     picture: &Path,
 ) -> Result<Vec<String>> {
+    let width = screen.1;
     page.open_page()?;
-    for domain in ["Page", "Runtime", "Log", "Network"] {
-        page.call(&format!("{domain}.enable"), json!({}))?;
-    }
-    let metrics = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile });
-    page.call("Emulation.setDeviceMetricsOverride", metrics)?;
-    let media = json!({ "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
-    page.call("Emulation.setEmulatedMedia", media)?;
-    page.call("Page.navigate", json!({ "url": url }))?;
-    page.wait_for("Page.loadEventFired")?;
-    // Two frames on, scripts that draw have drawn.
-    page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))")?;
-
-    let shot = json!({ "captureBeyondViewport": true });
-    let shot = page.call("Page.captureScreenshot", shot)?;
-    fs::write(picture, BASE64_STANDARD.decode(shot["data"].as_str().unwrap_or_default())?)?;
+    page.go_to(url, screen, scheme)?;
+    page.photograph(picture)?;
 
     let mut faults = Vec::new();
     let wide = page.evaluate("document.documentElement.scrollWidth")?.as_f64().unwrap_or(f64::INFINITY);
@@ -110,7 +92,7 @@ fn look<W: std::io::Write>(
         faults.push(format!("{covering} buttons cover what is under them"));
     }
     // Last, so that what the page did meanwhile counts as well.
-    faults.extend(page.events.iter().filter_map(|event| fault_of(event, url)));
+    faults.extend(page.events.iter().filter_map(|event| faults::of(event, url)));
     Ok(faults)
 }
 
@@ -131,47 +113,3 @@ const COVERING_BUTTONS: &str = "(() => {
     const beneath = places('pre, table, svg');
     return places('button').filter(button => button.width > 0 && beneath.some(other => meet(button, other))).length;
 })()";
-
-/// What an event says is wrong: an error in the console, or a request for anything but the page itself.
-fn fault_of(event: &Value, url: &str) -> Option<String> {
-    let told = &event["params"];
-    match event["method"].as_str()? {
-        "Runtime.exceptionThrown" => Some(format!("exception: {}", told["exceptionDetails"]["text"])),
-        "Runtime.consoleAPICalled" if told["type"] == "error" || told["type"] == "assert" => {
-            Some(format!("console: {}", told["args"]))
-        }
-        "Log.entryAdded" if told["entry"]["level"] == "error" => Some(format!("log: {}", told["entry"]["text"])),
-        "Network.requestWillBeSent" => {
-            let asked = told["request"]["url"].as_str().unwrap_or_default();
-            (asked != url && !asked.starts_with("data:")).then(|| format!("request for {asked}"))
-        }
-        _ => None,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_page_may_load_itself_and_what_it_carries_and_nothing_else() {
-        let asks = |asked: &str| {
-            let event = json!({ "method": "Network.requestWillBeSent", "params": { "request": { "url": asked } } });
-            fault_of(&event, "file:///report.html")
-        };
-        assert_eq!(asks("file:///report.html"), None);
-        assert_eq!(asks("data:image/svg+xml,x"), None);
-        assert!(asks("file:///style.css").is_some());
-        assert!(asks("https://example.org/font.woff2").is_some());
-    }
-
-    #[test]
-    fn console_errors_count_and_other_lines_do_not() {
-        let says = |kind: &str| {
-            fault_of(&json!({ "method": "Runtime.consoleAPICalled", "params": { "type": kind, "args": [] } }), "")
-        };
-        assert!(says("error").is_some());
-        assert!(says("log").is_none());
-        assert!(fault_of(&json!({ "method": "Page.loadEventFired", "params": {} }), "").is_none());
-    }
-}

@@ -18,61 +18,58 @@ pub struct Toolchain {
     target: &'static str,
     /// Which of its libraries are built: by the names that cargo has for them.
     libraries: &'static str,
-    /// Debian's Rust, which has its own std's source and builds from it; else the one that runs us, whose rustup has the
-    /// target.
-    builds_std: bool,
+    /// What Debian's Rust links with: it has its own std's source and builds from it. Without, it is the Rust that runs us,
+    /// whose rustup has the target and what links for it.
+    debians_linker: Option<&'static str>,
 }
 
 impl Toolchain {
     /// For the boards: without an operating system, and so without std.
     pub fn of_board() -> Result<Self> {
-        Self::find("thumbv7em-none-eabihf", "core")
+        Self::find("thumbv7em-none-eabihf", "core", ("/usr/bin/arm-none-eabi-ld", "binutils-arm-none-eabi"))
     }
 
     /// For a browser.
     pub fn of_browser() -> Result<Self> {
-        Self::find("wasm32-unknown-unknown", "std,panic_abort")
+        Self::find("wasm32-unknown-unknown", "std,panic_abort", ("/usr/bin/wasm-ld", "lld"))
     }
 
-    /// The ordinary one where the target is installed, else Debian's, which is installed if it may be.
-    fn find(target: &'static str, libraries: &'static str) -> Result<Self> {
-        const PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "binutils-arm-none-eabi"];
-        const FILES: [&str; 4] = [
-            "/usr/bin/rustc",
-            "/usr/bin/cargo",
-            "/usr/bin/arm-none-eabi-ld",
-            "/usr/lib/rustlib/src/rust/library/core/Cargo.toml",
-        ];
+    /// The ordinary one where the target is installed, else Debian's, which is installed if it may be, with the linker of the
+    /// given file and package.
+    fn find(target: &'static str, libraries: &'static str, linker: (&'static str, &str)) -> Result<Self> {
+        let packages = ["rustc-web", "cargo-web", "rust-web-src", linker.1];
+        let files = ["/usr/bin/rustc", "/usr/bin/cargo", "/usr/lib/rustlib/src/rust/library/core/Cargo.toml", linker.0];
         let installed = Command::new("rustup").args(["target", "list", "--installed"]).output();
         if installed.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).lines().any(|line| line == target)) {
-            return Ok(Self { target, libraries, builds_std: false });
+            return Ok(Self { target, libraries, debians_linker: None });
         }
-        if !FILES.iter().all(|path| Path::new(path).is_file()) || is_older(&version_of(FILES[0]), LEAST) {
+        if !files.iter().all(|path| Path::new(path).is_file()) || is_older(&version_of(files[0]), LEAST) {
             println!("    `rustup target add {target}` would do; without it {libraries} is built from Debian's source");
-            provide::install("a Rust with its own source, to build it for other targets", &PACKAGES)?;
+            provide::install("a Rust with its own source, to build it for other targets", &packages)?;
         }
-        Ok(Self { target, libraries, builds_std: true })
+        Ok(Self { target, libraries, debians_linker: Some(linker.0) })
     }
 
     /// Runs a cargo command in a folder, for the target; what is built goes to a folder of its own, for another compiler
     /// may have built what is in the ordinary one.
     pub fn run(&self, folder: &Path, built: &Path, arguments: &[&str]) -> Result<()> {
         println!("    cargo {} --target {}", arguments.join(" "), self.target);
-        let mut command = if self.builds_std { self.debians_cargo() } else { cargo::program() };
+        let mut command = self.debians_linker.map_or_else(cargo::program, |linker| self.debians_cargo(linker));
         command.current_dir(folder).env("CARGO_TARGET_DIR", built);
         provide::succeed(command.args(arguments).args(["--target", self.target]))
     }
 
     /// Debian's cargo with its rustc, as `rustc-web` and `rust-web-src` install them.
-    fn debians_cargo(&self) -> Command {
+    fn debians_cargo(&self, linker: &str) -> Command {
         let mut command = Command::new("/usr/bin/cargo");
         let mut path = OsString::from("/usr/bin:");
         path.push(env::var_os("PATH").unwrap_or_default());
+        let target = self.target.replace('-', "_").to_uppercase();
         command
             .env("PATH", path)
             .env("RUSTC_BOOTSTRAP", "1")
             .env("CARGO_UNSTABLE_BUILD_STD", self.libraries)
-            .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", "arm-none-eabi-ld");
+            .env(format!("CARGO_TARGET_{target}_LINKER"), linker);
         for variable in ["CARGO", "RUSTC", "RUSTUP_TOOLCHAIN", "RUSTFLAGS"] {
             command.env_remove(variable);
         }

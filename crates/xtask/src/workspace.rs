@@ -88,6 +88,11 @@ impl Workspace {
         let folder = env::var_os("ZERORATE_DATA").map_or_else(|| self.root.join("../shared/data"), PathBuf::from);
         folder.is_dir().then_some(folder)
     }
+
+    /// The recording of a real sensor through a chamber's cycle, where it is there.
+    pub fn recording(&self) -> Option<PathBuf> {
+        self.data().map(|data| data.join("imu-chamber-cycle/imu_raw_data.tsv")).filter(|recording| recording.is_file())
+    }
 }
 
 fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
