@@ -59,7 +59,7 @@ pub struct Applied {
     pub without_temperature: u64,
     /// Rows with a temperature outside a curve's valid range, at which the curve was held.
     pub outside: u64,
-    /// Rows with a temperature outside of what a curve was fitted to, those among them: there it rests on nothing measured.
+    /// Rows with a temperature outside of what a curve was fitted to, those among them: there it goes on as it ends.
     pub unmeasured: u64,
     /// Rows at which a history was not known yet: the prediction is uncertain by up to the hysteresis.
     pub uncertain: u64,

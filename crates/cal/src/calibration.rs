@@ -78,6 +78,10 @@ pub struct Calibration {
     /// The time from group to group on the board, seconds, by which a history runs there; `None` for a log.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub group_period_s: Option<f64>,
+    /// The time from one average that was fitted to the next, seconds, as a rule, of several logs the longest: what its figures are
+    /// of. `None` of a board, of a log without times, and of older files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub averaged_over_s: Option<f64>,
     /// The axes by name: `x` and `y` of a board, the rate columns of a table, `gyro0.x` of a
     /// log that tells of sensors.
     pub axes: BTreeMap<String, AxisCalibration>,
@@ -130,6 +134,7 @@ impl Calibration {
             temperature_scale: None,
             board: None,
             group_period_s: None,
+            averaged_over_s: None,
             axes,
             warnings: Vec::new(),
             labels: BTreeMap::new(),

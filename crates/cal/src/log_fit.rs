@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::time::SystemTime;
 
-pub use averages::zero_taken_in;
+pub use averages::{are_alike, zero_taken_in};
 pub use overlap::LogRows;
 
 use thiserror::Error;
@@ -277,7 +277,8 @@ impl LogFit {
         };
         let axes = self.axes.iter().map(|axis| (axis.name.clone(), axis.calibration.clone())).collect();
         let warnings = self.reasons().map(str::to_owned).collect();
-        Ok(Calibration { warnings, ..Calibration::new(Kind::Log, unit_serial, sources, first.temperature_unit, axes) })
+        let calibration = Calibration::new(Kind::Log, unit_serial, sources, first.temperature_unit, axes);
+        Ok(Calibration { warnings, averaged_over_s: self.averaged_over_s(), ..calibration })
     }
 }
 

@@ -55,7 +55,7 @@ impl RampSensitivity {
         let (value, variation) = regression(&rows, None);
         if variation.is_nan() || variation < LEAST_VARIATION * size {
             return Err(
-                "at each temperature it always changed at one speed; let it change fast and slowly over the same range"
+                "at each temperature it changed at one speed in each direction; let it change fast and slowly over the same range, the same way"
                     .to_owned(),
             );
         }

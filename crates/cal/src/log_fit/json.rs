@@ -12,7 +12,7 @@ const SCHEMA: u32 = 1;
 
 impl Serialize for LogFit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct("LogFit", 7)?;
+        let mut fields = serializer.serialize_struct("LogFit", 8)?;
         fields.serialize_field("schema", &SCHEMA)?;
         fields.serialize_field("source", &self.source())?;
         if let Some(started) = self.sources.first().and_then(|log| log.started) {
@@ -20,6 +20,9 @@ impl Serialize for LogFit {
         }
         fields.serialize_field("verdict", &self.judgement.verdict)?;
         fields.serialize_field("reasons", &self.judgement.reasons)?;
+        if let Some(averaged_over_s) = self.averaged_over_s() {
+            fields.serialize_field("averaged_over_s", &averaged_over_s)?;
+        }
         fields.serialize_field("axes", &Axes(&self.axes))?;
         fields.serialize_field("verdicts", &Verdicts(&self.verdicts))?;
         fields.end()

@@ -212,7 +212,7 @@ impl Apply {
         if applied.unmeasured > 0 {
             let (rows, [coldest, hottest]) = (thousands(applied.unmeasured), measured_temperature);
             let text = format!(
-                "{rows} rows are outside {coldest:.1} to {hottest:.1} {unit}, which was measured: there the curve rests on nothing"
+                "{rows} rows are outside {coldest:.1} to {hottest:.1} {unit}, the coldest and the warmest average that was fitted: there the curve goes on as it ends"
             );
             page.sentence("  - ", &text);
         }

@@ -239,7 +239,7 @@ fn rows_outside_of_what_was_measured_are_told_whether_the_curve_is_believed_ther
     )
     .unwrap();
     let ran = apply(folder.path(), "hot.csv");
-    ran.says(&["3 rows are outside -17.0 to 73.0 C, which was measured: there the curve rests on nothing"]);
+    ran.says(&["3 rows are outside -17.0 to 73.0 C, the coldest and the warmest average that was fitted: there the curve goes on as it ends"]);
     ran.says(&["1 rows are outside -28.", "over which the curve is believed: there it was held at its end"]);
 }
 

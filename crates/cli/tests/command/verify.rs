@@ -35,6 +35,34 @@ fn a_second_run_passes_or_fails_by_its_limits() {
     assert!((json["axes"][0]["offset"].as_f64().unwrap() - 0.004).abs() < 1e-4);
 }
 
+/// A row a second: a spike is told among 21 rows, and so the fit averages over 21 s, where a verification takes 10.
+#[test]
+fn where_rows_come_seldom_both_say_over_what_they_average() {
+    let run = |phase: f64| {
+        let row = |second: u32| {
+            let t = f64::from(second);
+            let temperature = 20.0 + 30.0 * (t * std::f64::consts::TAU / 3600.0).cos();
+            let noise = 0.01 * (12.9898 * (t + phase)).sin() * (78.233 * t).cos();
+            format!("{t},{temperature:.4},{:.6}\n", 0.002 * temperature + noise)
+        };
+        (0..7200).fold("time_s,temperature_c,x_dps\n".to_owned(), |text, second| text + &row(second))
+    };
+    let folder = folder_with("log.csv", run(0.0));
+    fs::write(folder.path().join("second.csv"), run(5000.0)).unwrap();
+    let fit = ["fit", "log.csv", "--out", "calibration.json"];
+    let ran = zerorate(folder.path(), &fit);
+    ran.says(&[
+        "in averages over about 21 s",
+        "the same two of another run, in averages over 10 s, which have another noise",
+    ]);
+    let json = zerorate(folder.path(), &[&fit[..], &["--force", "--json"]].concat()).json();
+    assert_eq!(json["averaged_over_s"], 21.0);
+    let verify = ["verify", "second.csv", "--with", "calibration.json"];
+    zerorate(folder.path(), &verify).says(&["Averages over 10.0 s", "fit told both of averages over 21 s"]);
+    let json = zerorate(folder.path(), &[&verify[..], &["--json"]].concat()).json();
+    assert_eq!((&json["averaged_over_s"], &json["calibration_averaged_over_s"]), (&10.0.into(), &21.0.into()));
+}
+
 #[test]
 fn the_log_that_was_fitted_is_refused_as_no_test() {
     let folder = calibrated();

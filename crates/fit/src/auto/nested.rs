@@ -156,9 +156,12 @@ impl Outer {
         let predicted = predicted(left, &self.deployed);
         let (left, logs) = zeroed_logs(series, &predicted);
         let by_zeros = logs.iter().map(|log| variance_by_the_zero(&left, series.time_s, log)).sum();
+        // Each log has a zero of its own, so that their ends say nothing of each other: the largest of any one.
+        let pp = |log: &Vec<usize>| ResidualStatistics::of(log.iter().map(|&group| left[group])).pp;
+        let pp = logs.iter().map(pp).fold(f64::NAN, f64::max);
         let left = ResidualStatistics::by_folds(&left)
             .varied_by(by_zeros, left.iter().filter(|left| left.is_finite()).count());
-        (self.complete() && left.rms.is_finite()).then_some(left)
+        (self.complete() && left.rms.is_finite()).then_some(ResidualStatistics { pp, ..left })
     }
 
     /// What is left of each of several logs; `all` is what the fit of all leaves, as deployed. Nothing where one of them has

@@ -261,6 +261,17 @@ fn of_two_logs_each_is_predicted_by_the_other() {
     assert!(alone.fit.statistics.by_log.is_empty());
 }
 
+/// One log begins cold and one warm, on one line of 0.01 a degree: each moves by the 396 steps of 0.25 C after its zero was taken.
+#[test]
+fn logs_that_start_at_other_temperatures_do_not_add_their_ends() {
+    let there_and_back = |group: usize| -30.0 + 0.25 * if group < 400 { group } else { 799 - group } as f64;
+    let log: Vec<u32> = (0..800).map(|group| u32::from(group >= 400)).collect();
+    let made = Made::new((0..800).map(there_and_back).collect(), |_, t| 0.01 * t);
+    let uncorrected =
+        made.fit_of_logs(Model::Auto, &log).fit.statistics.uncorrected.expect("a log is held out as a whole");
+    assert!((uncorrected.pp - 0.01 * 0.25 * 396.0).abs() < 1e-3, "{uncorrected:?}");
+}
+
 #[test]
 fn the_static_cubic_is_of_the_same_data_without_their_drift_in_time() {
     let fit = Made::new(cycles(), |group, t| cubic(t) + 1e-6 * 10.0 * group as f64).fit(Model::Auto);

@@ -206,6 +206,7 @@ fn terms(page: &mut Page, fit: &LogFit) {
     let axes: Vec<&AxisFit> = fit.axes.iter().collect();
     if deployed(&axes) {
         let (averaged_over, zero_taken_in) = (fit.averaged_over(), fit.zero_taken_in());
+        let verified_over = fit.verified_over();
         let steps = if fit.steps.is_empty() { "" } else { " The steps told above are taken out of it." };
         page.sentence(
             "  ",
@@ -215,7 +216,7 @@ fn terms(page: &mut Page, fit: &LogFit) {
                  predicts it that was chosen and fitted on the other seven; only the zero of a start that is colder or warmer than \
                  all of these is as the fit of all leaves it. The log's own drift in time, which no device knows, is \
                  left in it.{steps} Uncorrected is the same without a model. zerorate verify measures the same two of \
-                 another run. \u{b1} is one standard error of the rms, by how much the eight folds differ and by \
+                 another run{verified_over}. \u{b1} is one standard error of the rms, by how much the eight folds differ and by \
                  the noise of the zero; pp is peak to peak."
             ),
         );

@@ -2,7 +2,7 @@
 
 use console::Style;
 use zerorate_apply::verify::{Verified, VerifiedAxis};
-use zerorate_cal::log_fit::zero_taken_in;
+use zerorate_cal::log_fit::{are_alike, zero_taken_in};
 use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
 
 use crate::screen::{Grid, Page, aligned, style};
@@ -107,10 +107,15 @@ fn terms(verified: &Verified) -> String {
         None => "Averages over successive rows: the log has no times.".to_owned(),
     };
     let zero_taken_in = zero_taken_in(verified.averaged_over_s);
+    let own_and_fits = verified.averaged_over_s.zip(verified.calibration_averaged_over_s);
+    let fit_told = match own_and_fits.filter(|&(own, fits)| !are_alike(own, fits)) {
+        Some((_, fits)) => format!("fit told both of averages over {fits:.0} s, which have another noise"),
+        None => "fit tells both first".to_owned(),
+    };
     format!(
         "{averages} Recorded and corrected: rms about the mean, which the start of another run sets anew; the mean that is \
          left stands under mean. Times smaller: recorded rms over corrected rms, so below 1 the correction is worse than \
          none. Uncorrected and deployed: the rate, and the rate corrected, less the mean of the run's \
-         {zero_taken_in}, as a device's zero at the start takes it off; fit tells both first."
+         {zero_taken_in}, as a device's zero at the start takes it off, from then on; {fit_told}."
     )
 }
