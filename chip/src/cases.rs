@@ -30,7 +30,7 @@ use crate::paper_record;
 pub type Case = fn(&Given) -> Result<String>;
 
 /// Every case, in the order in which they are run.
-pub const ALL: [(&str, Case); 46] = [
+pub const ALL: [(&str, Case); 47] = [
     ("power comes, no record", power::without_a_record),
     ("a record committed over the line", power::commit),
     ("power comes, a record and no host", power::alone),
@@ -73,6 +73,7 @@ pub const ALL: [(&str, Case); 46] = [
     ("a program that stops itself", restarts::panic),
     ("three in a row", restarts::three_in_a_row),
     ("three hangs in a row", restarts::three_hangs),
+    ("a dead port and the watchdog", restarts::dead_port),
     ("a stack that is full", restarts::full_stack),
     ("why it was reset", restarts::causes),
     ("power cut in a commit", power::cut_in_a_commit),

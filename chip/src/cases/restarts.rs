@@ -3,13 +3,14 @@
 use anyhow::{Result, ensure};
 use zerorate_core::units::Axis;
 use zerorate_core::wire::{CalibrationState, ResetCause, Stop};
+use zerorate_sim::Fault;
 
 use super::{Given, paper, wipers};
 use crate::bench::Bench;
 use crate::chip::memory;
 use crate::chip::nvic;
 use crate::chip::rcc::Reset;
-use crate::chip::time::{MILLISECOND, SECOND, milliseconds};
+use crate::chip::time::{MICROSECOND, MILLISECOND, SECOND, milliseconds};
 use crate::machine::Ambush;
 use crate::machine::run::NOTHING;
 
@@ -208,6 +209,33 @@ pub fn three_hangs(given: &Given) -> Result<String> {
     Ok("at the interrupt's beginning, four times: the record stays; at a set's temperature, three times: set aside, the wipers in \
         the middle"
         .into())
+}
+
+/// A port that is dead for days is asked again and again: a watchdog that bites while it is asked does not blame the record.
+pub fn dead_port(given: &Given) -> Result<String> {
+    const BITES: usize = 4;
+    let mut bench = given.calibrated()?;
+    bench.plant.borrow_mut().inject(Fault::MutePort { transfers: u32::MAX });
+    for n in 1..=BITES {
+        // Past the start, which is the record's.
+        bench.pass(SECOND / 10)?;
+        let (asked, until) = (bench.machine.chip().board.asked, bench.now() + SECOND);
+        // A frame takes 9 us.
+        while bench.machine.chip().board.asked == asked {
+            ensure!(bench.now() < until, "not asked after {} bites", n - 1);
+            bench.pass(MICROSECOND)?;
+        }
+        bench.machine.reset(Reset::Watchdog)?;
+        ensure!(bench.machine.resets.len() == 1 + n, "resets {:?}", bench.machine.resets);
+    }
+    bench.plant.borrow_mut().clear_faults();
+    bench.pass(SECOND)?;
+    let identity = bench.identify()?;
+    ensure!(identity.calibration == CalibrationState::InUse && identity.running, "{identity:?}");
+    bench.stream()?;
+    // Not held against it: chip select rose within a byte, with the resets.
+    bench.groups(2)?;
+    Ok(format!("{BITES} times while it was asked: the record stays in use, and is at work when the port is there"))
 }
 
 /// The stack's end is the memory's end: what does not fit is written nowhere, and the watchdog restarts what has locked up.

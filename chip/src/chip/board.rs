@@ -59,6 +59,8 @@ pub struct Board {
     pub bend_after: u32,
     /// Cuts that have happened.
     pub cuts: u32,
+    /// Frames that the port was sent.
+    pub asked: u32,
     clocked: u32,
     /// From the last scan of a set to each frame for the potentiometer, when its chip select rose.
     pub written_after: Vec<Ticks>,
@@ -86,6 +88,7 @@ impl Board {
             cut: None,
             bend_after: 0,
             cuts: 0,
+            asked: 0,
             clocked: 0,
             written_after: Vec::new(),
             empty_frames: 0,
@@ -169,6 +172,7 @@ impl Board {
     /// The chip's chip select goes low.
     pub fn select(&mut self, bus: Bus) {
         self.clocked = 0;
+        self.asked += u32::from(bus == Bus::Port);
         if bus == Bus::Port && self.cut.is_some_and(|cut| cut.after == 0 && cut.lasts.is_none()) {
             self.cut = None;
         }

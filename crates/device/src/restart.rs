@@ -121,11 +121,13 @@ impl Kept {
     }
 
     /// Does what the record decides. A watchdog that bites meanwhile finds a program that its record has hung; at any other time
-    /// it may be the acquisition that is dead, which no record is to blame for.
+    /// it may be the acquisition that is dead, which no record is to blame for. An interrupt may come in between and do such
+    /// work of its own: what it has interrupted is at it again when it returns.
     pub fn at_record<R>(&self, work: impl FnOnce() -> R) -> R {
+        let interrupted = self.at_record.load(Relaxed);
         self.at_record.store(1, Relaxed);
         let done = work();
-        self.at_record.store(0, Relaxed);
+        self.at_record.store(interrupted, Relaxed);
         done
     }
 
@@ -313,6 +315,22 @@ mod tests {
         kept.works();
         hang();
         assert!(!kept.started(Reset::Pin).set_aside && !kept.started(Reset::Watchdog).set_aside, "a pin ends it");
+    }
+
+    #[test]
+    fn an_interrupt_within_such_work_does_not_end_it() {
+        let kept = Kept::default();
+        let _ = kept.started(Reset::Power);
+        // A scan is taken just before a set is worked on, and the set hangs.
+        for n in 1..=3 {
+            let started = kept.at_record(|| {
+                kept.at_record(|| ());
+                kept.started(Reset::Watchdog)
+            });
+            assert_eq!(started.set_aside, n == 3, "{n}");
+        }
+        kept.at_record(|| ());
+        assert_eq!(kept.at_record.load(Relaxed), 0, "and with the outer work it ends");
     }
 
     #[test]

@@ -60,6 +60,7 @@ const WATCHDOG_MS: u32 = 10_000;
 type Port = PortAcquisition<ExclusiveDevice<Spi<SPI1>, PA4<Output>, NoDelay>>;
 type Potentiometer = Max5494Trim<ExclusiveDevice<Spi<SPI2>, PB12<Output>, NoDelay>, SysDelay>;
 type Store = FlashStore<ChipFlash>;
+type AtWork = Compensator<Port, Keeping<Potentiometer, &'static Kept>, &'static mut Memory>;
 
 /// The chip's own watchdog.
 struct ChipWatchdog(IndependentWatchdog);
@@ -76,7 +77,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        compensator: Compensator<Port, Keeping<Potentiometer, &'static Kept>, &'static mut Memory>,
+        compensator: AtWork,
         scan_line: ScanLine,
         #[lock_free]
         data_ready_pin: PB0<Input>,
@@ -213,14 +214,20 @@ mod app {
         let set_waits = cx.shared.data_ready_pin.is_high();
         let looks = cx.local.looks;
         *looks += 1;
-        if *looks == LOOK_HZ {
+        let is_tick = *looks == LOOK_HZ;
+        if is_tick {
             *looks = 0;
-            serve(&mut cx.shared.compensator, Compensator::tick);
+        }
+        let work = |compensator: &mut AtWork| if is_tick { compensator.tick() } else { compensator.look(set_waits) };
+        if set_waits {
+            serve(&mut cx.shared.compensator, work);
         } else {
-            serve(&mut cx.shared.compensator, |compensator| compensator.look(set_waits));
-            if !set_waits {
-                return;
-            }
+            // No set, so nothing of the record's: a port that is dead for days is asked again and again, and a watchdog that bites
+            // just then is not to blame the record.
+            cx.shared.compensator.lock(work);
+        }
+        if !is_tick && !set_waits {
+            return;
         }
         rtic::pend(pac::Interrupt::EXTI2);
     }

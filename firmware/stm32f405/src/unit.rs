@@ -14,8 +14,9 @@ const PLACE: usize = 33;
 /// What flash holds where nothing was written.
 const ERASED: u8 = 0xFF;
 
-/// The serial, up to the first byte that ends it; empty where none was written: then the board takes any unit's record. What is
-/// no text was written by mistake, and is the serial of no record.
+/// The serial, up to the first byte that ends it; empty where nothing was written: then the board takes any unit's record. What is
+/// no text was written by mistake, and is the serial of no record: zeros, or a text that does not begin where it should (a file of
+/// 16-bit letters begins with a byte that reads as erased).
 pub fn serial() -> UnitSerial {
     #[allow(unsafe_code)]
     // SAFETY: the linker has left a whole sector to it; any bytes will do.
@@ -30,6 +31,9 @@ pub fn serial() -> UnitSerial {
             let _ = serial.push('?');
             break;
         }
+    }
+    if serial.is_empty() && place.iter().any(|&byte| byte != ERASED) {
+        let _ = serial.push('?');
     }
     serial
 }
