@@ -11,12 +11,13 @@ use crate::chip::time::SECOND;
 pub fn sector(given: &Given) -> Result<String> {
     let own = given.record.unit.as_str();
     let longest = "L".repeat(32);
-    let places: [(&[u8], &str, CalibrationState); 10] = [
+    let places: [(&[u8], &str, CalibrationState); 11] = [
         (own.as_bytes(), own, CalibrationState::InUse),
         (&[own.as_bytes(), b"\n"].concat(), own, CalibrationState::InUse),
         (b"", "", CalibrationState::InUse),
         (longest.as_bytes(), &longest, CalibrationState::OtherUnit),
         (&[longest.as_bytes(), b"L"].concat(), "?", CalibrationState::OtherUnit),
+        (b"ZR 1", "ZR 1", CalibrationState::OtherUnit),
         (&[0x80, 7, b'Z'], "??Z", CalibrationState::OtherUnit),
         (&[0; 40], "?", CalibrationState::OtherUnit),
         (&[b"\r\n", own.as_bytes()].concat(), "?", CalibrationState::OtherUnit),

@@ -1,7 +1,7 @@
 //! A unit and what a whole run found out about it.
 
 use zerorate_cal::summary::{Check, Soaks};
-use zerorate_core::record::UnitSerial;
+use zerorate_core::record::{UNREADABLE, UnitSerial};
 
 use crate::error::BenchError;
 use crate::measure::Measured;
@@ -22,8 +22,11 @@ impl Unit {
     /// A unit by its serial.
     ///
     /// # Errors
-    /// [`BenchError::SerialTooLong`].
+    /// [`BenchError::SerialTooLong`]; [`BenchError::SerialUnreadable`] of what a board calls itself that cannot read its own.
     pub fn new(serial: &str, plant: Option<(PlantKind, u64)>) -> Result<Self, BenchError> {
+        if serial.contains(UNREADABLE) {
+            return Err(BenchError::SerialUnreadable(serial.into()));
+        }
         let serial = UnitSerial::try_from(serial).map_err(|_| BenchError::SerialTooLong(serial.into()))?;
         Ok(Self { serial, plant })
     }
@@ -44,4 +47,17 @@ pub struct Calibrated {
     pub soaks: Option<Soaks>,
     /// What was checked.
     pub checks: Vec<Check>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_unit_has_a_serial_that_a_board_can_hold() {
+        assert_eq!(Unit::new("ZR 0001", None).unwrap().serial, "ZR 0001");
+        let refused = |serial: &str| Unit::new(serial, None).unwrap_err().to_string();
+        assert!(refused("?").contains("write the board's serial anew"));
+        assert!(refused(&"L".repeat(33)).contains("longer than the 32 bytes"));
+    }
 }

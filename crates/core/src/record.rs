@@ -31,6 +31,9 @@ const MAGIC: [u8; 4] = *b"ZRCR";
 /// A unit's serial, up to 32 bytes of UTF-8.
 pub type UnitSerial = String<32>;
 
+/// What a board puts in its serial for what it cannot read there. No record is of such a unit.
+pub const UNREADABLE: char = '?';
+
 /// One axis's part of a record.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AxisRecord {
@@ -138,7 +141,7 @@ struct Head {
 pub fn laws_for(serial: Option<&[u8]>, bytes: &[u8]) -> Result<Laws, RecordRefused> {
     let body = body_of(bytes).map_err(RecordRefused::Bytes)?;
     let (Head { unit, board, .. }, axes) = postcard::take_from_bytes(body).map_err(|_| MALFORMED)?;
-    if serial.is_some_and(|serial| serial != unit.as_bytes()) {
+    if serial.is_some_and(|serial| serial != unit.as_bytes() || unit.contains(UNREADABLE)) {
         return Err(RecordRefused::OtherUnit);
     }
     if !board.are_sound() {

@@ -33,7 +33,7 @@ pub enum Stored {
     Blank,
     /// A whole record of so many bytes.
     Whole(u16),
-    /// The last record is damaged; the one before it is whole and has so many bytes.
+    /// The last record is unfinished or damaged; the one before it is whole and has so many bytes.
     Older(u16),
     /// A record was stored, and none is whole any more.
     Damaged,

@@ -1,7 +1,7 @@
 //! The unit's serial: text in a sector of its own, which whoever builds the board writes with the probe. So every unit has the
 //! same program, and a new program leaves the serial where it is.
 
-use zerorate_core::record::UnitSerial;
+use zerorate_core::record::{UNREADABLE, UnitSerial};
 
 #[allow(unsafe_code)]
 // SAFETY: memory.x says so; what stands there is never written by this program.
@@ -22,18 +22,18 @@ pub fn serial() -> UnitSerial {
     // SAFETY: the linker has left a whole sector to it; any bytes will do.
     let place = unsafe { &__unit };
     let written = place.iter().copied().take_while(|&byte| !matches!(byte, ERASED | 0 | b'\r' | b'\n'));
-    let readable = |byte: u8| if byte.is_ascii_graphic() { char::from(byte) } else { '?' };
+    let readable = |byte: u8| if (b' '..=b'~').contains(&byte) { char::from(byte) } else { UNREADABLE };
     let mut serial = UnitSerial::new();
     for byte in written {
         if serial.push(readable(byte)).is_err() {
             // Too long for any record's: the same.
             serial.clear();
-            let _ = serial.push('?');
+            let _ = serial.push(UNREADABLE);
             break;
         }
     }
     if serial.is_empty() && place.iter().any(|&byte| byte != ERASED) {
-        let _ = serial.push('?');
+        let _ = serial.push(UNREADABLE);
     }
     serial
 }

@@ -53,6 +53,10 @@ fn the_laws_of_a_record_are_those_of_its_axes() {
     assert_eq!(laws.axes, [record.axes[0].law().unwrap(), record.axes[1].law().unwrap()]);
     assert_eq!((laws.start_up_modes, laws.board), ([Mode::Hybrid, Mode::Trim], record.board));
     assert_eq!(laws_for(Some(b"ZR-0002"), bytes), Err(RecordRefused::OtherUnit));
+    // Two boards that cannot read their serials may call themselves alike, and are not one unit.
+    let unread = DeviceRecord { unit: UnitSerial::try_from("?").unwrap(), ..record };
+    let bytes = unread.encode(&mut buffer).unwrap();
+    assert_eq!(laws_for(Some(b"?"), bytes), Err(RecordRefused::OtherUnit));
 }
 
 #[test]

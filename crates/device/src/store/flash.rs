@@ -24,6 +24,8 @@ const PIECE: usize = 255;
 const ITEM: usize = 1 + PIECE;
 /// The most that an item takes in flash: its header of 8 bytes, and both padded to words of up to 32.
 const ITEM_IN_FLASH: usize = 32 + ITEM;
+/// Bytes that are looked at together for being erased: pages are whole multiples of them.
+const ERASE_SEEN: usize = 128;
 /// The pieces of the longest record and their head.
 const ITEMS: usize = MAX_RECORD_BYTES.div_ceil(PIECE) + 1;
 /// An item's first byte.
@@ -88,8 +90,10 @@ impl Head {
 /// What a bank holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Content {
-    /// Nothing that was ever finished.
+    /// Nothing.
     Nothing,
+    /// Something that was never finished, or whose head cannot be read any more.
+    Unfinished,
     /// A head, and not what it stands for.
     Damaged { generation: u32 },
     /// A whole record.
@@ -99,7 +103,7 @@ enum Content {
 impl Content {
     const fn generation(self) -> u32 {
         match self {
-            Self::Nothing => 0,
+            Self::Nothing | Self::Unfinished => 0,
             Self::Damaged { generation } | Self::Whole(Head { generation, .. }) => generation,
         }
     }
@@ -176,7 +180,9 @@ impl<F: NorFlash> FlashStore<F> {
         for (bank, is_newest) in [(newest, true), (newest ^ 1, false)] {
             if let Content::Whole(head) = self.contents[usize::from(bank)] {
                 self.bank = bank;
-                return Ok(if is_newest { Stored::Whole(head.length) } else { Stored::Older(head.length) });
+                // Beside one without a head nobody knows which is the newer.
+                let alone = self.contents[usize::from(bank ^ 1)] != Content::Unfinished;
+                return Ok(if is_newest && alone { Stored::Whole(head.length) } else { Stored::Older(head.length) });
             }
         }
         let nothing = self.contents == [Content::Nothing; 2];
@@ -185,27 +191,48 @@ impl<F: NorFlash> FlashStore<F> {
 
     /// Goes through a bank from its first item to its head.
     fn look_at(&mut self, bank: u8) -> Result<Content, StoreFailed> {
+        // Before the queue looks, which erases what it cannot make out.
+        if self.is_erased(bank)? {
+            return Ok(Content::Nothing);
+        }
         let mut digest = CRC_32.digest();
         let mut length = 0;
-        let mut content = Content::Nothing;
+        let mut content = Content::Unfinished;
         self.each(bank, |item| {
             match item.split_first() {
                 Some((&KIND_PIECE, piece)) => {
                     digest.update(piece);
                     length += piece.len();
-                    content = Content::Nothing;
+                    content = Content::Unfinished;
                 }
                 Some((&KIND_HEAD, head)) => {
-                    let head = Head::parse(head)?;
+                    let Some(head) = Head::parse(head) else {
+                        content = Content::Unfinished;
+                        return None;
+                    };
                     let is_whole = usize::from(head.length) == length && digest.clone().finalize() == head.crc;
                     let damaged = Content::Damaged { generation: head.generation };
                     content = if is_whole { Content::Whole(head) } else { damaged };
                 }
-                _ => {}
+                _ => content = Content::Unfinished,
             }
             None::<()>
         })?;
         Ok(content)
+    }
+
+    /// Whether a bank is as an erase leaves it.
+    fn is_erased(&mut self, bank: u8) -> Result<bool, StoreFailed> {
+        self.piece = None;
+        let start = self.banks.start + u32::from(bank) * self.banks.bytes;
+        for offset in (start..start + self.banks.bytes).step_by(ERASE_SEEN) {
+            let seen = self.buffer.0.get_mut(..ERASE_SEEN).ok_or(StoreFailed)?;
+            self.banks.flash.0.read(offset, seen).map_err(|_| StoreFailed)?;
+            if seen.iter().any(|&byte| byte != 0xFF) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// Shows a bank's items in order, until one of them is what was looked for; it is then in the buffer.

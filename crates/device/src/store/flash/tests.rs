@@ -60,6 +60,39 @@ fn any_part_of_a_record_can_be_read() {
     }
 }
 
+#[test]
+fn whichever_bit_of_the_newest_record_turns_the_one_before_it_is_not_taken_for_it() {
+    let mut store = open(External::erased(4));
+    store.commit(&record(1, 480)).unwrap();
+    store.commit(&record(2, 480)).unwrap();
+    let flash = store.banks.flash.0;
+    let start = usize::from(store.bank) * flash.bytes().len() / 2;
+    let written = (start..start + flash.bytes().len() / 2).filter(|&at| flash.bytes()[at] != 0xFF);
+    for (at, bit) in written.flat_map(|at| (0..8).map(move |bit| (at, 1 << bit))) {
+        let mut damaged = flash.clone();
+        damaged.wear(at, bit);
+        let mut store = open(damaged);
+        let expected = match store.stored() {
+            // A mark of a page, which says nothing of the record.
+            Stored::Whole(480) => record(2, 480),
+            Stored::Older(480) => record(1, 480),
+            other => panic!("byte {at}, bit {bit}: {other:?}"),
+        };
+        assert_eq!(read(&mut store), expected, "byte {at}, bit {bit}");
+    }
+}
+
+#[test]
+fn a_store_that_was_written_over_is_not_blank() {
+    for seed in 0..50 {
+        let mut flash = External::erased(4);
+        for (at, byte) in record(seed, flash.bytes().len()).into_iter().enumerate() {
+            flash.wear(at, !byte);
+        }
+        assert_eq!(open(flash).stored(), Stored::Damaged, "{seed}");
+    }
+}
+
 /// Cuts the power in the middle of every write of a word and every erase of a page of many commits in a row, each way
 /// that an erase may be left, and looks what is found afterwards. Returns how many cuts were made.
 fn cut_everywhere<const PAGE: usize, const WORD: usize>(pages: usize, lengths: &[usize], commits: u32) -> u32 {
