@@ -3,6 +3,7 @@
 //! `cargo xtask test` is what a change must pass. It installs what it needs when it may, and otherwise names it.
 
 mod arrows;
+mod book;
 mod browser;
 mod cargo;
 mod chip;
@@ -56,7 +57,7 @@ enum Chore {
     /// tools, the firmware in QEMU and the image for the chip in Unicorn, as the chores `circuit`, `gateware`, `firmware` and
     /// `chip` do; the report in a headless browser, and the
     /// page that fits a log held against the command;
-    /// last zerorate-lot, whose query engine takes longer to build than everything else together. What that needs is
+    /// zerorate-lot, whose query engine takes longer to build than everything else together; last the book, whose commands are run. What that needs is
     /// installed if this runs as root on Debian, and named if it does not.
     ///
     /// Recordings are looked for in ../shared/data, or in the folder that the variable ZERORATE_DATA names.
@@ -71,7 +72,7 @@ enum Chore {
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house,
-        /// wiring, build, numpy, numbers, damage, python, circuit, gateware, firmware, chip, report, web, lot
+        /// wiring, build, numpy, numbers, damage, python, circuit, gateware, firmware, chip, report, web, lot, book
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -150,6 +151,10 @@ enum Chore {
         #[arg(long)]
         cost: bool,
     },
+    /// Make a site of the book: target/book/site
+    ///
+    /// Its reference is made from the built command (`cargo build --release`). mdBook is installed into target/tools.
+    Book,
     /// Build the page that fits a log in a browser: target/web/zerorate.html, one file
     ///
     /// With the toolchain that builds the firmware, which is installed if this runs as root on Debian, and named if not.
@@ -193,6 +198,7 @@ fn main() -> Result<ExitCode> {
         Chore::Circuit => steps::run(&[circuit(&workspace)]),
         Chore::Gateware => steps::run(&gateware::steps(&workspace)),
         Chore::Firmware { cost } => steps::run(&firmware::steps(&workspace, cost)),
+        Chore::Book => steps::run(&[Step::new("book", "see docs/book", || book::build(&workspace))]),
         Chore::Web => steps::run(&[Step::new("web", "mend the build", || web::build_page(&workspace))]),
         Chore::Chip => steps::run(&chip::steps(&workspace)),
     })
@@ -246,5 +252,6 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
             .skipped_if(fast, "--fast"),
         Step::new("lot", "`cargo test --release -p zerorate-lot NAME` runs one", within(lot::check))
             .skipped_if(fast, "--fast"),
+        Step::new("book", "mend the page, or what the command prints", within(book::check)).skipped_if(fast, "--fast"),
     ]
 }
