@@ -68,7 +68,7 @@ pub struct Verified {
     pub averaged_over_s: Option<f64>,
     /// The same of the averages whose figures the calibration's fit told; `None` where its log had no times, and of a board.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub calibration_averaged_over_s: Option<f64>,
+    pub fit_averaged_over_s: Option<f64>,
     /// The axes that the calibration and the log share.
     pub axes: Vec<VerifiedAxis>,
     /// The calibration's axes of which the log has nothing that can be used, a sentence each.
@@ -183,7 +183,7 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
         in_sample,
         temperature_unit: calibration.temperature_unit,
         averaged_over_s: period_s(&fit.axes[0].trace),
-        calibration_averaged_over_s: calibration.averaged_over_s,
+        fit_averaged_over_s: calibration.averaged_over_s,
         axes,
         missing,
         reasons,

@@ -121,7 +121,7 @@ fn run(
                 }
                 compensation_test::run(&mut session, runnable, axis, extent, recorder)
             })?;
-            verifications.push(evaluated(run, &measured));
+            verifications.push(evaluated(run, &measured, setup));
         }
         recorder.finish()?;
     }

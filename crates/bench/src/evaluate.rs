@@ -45,10 +45,10 @@ pub fn drift_pp(ramps: &[Taken], axis: Axis, direction: Phase) -> Option<f64> {
 }
 
 /// The results of a test's directions. `law` is the compensated axis's law in f64, `full` the ramps of the
-/// full-temperature test.
+/// full-temperature test, `held_to` how near a chamber is held to its set point, counts.
 #[must_use]
-pub fn evaluate(test: &TestRun, law: &StaticLaw, full: &[Taken]) -> Vec<TestResult> {
-    let judge = Judge { test, law, full, quadratic: plain_quadratic(full, test.axis) };
+pub fn evaluate(test: &TestRun, law: &StaticLaw, full: &[Taken], held_to: f64) -> Vec<TestResult> {
+    let judge = Judge { test, law, full, held_to, quadratic: plain_quadratic(full, test.axis) };
     [(&test.heating, Phase::Heating), (&test.cooling, Phase::Cooling)]
         .into_iter()
         .filter(|(ramp, _)| !ramp.is_empty())
@@ -69,12 +69,14 @@ struct Judge<'a> {
     test: &'a TestRun,
     law: &'a StaticLaw,
     full: &'a [Taken],
+    held_to: f64,
     quadratic: Option<Shape>,
 }
 
 impl Judge<'_> {
     fn one_direction(&self, ramp: &[Taken], direction: Phase) -> TestResult {
-        let Self { test, law, full, quadratic } = self;
+        let Self { test, law, full, held_to, quadratic } = self;
+        let [coldest, hottest] = temperatures(*full, test.axis);
         let axis = test.axis;
         let left_by = |curve: &Shape| {
             let left = untrimmed(ramp, axis, law).zip(ramp);
@@ -93,7 +95,7 @@ impl Judge<'_> {
             residual_rms_counts,
             uncompensated_pp_counts: uncompensated_pp(&way(full, direction), ramp, axis, law),
             temperature_counts: Some(temperatures(ramp, axis)),
-            outside: Some(share_outside(ramp, axis, temperatures(*full, axis))),
+            outside: Some(share_outside(ramp, axis, [coldest - held_to, hottest + held_to])),
             quadratic_pp_counts: quadratic.as_ref().map(left_by),
             control_pp_counts: peak_to_peak(ramp.iter().map(|taken| taken.zro(axis.other()).0)),
             floor_pp_counts: floor(ramp, axis),
@@ -219,11 +221,12 @@ mod tests {
             dead_band: 0.05,
             temperature_scale: TemperatureScale { zero: 0.0, step: 1.0 },
         };
-        let full = ramp(8500, 9480, 511);
+        // The test begins a third of a kelvin below, as near as a chamber is held.
+        let full = ramp(8510, 9490, 511);
         for (to, drifts, outside) in [(9480, 98.0, 0.0), (11_930, 343.0, 0.7)] {
             let heating = ramp(8500, to, 513);
             let test = TestRun { mode: Mode::Trim, axis: Axis::X, heating, cooling: Vec::new() };
-            let result = &evaluate(&test, &law, &full)[0];
+            let result = &evaluate(&test, &law, &full, 17.0)[0];
             // A count of drift to ten of temperature; readings are whole counts.
             assert!((result.uncompensated_pp_counts - drifts).abs() <= 1.0, "{result:?}");
             assert_eq!(result.temperature_counts.map(|ends| ends.map(f64::round)), Some([8500.0, f64::from(to)]));

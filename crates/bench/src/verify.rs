@@ -9,8 +9,8 @@ use crate::error::BenchError;
 use crate::evaluate::evaluate;
 use crate::measure::Measured;
 use crate::procedure::compensation_test::{self, Extent, TestRun};
-use crate::run::{Recorder, Session};
-use crate::setup::Limits;
+use crate::run::{AT_SET_POINT, Recorder, Session};
+use crate::setup::{Limits, SetUp};
 
 /// One compensation test with its results.
 #[derive(Debug, Clone)]
@@ -46,15 +46,16 @@ pub fn test(
     extent: Extent,
     recorder: &mut Recorder,
 ) -> Result<Verification, BenchError> {
-    compensation_test::run(session, mode, axis, extent, recorder).map(|run| evaluated(run, measured))
+    let setup = session.setup;
+    compensation_test::run(session, mode, axis, extent, recorder).map(|run| evaluated(run, measured, setup))
 }
 
 /// A test that was run, with its results.
 #[must_use]
-pub fn evaluated(run: TestRun, measured: &Measured) -> Verification {
+pub fn evaluated(run: TestRun, measured: &Measured, setup: &SetUp) -> Verification {
     let axis = run.axis;
     let law = measured.axes[axis.index()].law.static_law(measured.record.temperature_scale);
-    let results = evaluate(&run, &law, &measured.ramp);
+    let results = evaluate(&run, &law, &measured.ramp, AT_SET_POINT.0 * setup.board.counts_per_celsius);
     Verification { run, results }
 }
 

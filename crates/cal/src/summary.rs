@@ -140,7 +140,7 @@ pub struct TestResult {
     /// The least and greatest temperature of the ramp, counts; `None` of a run by an older version.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperature_counts: Option<[f64; 2]>,
-    /// The share of its groups outside of the temperatures that the full-temperature test measured, 0 to 1: there the law
+    /// The share of its groups half a kelvin or more outside of the temperatures that the full-temperature test measured, 0 to 1: there the law
     /// holds the nearer end's drift. `None` of a run by an older version.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub outside: Option<f64>,
@@ -367,7 +367,7 @@ impl TestResult {
         });
         let outside = self.outside.filter(|outside| *outside > FEW_OUTSIDE).map(|outside| {
             format!(
-                "{test}: {:.0} % of the groups lie outside of the temperatures that the full-temperature test measured: there the law holds the drift of the nearer end",
+                "{test}: {:.0} % of the groups lie half a kelvin or more outside of the temperatures that the full-temperature test measured: there the law holds the drift of the nearer end",
                 100.0 * outside
             )
         });

@@ -8,4 +8,4 @@ mod file;
 mod interface;
 
 pub use answer::Answer;
-pub use asked::{Asked, AskedFile};
+pub use asked::{Asked, AskedFile, FieldError};

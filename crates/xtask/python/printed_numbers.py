@@ -139,7 +139,8 @@ def compensation_tests(differences, folder, printed):
         temperature, fitted = groups[axis]["temperature_counts"][keep], drift[axis]["temperature_counts"]
         fitted = fitted[drift[axis]["phase"] != "soak"]
         hold("temperature_counts", [temperature.min(), temperature.max()], 1e-9)
-        hold("outside", np.mean((temperature < fitted.min()) | (temperature > fitted.max())), 1e-9)
+        beyond = np.maximum(fitted.min() - temperature, temperature - fitted.max())
+        hold("outside", np.mean(beyond > HELD_TO_K * COUNTS_PER_CELSIUS), 1e-9)
         # The tap of a write is in the groups after it; that of the last group may be in none.
         writes = np.count_nonzero(np.diff(tap))
         differences.hold(f"{name} wiper_writes", test["wiper_writes"] in (writes, writes + 1), True, 0)

@@ -107,7 +107,7 @@ fn terms(verified: &Verified) -> String {
         None => "Averages over successive rows: the log has no times.".to_owned(),
     };
     let zero_taken_in = zero_taken_in(verified.averaged_over_s);
-    let own_and_fits = verified.averaged_over_s.zip(verified.calibration_averaged_over_s);
+    let own_and_fits = verified.averaged_over_s.zip(verified.fit_averaged_over_s);
     let fit_told = match own_and_fits.filter(|&(own, fits)| !are_alike(own, fits)) {
         Some((_, fits)) => format!("fit told both of averages over {fits:.0} s, which have another noise"),
         None => "fit tells both first".to_owned(),
