@@ -163,5 +163,9 @@ fn what_fits(board: &Board) -> Markup {
                 }
             }
         }
+        p.small {
+            "Held out: each eighth of the ramp as a fit of the rest predicts it. The ends lie beyond what such a fit has seen, which a "
+            "second ramp does not ask for."
+        }
     }
 }

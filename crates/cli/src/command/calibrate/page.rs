@@ -27,6 +27,11 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
         ]);
     }
     page.grid(&grid);
+    page.sentence(
+        "  ",
+        "held-out: each eighth of the ramp as a fit of the rest predicts it; the ends lie beyond what such a fit has seen, which a \
+         second ramp does not ask for",
+    );
 
     page.heading("Trim (the supply's voltages, then every tap)");
     let mut grid = Grid::new("lrrrr");
