@@ -409,7 +409,7 @@ mod tests {
             assert!(told.iter().all(|told| told.starts_with("X trim, heating: ") && told.ends_with(times)));
             let beyond = |outside| TestResult { outside: Some(outside), ..test.clone() }.warnings();
             assert_eq!(beyond(0.04), told);
-            assert!(beyond(0.33).last().unwrap().contains("33 % of the groups lie outside"));
+            assert!(beyond(0.33).last().unwrap().contains("33 % of the groups lie half a kelvin or more outside"));
         }
     }
 
