@@ -3,6 +3,7 @@
 //! `cargo xtask test` is what a change must pass. It installs what it needs when it may, and otherwise names it.
 
 mod arrows;
+mod beside;
 mod book;
 mod browser;
 mod cargo;
@@ -37,6 +38,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 
+use beside::Beside;
 use figures::Comparison;
 use steps::{Outcome, Step};
 use workspace::Workspace;
@@ -50,7 +52,9 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Chore {
-    /// Run every check, in order, and stop at the first that fails
+    /// Run every check and stop at the first that fails
+    ///
+    /// In order, with circuit, gateware, firmware and chip beside the others: what those say follows at the end.
     ///
     /// Formatting, lints, documentation and tests by cargo; the rules of ARCHITECTURE.md by reading the sources; then
     /// the built command against numpy and against damaged recordings, and the Python package against the command; the circuit in ngspice and the gateware by the FPGA
@@ -71,6 +75,9 @@ enum Chore {
         /// Leave out this step; `--without lot` saves some twenty minutes, for its query engine is long to build
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
+        /// For steps that this command runs beside the others: they end when the standard input does
+        #[arg(long, hide = true)]
+        beside: bool,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house,
         /// wiring, build, numpy, numbers, damage, python, circuit, gateware, firmware, chip, report, web, lot, book
         #[arg(value_name = "STEP")]
@@ -171,8 +178,12 @@ fn main() -> Result<ExitCode> {
     let chore = Arguments::parse().chore;
     let workspace = Workspace::of_this_run()?;
     Ok(match chore {
-        Chore::Test { fast, all: _, without, only } => {
-            steps::run(&steps::chosen(checks(&workspace, fast), &only, &without)?)
+        Chore::Test { fast, all: _, without, beside, only } => {
+            if beside {
+                beside::end_with_the_input();
+            }
+            let chosen = steps::chosen(checks(&workspace, fast), &only, &without)?;
+            run_in_two_lanes(&workspace, chosen, fast || beside)?
         }
         Chore::CompareLot { rows } => {
             steps::run(&[Step::new("compare-lot", "see crates/xtask/python/compare_lot.py", || {
@@ -206,6 +217,20 @@ fn main() -> Result<ExitCode> {
 
 fn circuit(workspace: &Workspace) -> Step<'_> {
     Step::new("circuit", "see hardware/README.md", || circuit::check(workspace))
+}
+
+/// Runs steps in order, and beside them those that can be run so; all `in_order` where that is asked, and where there are no
+/// others.
+fn run_in_two_lanes(workspace: &Workspace, steps: Vec<Step>, in_order: bool) -> Result<ExitCode> {
+    let is_aside = |step: &Step| beside::STEPS.contains(&step.name());
+    if in_order || steps.iter().all(is_aside) || !steps.iter().any(is_aside) {
+        return Ok(steps::run(&steps));
+    }
+    let (aside, mut here): (Vec<_>, Vec<_>) = steps.into_iter().partition(is_aside);
+    let names: Vec<&str> = aside.iter().map(Step::name).collect();
+    let beside = Beside::start(workspace, &names)?;
+    here.push(Step::new("beside", "run the step alone that failed", move || beside.finish()));
+    Ok(steps::run(&here))
 }
 
 /// Every check: cargo's, which say the most, then those that read, then those that need the built command.

@@ -2,6 +2,7 @@
 
 use std::env;
 use std::fmt;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -58,6 +59,9 @@ pub fn install(what_for: &str, packages: &[&str]) -> Result<()> {
     if !is_root() {
         bail!(Missing(format!("{what_for} is missing; install it with: sudo apt-get install {listed}")));
     }
+    // Steps may run beside each other, and apt-get does not wait for another.
+    let lock = File::create(env::temp_dir().join("xtask-install.lock"))?;
+    lock.lock()?;
     println!("    installing {what_for}: {listed}");
     let apt = || {
         let mut apt = Command::new("apt-get");

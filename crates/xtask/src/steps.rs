@@ -28,6 +28,11 @@ impl<'a> Step<'a> {
         Self { name, remedy, action: Box::new(action) }
     }
 
+    /// What it is called.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
     /// The same step, which only says `why` it does not run if `condition` holds.
     pub fn skipped_if(self, condition: bool, why: &'static str) -> Self {
         if !condition {
