@@ -1,7 +1,6 @@
 //! The checks that cargo does.
 
 use std::env;
-use std::fs;
 use std::path::Path;
 use std::process::Command;
 
@@ -77,17 +76,7 @@ fn run_with(command: &mut Command, arguments: &[&str]) -> Result<Outcome> {
 fn command(workspace: &Workspace) -> Command {
     let mut command = program();
     command.current_dir(&workspace.root);
-    if is_built_from_nothing(workspace) {
-        command.env("CARGO_INCREMENTAL", "0");
-    }
     command
-}
-
-/// Whether nobody has built the crates here before with what makes the next build of a changed file shorter. To write that
-/// costs time and disk, which who works here gets back and a fresh clone does not. Our own was written when we were built.
-fn is_built_from_nothing(workspace: &Workspace) -> bool {
-    let entries = fs::read_dir(workspace.target.join("debug/incremental")).into_iter().flatten().flatten();
-    entries.map(|entry| entry.file_name()).all(|name| name.to_string_lossy().starts_with("xtask"))
 }
 
 /// The cargo that started us, so that its toolchain is the one that checks; without what it told us of this package: the
