@@ -10,13 +10,13 @@ pub mod log;
 pub mod log_fit;
 pub mod matching;
 mod named;
-pub mod packed;
 mod parquet_source;
 pub mod quality;
 pub mod ramp_fit;
 pub mod recording;
-pub mod source;
 pub mod summary;
 pub mod table;
 pub mod units;
 mod utc;
+
+pub use zerorate_source as source;

@@ -3,6 +3,7 @@
 //! The kind is recognised by content, never by name, also where a log is packed ([`crate::packed`]). A log goes by as
 //! batches of rows to a [`Sink`]; what is kept in memory is a batch a sensor, however long the log.
 
+mod counter;
 mod error;
 mod of_autopilot;
 mod of_recording;
@@ -17,10 +18,10 @@ pub use error::{LogError, LogFault};
 pub use imu_logs::{Rows, Sensor, SensorKind};
 pub use sensor::{SensorChoice, SensorChoiceError};
 
-use crate::packed::unpacked;
 use crate::quality::Reason;
 use crate::recording::Recording;
 use crate::source::Source;
+use crate::source::packed::unpacked;
 use crate::table::{Columns, Resolved, Table};
 use crate::units::{RateUnit, TemperatureUnit};
 use of_table::TableLog;

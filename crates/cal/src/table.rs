@@ -21,8 +21,8 @@ pub use error::{TableError, TableFault};
 use value::Notation;
 pub(crate) use words::words;
 
-use crate::packed::unpacked;
 use crate::source::Source;
+use crate::source::packed::unpacked;
 use crate::units::TimeUnit;
 
 /// Rows in a batch.

@@ -11,10 +11,11 @@ use crate::workspace::Workspace;
 const BOARD_SIDE: [&str; 4] = ["zerorate-core", "max5494", "zerorate-device", "zerorate-lockstep"];
 
 /// What needs no files: all that lies between a log's bytes and a report.
-const BROWSER_SIDE: [&str; 8] = [
+const BROWSER_SIDE: [&str; 9] = [
     "zerorate-core",
     "imu-logs",
     "zerorate-fit",
+    "zerorate-source",
     "zerorate-cal",
     "zerorate-apply",
     "zerorate-characterise",

@@ -4,9 +4,9 @@ use std::io;
 
 use thiserror::Error;
 
-use crate::packed::PackedFault;
 use crate::recording::RecordingFault;
 use crate::source::Faulty;
+use crate::source::packed::PackedFault;
 use crate::table::TableFault;
 use crate::units::{RateUnit, TimeUnit, WrittenTemperature};
 

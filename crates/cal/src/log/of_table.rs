@@ -1,5 +1,6 @@
 //! A table as a log: its gyros, whose axes are the rate columns.
 
+use super::counter::Counter;
 use super::survey::{Survey, places, times, wanted};
 use super::{Ending, LogError, LogFault, Rows, Sink, Stream};
 use crate::source::Source;
@@ -32,7 +33,7 @@ impl TableLog {
         if !wants.contains(&true) {
             return Ok(ending);
         }
-        let mut time_s = Vec::new();
+        let (mut time_s, mut counter) = (Vec::new(), Counter::default());
         for batch in self.table.batches(&wanted(&self.columns)).map_err(LogFault::named)? {
             let mut batch = batch.map_err(LogFault::named)?;
             // A line that was cut may be alone in its batch.
@@ -40,7 +41,8 @@ impl TableLog {
                 continue;
             }
             time_s.clear();
-            time_s.extend(times(&batch, &self.columns).iter().map(|time| self.survey.seconds(*time)));
+            let times = times(&batch, &self.columns).iter();
+            time_s.extend(times.map(|time| self.survey.seconds(counter.goes_on(*time))));
             time_s.resize(batch.rows(), f64::NAN);
             for ((number, sensor), place) in self.columns.sensors.iter().enumerate().zip(places(&self.columns)) {
                 if wants[number] {

@@ -6,6 +6,7 @@ use std::time::SystemTime;
 use imu_logs::wall_clock;
 use zerorate_fit::spacing::Spacing;
 
+use super::counter::Counter;
 use super::plausible::Plausible;
 use super::{LogError, LogFault};
 use crate::quality::{Reason, ReasonKind, TAKEN_AS};
@@ -29,13 +30,14 @@ const SHORTEST_S: f64 = 1.0;
 const FEW_ROWS: u64 = 64;
 
 /// What a log has to offer.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub(super) struct Survey {
     /// All rows.
     pub rows: u64,
     /// The first finite time, in the column's own unit; NaN without one.
     first_time: f64,
     last_time: f64,
+    counter: Counter,
     /// Rows without a time, where there is a column of times.
     timeless_rows: u64,
     /// How far apart the times are.
@@ -57,6 +59,7 @@ impl Survey {
             rows: 0,
             first_time: f64::NAN,
             last_time: f64::NAN,
+            counter: Counter::default(),
             timeless_rows: 0,
             spacing: Spacing::default(),
             unit_s: f64::NAN,
@@ -96,13 +99,14 @@ impl Survey {
     fn take_time(&mut self, batch: &Batch, table: &Table, columns: &Resolved) -> Result<(), LogError> {
         let times = times(batch, columns);
         self.timeless_rows += times.iter().filter(|time| !time.is_finite()).count() as u64;
-        for (place, &time) in times.iter().enumerate().filter(|(_, time)| time.is_finite()) {
+        for (place, &written) in times.iter().enumerate().filter(|(_, time)| time.is_finite()) {
+            let time = self.counter.goes_on(written);
             if time < self.last_time {
                 return Err(table.source().faulty(LogFault::TimeBackwards {
                     row: batch.first_row + place as u64 + 1,
                     column: columns.time.map(|column| table.names()[column].clone()).unwrap_or_default(),
                     before: self.last_time,
-                    after: time,
+                    after: written,
                 }));
             }
             if self.first_time.is_nan() {
@@ -137,6 +141,10 @@ impl Survey {
                 self.timeless_rows, self.rows
             );
             self.reasons.push(Reason::new(ReasonKind::MissingValues, text));
+        }
+        if self.counter.was_full() {
+            self.notes
+                .push(format!("'{name}' starts anew where a counter of 32 bits is full; it is counted on from there"));
         }
         let lasts = self.lasts_without_gaps(0.0);
         let guessed = TimeUnit::by_duration(lasts);

@@ -97,3 +97,35 @@ fn the_time_between_rows_is_that_of_rows_and_not_of_gaps() {
         opened(format!("time_s,temp_c,gyro_x_dps\n{rows}"), &Columns::default()).unwrap().extent().unwrap();
     assert!(rows == 4000 && (step_s - 0.5).abs() < 1e-9, "{rows} {step_s}");
 }
+
+#[test]
+fn a_counter_of_32_bits_that_is_full_is_counted_on() {
+    struct Times(Vec<f64>);
+    impl Sink for Times {
+        fn stream(&mut self, _: &Stream) -> bool {
+            true
+        }
+
+        fn rows(&mut self, rows: &Rows<'_>) {
+            self.0.extend(rows.time_s);
+        }
+    }
+    // Of `micros()`, and the same where the number has a sign.
+    for [before, after] in [["4294966296", "1999000"], ["2147482648", "-2145484648"]] {
+        let text = format!("t_us,temp_c,gyro_x_dps\n4292967296,20.0,0.1\n{before},20.0,0.1\n{after},20.0,0.1\n");
+        let text = if after.starts_with('-') { text.replace("4292967296", "2145483648") } else { text };
+        let log = LogFile::open(&Source::bytes("log.csv", text.into_bytes()), &Columns::default()).unwrap();
+        let mut times = Times(Vec::new());
+        let ending = log.read(&mut times).unwrap();
+        // 2^32 = 4294967296.
+        let wanted = [0.0, 1.999, 3.999];
+        assert!(times.0.iter().zip(wanted).all(|(time, wanted)| (time - wanted).abs() < 1e-9), "{:?}", times.0);
+        assert_eq!(
+            ending.notes,
+            ["'t_us' starts anew where a counter of 32 bits is full; it is counted on from there"]
+        );
+    }
+    let joined = "t_us,temp_c,gyro_x_dps\n4000000000,20.0,0.1\n4100000000,20.0,0.1\n0,20.0,0.1\n";
+    let error = LogFile::open(&Source::bytes("log.csv", joined.as_bytes()), &Columns::default()).unwrap_err();
+    assert!(error.to_string().contains("runs backwards, from 4100000000 to 0"), "{error}");
+}

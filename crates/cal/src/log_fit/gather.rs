@@ -136,6 +136,7 @@ impl Logs {
         sensors.retain(|gathered| gathered.rows > 0);
         if sensors.is_empty() {
             self.empty.push(source.short_name().to_owned());
+            self.autopilot = if first { autopilot } else { self.autopilot };
             return Ok(());
         }
         let starts_s = self.end_s + if first { 0.0 } else { BETWEEN_LOGS_S };

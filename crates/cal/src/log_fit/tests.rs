@@ -170,6 +170,15 @@ fn too_little_is_rejected_with_a_reason() {
 }
 
 #[test]
+fn a_log_of_an_autopilot_without_a_row_is_told_as_one() {
+    // ULog's 16 bytes of a beginning: the mark, version 1, the time.
+    let head = [b"ULog\x01\x12\x35\x01".as_slice(), &[0; 8]].concat();
+    let fit = fit_logs(&[Source::bytes("head.ulg", head)], &FitOptions::default()).unwrap();
+    let [reason] = &fit.judgement.reasons[..] else { panic!("{:?}", fit.judgement) };
+    assert!(reason.text.starts_with("the log has no row of a gyro or an accelerometer"), "{reason:?}");
+}
+
+#[test]
 fn time_running_backwards_is_an_error_that_names_the_row() {
     let log = Source::bytes("log.csv", *b"t_s,temperature_c,x_dps\n1,20,0\n3,21,0\n2,22,0\n");
     let error = fit_logs(&[log], &FitOptions::default()).unwrap_err().to_string();

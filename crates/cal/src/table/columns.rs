@@ -7,8 +7,8 @@ use std::fmt::Display;
 use imu_logs::{Sensor, SensorKind};
 
 use super::words::{
-    Said, ends_in_time, is_rate, is_temperature, is_time, names_axis, numbers, rate_unit, temperature_unit, time_unit,
-    words,
+    Said, ends_in_time, is_bare_axis, is_rate, is_temperature, is_time, names_axis, numbers, rate_unit,
+    temperature_unit, time_unit, words,
 };
 use super::{Table, TableError, TableFault};
 use crate::quality::{Reason, ReasonKind, TAKEN_AS};
@@ -223,11 +223,7 @@ impl<'a> Names<'a> {
         // `gyro_status` is beside `gyro_x`, not of its kind.
         let with_axis: Vec<usize> = all.iter().copied().filter(|&column| names_axis(&self.words[column])).collect();
         // PX4's own topics name them x, y, z and nothing else.
-        let is_bare = |column: &usize| {
-            let words = &self.words[*column];
-            words.len() == 1 && ["x", "y", "z"].contains(&words[0].as_str())
-        };
-        let bare: Vec<usize> = (0..self.words.len()).filter(is_bare).collect();
+        let bare = self.places(is_bare_axis);
         [with_axis, all, bare].into_iter().find(|columns| !columns.is_empty()).unwrap_or_default()
     }
 

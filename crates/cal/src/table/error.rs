@@ -4,8 +4,8 @@ use std::io;
 
 use thiserror::Error;
 
-use crate::packed::PackedFault;
 use crate::source::Faulty;
+use crate::source::packed::PackedFault;
 
 /// Why a table cannot be read, with its name.
 pub type TableError = Faulty<TableFault>;

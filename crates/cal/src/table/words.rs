@@ -81,6 +81,13 @@ pub(super) fn axis(words: &[String]) -> Option<usize> {
     words.iter().find_map(place)
 }
 
+/// Whether a name is an axis and no more, or an axis in counts, which say no sensor: `x`, `y_raw`, `z [LSB]`.
+pub(super) fn is_bare_axis(words: &[String]) -> bool {
+    words.split_first().is_some_and(|(axis, unit)| {
+        ["x", "y", "z"].contains(&axis.as_str()) && unit.iter().all(|word| COUNTS.contains(&word.as_str()))
+    })
+}
+
 /// Whether a name says an axis, by a letter or a place.
 pub(super) fn names_axis(words: &[String]) -> bool {
     axis(words).is_some() || has(words, &["0", "1", "2"])

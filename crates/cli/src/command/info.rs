@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use zerorate_cal::packed::unpacked;
 use zerorate_cal::recording::{Recording, RecordingFault};
+use zerorate_cal::source::packed::unpacked;
 use zerorate_words::sentence;
 
 use super::Outcome;

@@ -165,6 +165,8 @@ fn columns_of_one_gyro_in_two_units_are_read_in_one() {
     assert_eq!(found.sensors[0].rate_unit, RateUnit::Dps);
     assert!((factors[0] - 1.0).abs() < 1e-12 && (factors[1] - 57.295_779_513).abs() < 1e-6);
     assert!(found.guesses[0].text.contains("'gyro_z' names no unit: taken as dps, as the columns beside it"));
+    let counts = resolve("t_s,temp_c,x_counts,y_raw,status_raw", &Columns::default()).unwrap();
+    assert_eq!((counts.sensors[0].rate_unit, counts.sensors[0].rates.len()), (RateUnit::Counts, 2));
     let mixed = resolve("t_s,temp_c,x_dps,gyro_y_counts", &Columns::default()).unwrap_err().to_string();
     assert!(mixed.contains("'gyro_y_counts' is in counts"), "{mixed}");
 }

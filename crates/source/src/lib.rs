@@ -1,4 +1,6 @@
-//! What is read: a file, bytes in memory, a slice of a browser's file; each with a name for messages.
+#![doc = include_str!("../README.md")]
+
+pub mod packed;
 
 use std::fmt;
 use std::fs::File;

@@ -10,7 +10,7 @@ use flate2::bufread::{DeflateDecoder, MultiGzDecoder};
 use thiserror::Error;
 use zip::{CompressionMethod, ZipArchive};
 
-use crate::source::{Faulty, Source};
+use crate::{Faulty, Source};
 
 const GZIP_MAGIC: &[u8] = b"\x1F\x8B\x08";
 /// Of a zip's first entry, and of a zip without one.
