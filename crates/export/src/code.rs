@@ -176,7 +176,7 @@ impl Axis {
         let history: f64 = self.terms.iter().map(|term| term.weight.abs() * span).sum();
         let largest = self.fixed.largest().max(self.known.largest() + history).max(f64::MIN_POSITIVE);
         // The finest power of ten in which all fits.
-        let unit = 10_f64.powf((largest * FURTHEST / LARGEST).log10().ceil());
+        let unit = libm::pow(10.0, libm::log10(largest * FURTHEST / LARGEST).ceil());
         if !(unit.is_finite() && unit > 0.0) {
             return Err(refused(format!("its largest number is {largest}")));
         }
@@ -218,8 +218,8 @@ impl Axis {
             }
             let x = step_s / term.size;
             IntTerm {
-                kept: whole((-x).exp() * 2_f64.powi(24)),
-                follows: whole(-(-x).exp_m1() / x * 2_f64.powi(24)),
+                kept: whole(libm::exp(-x) * 2_f64.powi(24)),
+                follows: whole(-libm::expm1(-x) / x * 2_f64.powi(24)),
                 ..common
             }
         });

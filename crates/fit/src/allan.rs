@@ -183,8 +183,8 @@ impl Allan {
         if after == 0 || b.tau_s <= tau_s {
             return ((b.tau_s / tau_s - 1.0).abs() < 1e-6).then_some(b.deviation);
         }
-        let part = (tau_s / a.tau_s).ln() / (b.tau_s / a.tau_s).ln();
-        Some(a.deviation * (b.deviation / a.deviation).powf(part))
+        let part = libm::log(tau_s / a.tau_s) / libm::log(b.tau_s / a.tau_s);
+        Some(a.deviation * libm::pow(b.deviation / a.deviation, part))
     }
 }
 
@@ -193,7 +193,7 @@ impl Allan {
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn averaging(samples: usize) -> Vec<usize> {
     let mut factors: Vec<usize> = (0..)
-        .map(|i| 2_f64.powf(f64::from(i) / PER_OCTAVE).round() as usize)
+        .map(|i| libm::exp2(f64::from(i) / PER_OCTAVE).round() as usize)
         .take_while(|m| *m <= samples / LONGEST)
         .collect();
     factors.dedup();

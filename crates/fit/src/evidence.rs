@@ -100,7 +100,7 @@ impl<'a> Evidence<'a> {
         const SAME: f64 = 0.1;
         let whitened = Whitened::new(averages, found.wander);
         let width = self.columns.kinds.len();
-        let sigma = found.spreads.white.exp();
+        let sigma = libm::exp(found.spreads.white);
         let mut changed = false;
         for (place, row) in whitened.rows.column_iter().enumerate() {
             let off = (row[width] - row.rows(0, width).dot(&evaluated.coefficients)).abs() / sigma;

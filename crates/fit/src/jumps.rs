@@ -50,7 +50,7 @@ impl Jump {
         let size = product(&rates, &after) / product(&after, &after);
         let (without, gained) = (product(&rates, &rates), size * product(&rates, &after));
         let groups = rates.len() as f64;
-        size / self.size > CONFIRMED && groups * (without / (without - gained)).ln() > groups.ln()
+        size / self.size > CONFIRMED && groups * libm::log(without / (without - gained)) > libm::log(groups)
     }
 }
 
@@ -74,7 +74,7 @@ pub fn jumps(used: &[usize], values: &[f64], between: usize) -> Vec<Jump> {
                 before: groups[0],
                 group: groups[1 + between],
                 size: to - from,
-                error: from_error.hypot(to_error),
+                error: libm::hypot(from_error, to_error),
                 unsteadiness: from_rms.max(to_rms),
             }
         })

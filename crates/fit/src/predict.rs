@@ -54,7 +54,7 @@ impl TimeDrift {
     /// What it adds at a time in seconds from the recording's first row, `since_start_s` after the log's start: rate units.
     #[must_use]
     pub fn at(&self, time_s: f64, since_start_s: f64) -> f64 {
-        let left = |since_s: f64, part: &StartUp| part.rate * (-since_s / part.time_constant_s).exp();
+        let left = |since_s: f64, part: &StartUp| part.rate * libm::exp(-since_s / part.time_constant_s);
         let since_s = since_start_s.max(self.seen_from_s);
         let dying = |part: &StartUp| left(since_s, part) - left(self.origin_s, part);
         self.per_second * (time_s - self.origin_s) + self.start_up.iter().map(dying).sum::<f64>()

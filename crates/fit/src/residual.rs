@@ -52,7 +52,7 @@ impl ResidualStatistics {
     #[must_use]
     pub(crate) fn varied_by(self, variance: f64, count: usize) -> Self {
         let more = variance.sqrt() / count as f64 / (2.0 * self.rms);
-        Self { rms_standard_error: self.rms_standard_error.map(|error| error.hypot(more)), ..self }
+        Self { rms_standard_error: self.rms_standard_error.map(|error| libm::hypot(error, more)), ..self }
     }
 
     /// The size of values about their mean, and the mean.

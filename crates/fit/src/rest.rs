@@ -45,7 +45,7 @@ impl Spread {
             self.rows += 1;
             let bin = (rate / BIN).round() + BINS as f64;
             self.bins[(bin.max(0.0) as usize).min(2 * BINS)] += 1;
-            let octave = (rate - self.last).abs().log2();
+            let octave = libm::log2((rate - self.last).abs());
             if !octave.is_nan() {
                 let bin = OCTAVE * (octave - LEAST_OCTAVE);
                 self.differences[(bin.max(0.0) as usize).min(2 * BINS - 1)] += 1;
@@ -63,7 +63,7 @@ impl Spread {
         let moved: u64 = (0..self.bins.len()).filter(|bin| is_far(*bin)).map(|bin| self.bins[bin]).sum();
         let zero = BIN * (median as f64 - BINS as f64).abs();
         let noise = middle(&self.differences)
-            .map_or(0.0, |bin| MEDIAN_TO_SIGMA * ((bin as f64 + 0.5) / OCTAVE + LEAST_OCTAVE).exp2());
+            .map_or(0.0, |bin| MEDIAN_TO_SIGMA * libm::exp2((bin as f64 + 0.5) / OCTAVE + LEAST_OCTAVE));
         moved as f64 > MOVED_SHARE * self.rows as f64 || zero > FARTHEST_ZERO_RAD_PER_S || noise > LOUDEST_RAD_PER_S
     }
 }

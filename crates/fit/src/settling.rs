@@ -39,6 +39,6 @@ pub fn settling(groups: &[Option<(f64, f64)>], margin: f64) -> usize {
     let settling = (0..MOST).take_while(|place| off(*place).0 > off(*place).1).count();
     let fast = (0..settling).all(|place| off(place).0 > DECAY * off(place + 1).0);
     let decay = (0..settling).fold(1.0, |decay, _| DECAY * decay);
-    let surely = off(0).0 - decay * off(settling).0 > SURE * sigma * decay.hypot(1.0);
+    let surely = off(0).0 - decay * off(settling).0 > SURE * sigma * libm::hypot(decay, 1.0);
     if settling > 0 && fast && surely { settling } else { 0 }
 }

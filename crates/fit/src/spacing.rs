@@ -61,12 +61,12 @@ impl Spacing {
 // From 0 to the last bin.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn bin(apart: f64) -> usize {
-    (BINS_AN_OCTAVE * (apart.max(0.0).log2().clamp(LEAST_OCTAVE, MOST_OCTAVE) - LEAST_OCTAVE)) as usize
+    (BINS_AN_OCTAVE * (libm::log2(apart.max(0.0)).clamp(LEAST_OCTAVE, MOST_OCTAVE) - LEAST_OCTAVE)) as usize
 }
 
 /// Where a bin begins.
 fn edge(bin: usize) -> f64 {
-    (bin as f64 / BINS_AN_OCTAVE + LEAST_OCTAVE).exp2()
+    libm::exp2(bin as f64 / BINS_AN_OCTAVE + LEAST_OCTAVE)
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ pub fn outliers_beyond_steps(values: &[f64], step: f64) -> Vec<bool> {
 
 /// How much further the limit of so many values is.
 fn of_few(count: usize) -> f64 {
-    (FEW_ROWS.0 / count as f64).powf(FEW_ROWS.1).max(1.0)
+    libm::pow(FEW_ROWS.0 / count as f64, FEW_ROWS.1).max(1.0)
 }
 
 fn beyond(values: &[f64], limit: impl Fn(f64, usize) -> f64) -> Vec<bool> {

@@ -93,7 +93,7 @@ impl Chamber {
     /// The air's temperature, ripple included.
     pub(crate) fn air_c(&self) -> f64 {
         let ChamberParameters { ripple_k, ripple_period_s, .. } = self.parameters;
-        self.regulated_c + ripple_k * (TAU * self.ripple_s / ripple_period_s).sin()
+        self.regulated_c + ripple_k * libm::sin(TAU * self.ripple_s / ripple_period_s)
     }
 
     pub(crate) fn advance(&mut self, dt_s: f64) {

@@ -69,7 +69,7 @@ impl CircuitParameters {
 
     /// How much of a difference is left in the low-pass after `dt_s`.
     pub(crate) fn left_after(&self, dt_s: f64) -> f64 {
-        (-dt_s * 2.0 * PI * self.cutoff_hz).exp()
+        libm::exp(-dt_s * 2.0 * PI * self.cutoff_hz)
     }
 
     /// The bandwidth in hertz of a rectangular filter that lets as much white noise through: pi/2 of the corner.

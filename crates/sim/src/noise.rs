@@ -34,7 +34,7 @@ pub(crate) struct Flicker {
 impl Flicker {
     /// Flicker of the given bias instability, in its unit; the processes start in their stationary state.
     pub(crate) fn new(bias_instability: f64, mut stream: Stream) -> Self {
-        let deviation = bias_instability * (RATIO.ln() / PI).sqrt();
+        let deviation = bias_instability * (libm::log(RATIO) / PI).sqrt();
         let states = core::array::from_fn(|_| deviation * stream.normal());
         Self { deviation, states, step_s: 0.0, step: [(1.0, 0.0); PROCESSES], stream }
     }
@@ -49,7 +49,7 @@ impl Flicker {
             self.step_s = dt_s;
             let mut time_s = SHORTEST_S;
             for step in &mut self.step {
-                let kept = (-dt_s / time_s).exp();
+                let kept = libm::exp(-dt_s / time_s);
                 *step = (kept, self.deviation * (1.0 - kept * kept).sqrt());
                 time_s *= RATIO;
             }

@@ -38,7 +38,7 @@ impl Lag {
             return;
         }
         let behind_c = (to_c - from_c) / dt_s * time_constant_s;
-        let fades = if time_constant_s > 0.0 { (-dt_s / time_constant_s).exp() } else { 0.0 };
+        let fades = if time_constant_s > 0.0 { libm::exp(-dt_s / time_constant_s) } else { 0.0 };
         self.temperature_c = to_c - behind_c + (self.temperature_c - from_c + behind_c) * fades;
     }
 }

@@ -15,8 +15,8 @@ impl Vibration {
     /// What is seen of an amplitude of 1 behind a first-order low-pass at an instant.
     pub(crate) fn behind(self, cutoff_hz: f64, at_s: f64) -> f64 {
         let over = self.hz / cutoff_hz;
-        let turned = (self.hz * at_s).fract() * TAU - over.atan();
-        turned.cos() / over.hypot(1.0)
+        let turned = (self.hz * at_s).fract() * TAU - libm::atan(over);
+        libm::cos(turned) / libm::hypot(over, 1.0)
     }
 }
 

@@ -23,7 +23,7 @@ pub(super) fn band(series: &Series<'_>, measured: ValidRange, residuals: &[&[f64
     let span = measured.max() - measured.min();
     let known: Vec<Residual> = residuals.iter().flat_map(|residuals| known(series, residuals)).collect();
     let nearby = |temperature: f64| {
-        let near = |own: &Residual| (-0.5 * ((own.temperature - temperature) / (WINDOW * span)).powi(2)).exp();
+        let near = |own: &Residual| libm::exp(-0.5 * ((own.temperature - temperature) / (WINDOW * span)).powi(2));
         let (squares, weights) = known
             .iter()
             .fold((0.0, 0.0), |(squares, weights), own| (squares + near(own) * own.size.powi(2), weights + near(own)));

@@ -187,7 +187,7 @@ impl Columns {
             }
             before = time;
             values.extend(START_SECONDS[..starts].iter().map(|constant| {
-                let left = |since_s: f64| (-since_s / constant).exp();
+                let left = |since_s: f64| libm::exp(-since_s / constant);
                 left(time - began) - left(self.middle_s)
             }));
             let along = (time - began) / self.middle_s - 1.0;
@@ -250,7 +250,7 @@ fn continued(order: usize, x: f64) -> f64 {
         2 => (1.5 * inside * inside - 0.5, 3.0 * inside),
         _ => (2.5 * inside.powi(3) - 1.5 * inside, 7.5 * inside * inside - 1.5),
     };
-    (value + slope * (x - inside)) / (order as f64).powf(1.5)
+    (value + slope * (x - inside)) / libm::pow(order as f64, 1.5)
 }
 
 /// A line that is bent at a knot, and nothing at either end of what was measured.

@@ -101,9 +101,9 @@ impl Evaluated {
     /// The negative logarithm of the model's evidence where these are the likeliest spreads: their marginal likelihood, over
     /// all spreads by Laplace's approximation, less what all models have in common.
     pub(super) fn surprise(&self, spreads: &Spreads) -> Option<f64> {
-        let widths: f64 = spreads.kinds.iter().map(|(kind, _)| prior(*kind).sigma.ln()).sum();
+        let widths: f64 = spreads.kinds.iter().map(|(kind, _)| libm::log(prior(*kind).sigma)).sum();
         let factor = Cholesky::new(self.information.clone())?;
-        Some(self.cost + widths + factor.l_dirty().diagonal().iter().map(|own| own.ln()).sum::<f64>())
+        Some(self.cost + widths + factor.l_dirty().diagonal().iter().map(|own| libm::log(*own)).sum::<f64>())
     }
 }
 
@@ -126,16 +126,16 @@ impl<'a> Marginal<'a> {
     /// in restricted maximum likelihood: Searle, Casella and McCulloch, *Variance components*, 1992, 8.3).
     pub(super) fn evaluate(&self, spreads: &Spreads) -> Option<Evaluated> {
         let width = self.kinds.len();
-        let noise = (2.0 * spreads.white).exp();
+        let noise = libm::exp(2.0 * spreads.white);
         let place: Vec<Option<usize>> =
             self.kinds.iter().map(|kind| spreads.kinds.iter().position(|(own, _)| own == kind)).collect();
-        let spread = DVector::from_fn(width, |i, _| place[i].map_or(FREE.sqrt(), |p| spreads.kinds[p].1.exp()));
+        let spread = DVector::from_fn(width, |i, _| place[i].map_or(FREE.sqrt(), |p| libm::exp(spreads.kinds[p].1)));
         let mut precision = &self.gram / noise;
         for i in 0..width {
             precision[(i, i)] += spread[i].powi(-2);
         }
         let factor = Cholesky::new(precision)?;
-        let log_precision: f64 = factor.l_dirty().diagonal().iter().map(|own| 2.0 * own.ln()).sum();
+        let log_precision: f64 = factor.l_dirty().diagonal().iter().map(|own| 2.0 * libm::log(*own)).sum();
         let covariance = factor.inverse();
         let coefficients = &covariance * &self.target / noise;
         let fitted = (self.square - coefficients.dot(&self.target)) / noise;
@@ -177,7 +177,7 @@ impl<'a> Marginal<'a> {
         }
         information[(white, white)] = noisy.max(1.0);
         let mut cost = 0.5 * (fitted + self.log_determinant + log_precision) + self.rows * spreads.white;
-        cost += spread.iter().map(|spread| spread.ln()).sum::<f64>();
+        cost += spread.iter().map(|spread| libm::log(*spread)).sum::<f64>();
         for (place, (kind, log)) in spreads.kinds.iter().enumerate() {
             let prior = prior(*kind);
             cost += prior.cost(*log);

@@ -28,7 +28,7 @@ pub(super) struct Whitened {
 
 impl Whitened {
     pub(super) fn new(averages: &Averages, wander: Wander) -> Self {
-        let (power, tau) = ((2.0 * wander.log_ratio).exp(), wander.log_seconds.exp());
+        let (power, tau) = (libm::exp(2.0 * wander.log_ratio), libm::exp(wander.log_seconds));
         let mut rows = averages.rows.clone();
         let mut told = vec![0.0; rows.nrows()];
         let (mut variance, mut log_determinant, mut before) = (power, 0.0, f64::NAN);
@@ -38,7 +38,7 @@ impl Whitened {
                 told.fill(0.0);
                 variance = power;
             } else {
-                let kept = (-(now - before).max(0.0) / tau).exp();
+                let kept = libm::exp(-(now - before).max(0.0) / tau);
                 told.iter_mut().for_each(|told| *told *= kept);
                 variance = variance * kept * kept + power * (1.0 - kept * kept);
             }
@@ -52,7 +52,7 @@ impl Whitened {
                 *value = new * scale;
             }
             variance *= 1.0 - gain;
-            log_determinant += whole.ln();
+            log_determinant += libm::log(whole);
         }
         let products = &rows * rows.transpose();
         Self { rows, products, log_determinant }

@@ -47,7 +47,7 @@ impl Found {
         let longest = (averages.time_s.last()? - averages.time_s[0]).max(2.0 * SHORTEST_S);
         let held = |wander: Wander| Wander {
             log_ratio: wander.log_ratio.clamp(RATIOS.0, RATIOS.1),
-            log_seconds: wander.log_seconds.clamp(SHORTEST_S.ln(), longest.ln()),
+            log_seconds: wander.log_seconds.clamp(libm::log(SHORTEST_S), libm::log(longest)),
         };
         let at = |wander: Wander, spreads: &Spreads| {
             let marginal = Marginal::new(&columns.kinds, &Whitened::new(averages, wander), wander);

@@ -100,7 +100,8 @@ impl Panel {
 
     fn description(&self, x: &Scale, y: &Scale) -> String {
         let ends = |name: &str, (from, to): (f64, f64)| {
-            let written = |value: f64| significant_text(if self.logarithms { 10_f64.powf(value) } else { value }, 4);
+            let written =
+                |value: f64| significant_text(if self.logarithms { libm::pow(10.0, value) } else { value }, 4);
             format!("{name}, from {} to {}", written(from), written(to))
         };
         format!("Across: {}. Up: {}.", ends(&self.x_name, x.range), ends(&self.y_name, y.range))

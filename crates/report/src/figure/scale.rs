@@ -88,7 +88,8 @@ impl Scale {
         let at = |factors: &[u32]| -> Vec<(f64, String)> {
             let decade = |decade: i32| factors.iter().map(move |factor| (decade, *factor));
             let ticks = (first..=last).flat_map(decade);
-            let ticks = ticks.map(|(decade, factor)| (f64::from(decade) + f64::from(factor).log10(), decade, factor));
+            let ticks =
+                ticks.map(|(decade, factor)| (f64::from(decade) + libm::log10(f64::from(factor)), decade, factor));
             let within = ticks.filter(|(at, ..)| (range.0..=range.1).contains(at)).take(MOST_TICKS);
             within.map(|(at, decade, factor)| (at, decade_label(decade, factor))).collect()
         };
@@ -119,12 +120,12 @@ fn decade_label(decade: i32, factor: u32) -> String {
 // A double's exponent is within 400.
 #[allow(clippy::cast_possible_truncation)]
 fn thousands(value: f64) -> i32 {
-    (value.log10() / 3.0).floor().clamp(-100.0, 100.0) as i32 * 3
+    (libm::log10(value) / 3.0).floor().clamp(-100.0, 100.0) as i32 * 3
 }
 
 /// The least of 1, 2, 5 times a power of ten that is not below `least`.
 fn nice_step(least: f64) -> f64 {
-    let power = 10_f64.powf(least.log10().floor());
+    let power = libm::pow(10.0, libm::log10(least).floor());
     let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= least * (1.0 - 1e-9));
     factor.unwrap_or(10.0) * power
 }
@@ -133,9 +134,9 @@ fn nice_step(least: f64) -> f64 {
 // Between 0 and 9.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn decimals(step: f64) -> usize {
-    let first = (-(step * (1.0 + 1e-9)).log10().floor()).clamp(0.0, 9.0);
+    let first = (-libm::log10(step * (1.0 + 1e-9)).floor()).clamp(0.0, 9.0);
     // The half of 5 has a digit more.
-    let digit = step * 10_f64.powf(first);
+    let digit = step * libm::pow(10.0, first);
     let more = if (digit - digit.round()).abs() > 1e-6 { 1.0 } else { 0.0 };
     (first + more) as usize
 }

@@ -104,7 +104,11 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
 fn figure(fit: &LogFit, axes: &[(Told, &Allan)]) -> Figure {
     let panel = |(Told { axis, scale }, allan): &(Told, &Allan)| {
         let of = |value: fn(&AllanPoint) -> f64| -> Vec<(f64, f64)> {
-            allan.points.iter().map(|point| (point.tau_s.log10(), scale.of_rate(value(point)).log10())).collect()
+            allan
+                .points
+                .iter()
+                .map(|point| (libm::log10(point.tau_s), libm::log10(scale.of_rate(value(point)))))
+                .collect()
         };
         let marks = [
             Mark::Line(Ink::Aim, of(|point| point.low)),
