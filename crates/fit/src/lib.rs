@@ -32,6 +32,7 @@ pub mod series;
 pub mod settling;
 pub mod shrinkage;
 pub mod side_by_side;
+pub mod small_step;
 pub mod spacing;
 pub mod spikes;
 pub mod still;

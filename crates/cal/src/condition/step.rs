@@ -2,6 +2,7 @@
 
 use zerorate_fit::jumps::{Jump, REACH, background, jumps};
 use zerorate_fit::robust::{centre_and_sigma, noise};
+use zerorate_fit::small_step::{SmallStep, small_steps};
 
 use super::gap::goes_on;
 use super::group::all_of;
@@ -13,6 +14,9 @@ const STEP_SIGMA: f64 = 15.0;
 /// A step is this many times the rms of the values about the lines on either side: a rate that bends from one level to
 /// another drifts, and only one that is steady before and after has stepped.
 const STEADY: f64 = 8.0;
+
+/// And this many times its own standard error: across a gap the lines are drawn far, and their noise with them.
+const SURE: f64 = 5.0;
 
 /// Steps taken out of one axis, at most: a rate with more of them is not one with steps.
 const MAX_STEPS: usize = 4;
@@ -57,6 +61,16 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
             .max(share * (high - low))
             .max(rate_margin);
         let goes_on = goes_on(groups);
+        // The jump of the temperature is told by the same lines.
+        let is_own = |jump: &Jump, temperature: f64| {
+            temperature.abs() <= temperature_margin
+                && jump.size.abs() > SURE * jump.error
+                // Between two logs it is no step.
+                && groups[jump.group].log == groups[jump.before].log
+                // Beside a turn the rates of heating and of cooling lie on either side of a gap: hysteresis is no step.
+                && (goes_on(jump.before, jump.group) || !turns(&used, &temperatures, jump.group, temperature_margin))
+                && jump.is_confirmed(&used, &temperatures, &rates)
+        };
         let largest_with = |between: usize| {
             let jumps = jumps(&used, &rates, between).into_iter().zip(jumps(&used, &temperatures, between));
             jumps
@@ -65,18 +79,21 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
                     (jump.group - jump.before == 1 + between) == (between > 0)
                         && jump.size.abs() > limit
                         && jump.size.abs() > STEADY * jump.unsteadiness
-                        && temperature.size.abs() <= temperature_margin
-                        // Between two logs it is no step.
-                        && groups[jump.group].log == groups[jump.before].log
-                        // Beside a turn the rates of heating and of cooling lie on either side of a gap: hysteresis is no step.
-                        && (goes_on(jump.before, jump.group) || !turns(&used, &temperatures, jump.group, temperature_margin))
-                        && jump.is_confirmed(&used, &temperatures, &rates)
+                        && is_own(jump, temperature.size)
                 })
                 .map(|(jump, _)| jump)
                 .max_by(|a, b| a.size.abs().total_cmp(&b.size.abs()))
         };
+        let small = || {
+            let is_small = |step: &SmallStep| {
+                step.jump.size.abs() > rate_margin && is_own(&step.jump, step.of_others(&used, &temperatures))
+            };
+            let found = small_steps(&used, &rates, &goes_on).into_iter().find(is_small)?;
+            Some(Jump { before: found.within.0, group: found.within.1, ..found.jump })
+        };
         // What scatters by a step was left out as moved, and is its place; else it lies in an average like the others.
-        Some(step(groups, axis, &largest_with(0).or_else(|| largest_with(1))?))
+        let found = largest_with(0).or_else(|| largest_with(1)).or_else(|| (share == 0.0).then(small).flatten());
+        Some(step(groups, axis, &found?))
     };
     let take = |groups: &mut [Group], step: Step, taken: &mut Vec<Step>| {
         let after = groups.iter_mut().filter(|group| group.first_row >= step.row);
@@ -121,7 +138,7 @@ fn step(groups: &[Group], axis: usize, jump: &Jump) -> Step {
     let (before, after) = (&groups[jump.before], &groups[jump.group]);
     let between = &groups[jump.before + 1..jump.group];
     let middle = |group: &Group| u64::midpoint(group.first_row, group.end_row);
-    let (rows, time_s, temperature) = if between.iter().any(|group| group.axes[axis].rows > 0) {
+    let (rows, time_s, temperature) = if between.is_empty() || between.iter().any(|group| group.axes[axis].rows > 0) {
         let temperature = (before.temperature.min(after.temperature), before.temperature.max(after.temperature));
         ((middle(before), middle(after)), (before.time_s, after.time_s), temperature)
     } else {
