@@ -11,6 +11,7 @@ mod chip;
 mod circles;
 mod circuit;
 mod devtools;
+mod dist;
 mod faults;
 mod figures;
 mod firmware;
@@ -158,6 +159,18 @@ enum Chore {
         #[arg(long)]
         cost: bool,
     },
+    /// Build what people install who have no Rust: target/dist/archives
+    ///
+    /// The command for Linux on x86-64 and ARM (with musl, so for any), and for Windows; a package for Debian; SHA-256 of each.
+    /// Every program must give the figures of this machine's own build (`cargo build --release`) to the last bit, by
+    /// qemu-user and Wine, which are installed if this runs as root on Debian, and named if not. cargo-zigbuild and zig
+    /// come from PyPI into target/venv-dist, std for the systems by rustup, cargo-deb into target/tools. It takes about
+    /// ten minutes a system.
+    Dist {
+        /// These systems only: x86_64-unknown-linux-musl, aarch64-unknown-linux-musl, x86_64-pc-windows-gnu
+        #[arg(value_name = "SYSTEM")]
+        systems: Vec<String>,
+    },
     /// Make a site of the book: target/book/site
     ///
     /// Its reference is made from the built command (`cargo build --release`). mdBook is installed into target/tools.
@@ -209,6 +222,7 @@ fn main() -> Result<ExitCode> {
         Chore::Circuit => steps::run(&[circuit(&workspace)]),
         Chore::Gateware => steps::run(&gateware::steps(&workspace)),
         Chore::Firmware { cost } => steps::run(&firmware::steps(&workspace, cost)),
+        Chore::Dist { systems } => steps::run(&dist::steps(&workspace, &systems)?),
         Chore::Book => steps::run(&[Step::new("book", "see docs/book", || book::build(&workspace))]),
         Chore::Web => steps::run(&[Step::new("web", "mend the build", || web::build_page(&workspace))]),
         Chore::Chip => steps::run(&chip::steps(&workspace)),

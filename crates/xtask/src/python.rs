@@ -121,6 +121,12 @@ pub fn maturin(workspace: &Workspace) -> Result<PathBuf> {
     Ok(venv_of(workspace, "venv-maturin", "requirements-maturin.txt", None)?.with_file_name("maturin"))
 }
 
+/// The folder of the programs that build for other systems: cargo-zigbuild, and a Python that has zig.
+pub fn zig(workspace: &Workspace) -> Result<PathBuf> {
+    let python = venv_of(workspace, "venv-dist", "requirements-dist.txt", None)?;
+    Ok(python.parent().context("a Python without a folder")?.canonicalize()?)
+}
+
 /// The Python of the venv for lots.
 pub fn lot_venv(workspace: &Workspace) -> Result<PathBuf> {
     venv_of(workspace, "venv-lot", "requirements-lot.txt", None)
