@@ -1,6 +1,6 @@
 //! Logs of any kind, read as sensors that give rows: tables, recordings of the bench, logs of autopilots.
 //!
-//! The kind is recognised by content, never by name, also where a log is packed ([`crate::packed`]). A log goes by as
+//! The kind is recognised by content, never by name, also where a log is packed ([`zerorate_source::packed`]). A log goes by as
 //! batches of rows to a [`Sink`]; what is kept in memory is a batch a sensor, however long the log.
 
 mod counter;
