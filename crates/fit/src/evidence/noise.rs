@@ -54,7 +54,22 @@ impl Whitened {
             variance *= 1.0 - gain;
             log_determinant += libm::log(whole);
         }
-        let products = &rows * rows.transpose();
+        let products = products_of(&rows);
         Self { rows, products, log_determinant }
     }
+}
+
+/// The sum of each column's product with itself: half of it is the other half.
+fn products_of(rows: &DMatrix<f64>) -> DMatrix<f64> {
+    let width = rows.nrows();
+    let mut products = DMatrix::zeros(width, width);
+    for row in rows.column_iter() {
+        let row = row.as_slice();
+        for (own, column) in products.as_mut_slice().chunks_exact_mut(width).enumerate() {
+            let value = row[own];
+            column[own..].iter_mut().zip(&row[own..]).for_each(|(sum, other)| *sum += value * other);
+        }
+    }
+    products.fill_upper_triangle_with_lower_triangle();
+    products
 }
