@@ -1,4 +1,4 @@
-//! What stands on a bench beside the device: chamber, supply, power, and the time between them.
+//! What stands on a bench beside the device: chamber, supply, power, and a simulated one's time.
 
 use zerorate_core::units::{Axis, Celsius, Seconds, Volts};
 use zerorate_sim::Truth;
@@ -50,25 +50,36 @@ pub trait Supply {
     fn gyro_output(&mut self, axis: Axis) -> Result<Volts, InstrumentError>;
 }
 
-/// Power and time.
-pub trait Surroundings {
-    /// Switches gyros and board off and on again.
+/// What gyros and board get their power from.
+pub trait Power {
+    /// Switches gyros and board off and on again, or has it done.
     ///
     /// # Errors
     /// [`InstrumentError`].
-    fn power_cycle(&mut self) -> Result<(), InstrumentError>;
+    fn cycle(&mut self) -> Result<Cycled, InstrumentError>;
 
+    /// Whether nobody has to come for it.
+    fn obeys(&self) -> bool {
+        true
+    }
+}
+
+/// What became of the power.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cycled {
+    /// It was off and on.
+    Done,
+    /// Somebody was asked to switch it off and on, and the device is seen to start anew.
+    Asked,
+}
+
+/// A time that passes only while somebody waits: a simulated plant's.
+pub trait Clock {
     /// Lets time pass while the acquisition stands still.
     ///
     /// # Errors
     /// [`InstrumentError`].
     fn wait(&mut self, time: Seconds) -> Result<(), InstrumentError>;
-
-    /// Whether the power was off and on when [`power_cycle`](Self::power_cycle) returns. If not, somebody was asked to,
-    /// and the device is seen to start anew.
-    fn obeys(&self) -> bool {
-        true
-    }
 }
 
 /// Someone who knows the plant's truth: the simulated bench. It speaks to reports only.
@@ -122,8 +133,10 @@ pub struct Bench {
     pub chamber: Box<dyn Chamber>,
     /// The supply.
     pub supply: Box<dyn Supply>,
-    /// Power and time.
-    pub surroundings: Box<dyn Surroundings>,
+    /// The power.
+    pub power: Box<dyn Power>,
+    /// The plant's time, on a simulated bench. A real one's is told by the board's groups.
+    pub clock: Option<Box<dyn Clock>>,
     /// The truth, on a simulated bench.
     pub witness: Option<Box<dyn Witness>>,
 }

@@ -8,10 +8,10 @@ pub mod watch;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use zerorate_core::units::{Axis, Celsius, Seconds, Volts};
+use zerorate_core::units::{Axis, Celsius, Volts};
 
 use crate::client::DeviceClient;
-use crate::instruments::{Bench, Chamber, InstrumentError, Supply, Surroundings};
+use crate::instruments::{Bench, Chamber, Cycled, InstrumentError, Power, Supply};
 
 /// A voltage beyond this is none that a gyro's output or a bench's supply has.
 const MOST_VOLTS: f64 = 100.0;
@@ -46,7 +46,8 @@ pub fn bench(device: DeviceClient, operator: Person) -> Result<Bench, Instrument
         device,
         chamber: Box::new(ManualChamber { operator: Rc::clone(&operator), set_point: Celsius(now) }),
         supply: Box::new(ManualSupply(Rc::clone(&operator))),
-        surroundings: Box::new(ManualSwitch(operator)),
+        power: Box::new(ManualSwitch(operator)),
+        clock: None,
         witness: None,
     })
 }
@@ -102,14 +103,10 @@ impl Supply for ManualSupply {
 
 struct ManualSwitch(Person);
 
-impl Surroundings for ManualSwitch {
-    fn power_cycle(&mut self) -> Result<(), InstrumentError> {
+impl Power for ManualSwitch {
+    fn cycle(&mut self) -> Result<Cycled, InstrumentError> {
         self.0.borrow_mut().tell("switch gyros and board off, and on again");
-        Ok(())
-    }
-
-    fn wait(&mut self, _: Seconds) -> Result<(), InstrumentError> {
-        Ok(())
+        Ok(Cycled::Asked)
     }
 
     fn obeys(&self) -> bool {

@@ -68,7 +68,7 @@ pub const TRIM_SWEEP: &str = "trim-sweep";
 /// # Errors
 /// [`BenchError`].
 pub fn first_time(session: &mut Session<'_>) -> Result<(), BenchError> {
-    if !session.bench.surroundings.obeys() {
+    if session.bench.clock.is_none() {
         session.progress.note("a new board? `zerorate device first-time` makes the middle tap that of power-up, once");
         return Ok(());
     }

@@ -1,6 +1,7 @@
 //! Taking groups: the one loop that every procedure records with.
 
 mod rest;
+mod soak;
 mod unseen;
 mod warnings;
 
@@ -23,10 +24,6 @@ use crate::steps::StepWatch;
 
 /// A chamber is where it was sent when its air is this close.
 pub(crate) const AT_SET_POINT: Kelvins = Kelvins(0.5);
-/// How often the chamber is looked at on the way to a soak.
-const LOOK_EVERY: Seconds = Seconds(10.0);
-/// A chamber slower than this on the way to a soak has failed: twenty hours a hundred kelvins.
-const SLOWEST_KELVINS_PER_SECOND: f64 = 100.0 / 72_000.0;
 
 /// A group with what was about it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -162,44 +159,6 @@ impl<'b> Session<'b> {
     pub fn phase(&mut self, name: &str, groups: u32) {
         name.clone_into(&mut self.doing);
         self.progress.phase(name, groups);
-    }
-
-    /// Sends the chamber to a temperature and holds it there, the acquisition standing still.
-    ///
-    /// # Errors
-    /// [`InstrumentError::NotReached`] when it does not get there.
-    pub fn soak(&mut self, what: &str, set_point: Celsius, hold: Seconds) -> Result<(), BenchError> {
-        if !self.bench.chamber.is_seen() {
-            return self.soak_by_reading(what, set_point, hold);
-        }
-        self.phase(what, 0);
-        self.bench.chamber.set(set_point)?;
-        let mut air = self.bench.chamber.air()?;
-        let patience = 3600.0 + (set_point - air).0.abs() / SLOWEST_KELVINS_PER_SECOND;
-        let mut waited = 0.0;
-        while (air - set_point).0.abs() > AT_SET_POINT.0 {
-            if waited > patience {
-                return Err(InstrumentError::NotReached {
-                    set_point_c: set_point.0,
-                    air_c: air.0,
-                    waited_min: waited / 60.0,
-                }
-                .into());
-            }
-            self.wait(LOOK_EVERY)?;
-            waited += LOOK_EVERY.0;
-            air = self.bench.chamber.air()?;
-            self.progress.step(air.0);
-        }
-        self.wait(hold)?;
-        self.progress.step(self.bench.chamber.air()?.0);
-        Ok(())
-    }
-
-    fn wait(&mut self, time: Seconds) -> Result<(), BenchError> {
-        self.bench.surroundings.wait(time)?;
-        self.elapsed = self.elapsed + time;
-        Ok(())
     }
 
     /// Starts the acquisition at group 0.

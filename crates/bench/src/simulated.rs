@@ -16,7 +16,7 @@ use zerorate_device::port::PortAcquisition;
 use zerorate_sim::{ConverterSpi, Plant, PlantDelay, PortSpi, SharedPlant, Truth};
 
 use crate::client::DeviceClient;
-use crate::instruments::{Bench, Chamber, InstrumentError, Supply, Surroundings, Witness};
+use crate::instruments::{Bench, Chamber, Clock, Cycled, InstrumentError, Power, Supply, Witness};
 use crate::link::{Link, LinkError, MOST_UNHEARD};
 use crate::setup::SetUp;
 
@@ -45,14 +45,18 @@ impl<A: OnPlant> Link for NativeLink<A> {
     }
 }
 
-struct SimulatedSurroundings<A>(Rc<RefCell<NativeDevice<A>>>);
+struct SimulatedPower<A>(Rc<RefCell<NativeDevice<A>>>);
 
-impl<A: OnPlant> Surroundings for SimulatedSurroundings<A> {
-    fn power_cycle(&mut self) -> Result<(), InstrumentError> {
+impl<A: OnPlant> Power for SimulatedPower<A> {
+    fn cycle(&mut self) -> Result<Cycled, InstrumentError> {
         self.0.borrow_mut().power_cycle();
-        Ok(())
+        Ok(Cycled::Done)
     }
+}
 
+struct PlantClock<A>(Rc<RefCell<NativeDevice<A>>>);
+
+impl<A: OnPlant> Clock for PlantClock<A> {
     fn wait(&mut self, time: Seconds) -> Result<(), InstrumentError> {
         self.0.borrow_mut().leave_out(time);
         Ok(())
@@ -150,7 +154,8 @@ pub fn bench_on<A: OnPlant + 'static>(plant: Plant, setup: &SetUp, unit: &UnitSe
         device: DeviceClient::new(Box::new(NativeLink(Rc::clone(&device)))),
         chamber: Box::new(SimulatedChamber::new(&plant)),
         supply: Box::new(SimulatedSupply(plant)),
-        surroundings: Box::new(SimulatedSurroundings(Rc::clone(&device))),
+        power: Box::new(SimulatedPower(Rc::clone(&device))),
+        clock: Some(Box::new(PlantClock(Rc::clone(&device)))),
         witness: Some(Box::new(SimulatedWitness(device))),
     }
 }

@@ -14,7 +14,7 @@ use zerorate_core::units::{Axis, Seconds, Taps};
 use zerorate_sim::{SharedPlant, Truth};
 
 use crate::client::DeviceClient;
-use crate::instruments::{Bench, InstrumentError, Surroundings, Witness};
+use crate::instruments::{Bench, Clock, Cycled, InstrumentError, Power, Witness};
 use crate::link::{Link, LinkError, MOST_UNHEARD};
 use crate::setup::SetUp;
 use crate::simulated::{SimulatedChamber, SimulatedSupply};
@@ -127,14 +127,18 @@ impl<B: SteppedBoard> Link for SteppedLink<B> {
     }
 }
 
-struct SteppedSurroundings<B>(Rc<RefCell<Stepped<B>>>);
+struct SteppedPower<B>(Rc<RefCell<Stepped<B>>>);
 
-impl<B: SteppedBoard> Surroundings for SteppedSurroundings<B> {
-    fn power_cycle(&mut self) -> Result<(), InstrumentError> {
+impl<B: SteppedBoard> Power for SteppedPower<B> {
+    fn cycle(&mut self) -> Result<Cycled, InstrumentError> {
         let board = &mut self.0.borrow_mut().board;
-        board.power_cycle().map_err(|error| InstrumentError::Power(error.to_string()))
+        board.power_cycle().map(|()| Cycled::Done).map_err(|error| InstrumentError::Power(error.to_string()))
     }
+}
 
+struct SteppedClock<B>(Rc<RefCell<Stepped<B>>>);
+
+impl<B: SteppedBoard> Clock for SteppedClock<B> {
     fn wait(&mut self, time: Seconds) -> Result<(), InstrumentError> {
         let mut stepped = self.0.borrow_mut();
         stepped.board.plant().borrow_mut().wait(time);
@@ -168,7 +172,8 @@ pub fn bench<B: SteppedBoard + 'static>(board: B, setup: &SetUp) -> Bench {
         device: DeviceClient::new(Box::new(SteppedLink(Rc::clone(&stepped)))),
         chamber: Box::new(SimulatedChamber::new(&plant)),
         supply: Box::new(SimulatedSupply(plant)),
-        surroundings: Box::new(SteppedSurroundings(Rc::clone(&stepped))),
+        power: Box::new(SteppedPower(Rc::clone(&stepped))),
+        clock: Some(Box::new(SteppedClock(Rc::clone(&stepped)))),
         witness: Some(Box::new(SteppedWitness(stepped))),
     }
 }

@@ -27,7 +27,7 @@ pub struct Verification {
 /// [`BenchError`].
 pub fn deploy(session: &mut Session<'_>, measured: &Measured) -> Result<(), BenchError> {
     // A person need not switch twice: the test that follows begins with that.
-    if session.bench.surroundings.obeys() {
+    if session.bench.power.obeys() {
         session.begin()?;
     }
     session.bench.device.deploy(&measured.record)?;

@@ -196,7 +196,7 @@ fn first_groups(mut bench: Bench) -> Vec<GroupReport> {
     record.unit = UnitSerial::try_from("ZR-0001").unwrap();
     bench.device.identify().unwrap();
     bench.device.deploy(&record).unwrap();
-    bench.surroundings.power_cycle().unwrap();
+    bench.power.cycle().unwrap();
     bench.device.restarted();
     assert!(bench.device.identify().unwrap().running);
     bench.device.order(Request::SetStream { groups: true, samples: SampleWindow::NONE }).unwrap();

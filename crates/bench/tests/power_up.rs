@@ -23,7 +23,7 @@ fn switched_on() -> Bench {
     let mut bench = simulated::bench(PlantKind::Paper.build(1), &SetUp::paper(), &unit);
     bench.device.identify().unwrap();
     bench.device.deploy(&paper_record::record(VALID, None, 0.05)).unwrap();
-    bench.surroundings.power_cycle().unwrap();
+    bench.power.cycle().unwrap();
     bench.device.restarted();
     bench
 }

@@ -65,7 +65,7 @@ pub fn run_once(
         session.part(Part::Soaks);
     }
     // On a bench that obeys, every run begins alike.
-    if session.bench.surroundings.obeys() || is_left {
+    if session.bench.power.obeys() || is_left {
         session.begin()?;
     }
     let mut soaks = Vec::with_capacity(temperatures.len());

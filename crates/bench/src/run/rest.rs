@@ -6,6 +6,7 @@ use zerorate_core::wire::{Identity, Request};
 
 use super::Session;
 use crate::error::BenchError;
+use crate::instruments::Cycled;
 
 impl Session<'_> {
     /// Power off and on, acquisition stopped, both axes uncompensated at the middle tap. A board that holds a calibration
@@ -14,12 +15,12 @@ impl Session<'_> {
     /// # Errors
     /// [`BenchError`], among them [`BenchError::NotAtRest`].
     pub fn begin(&mut self) -> Result<(), BenchError> {
-        self.bench.surroundings.power_cycle()?;
-        if self.bench.surroundings.obeys() {
-            self.bench.device.restarted();
-            self.bench.device.identify()?;
-        } else {
-            self.await_power()?;
+        match self.bench.power.cycle()? {
+            Cycled::Done => {
+                self.bench.device.restarted();
+                self.bench.device.identify()?;
+            }
+            Cycled::Asked => self.await_power()?,
         }
         // First of all: modes and taps then hold at once, and no group of the board's own gets among a run's.
         self.bench.device.order(Request::SetAcquisition { run: false })?;
