@@ -43,6 +43,14 @@ pub fn calibrate(
 ) -> Result<Summary, BenchError> {
     let was_there = out.exists();
     let result = run(bench, setup, unit, out, progress, keep);
+    let result = match (result, bench.rest()) {
+        (Ok(_), Err(unsafe_end)) => Err(unsafe_end.into()),
+        (Err(first), Err(unsafe_end)) => {
+            progress.note(&unsafe_end.to_string());
+            Err(first)
+        }
+        (result, Ok(())) => result,
+    };
     // A run that has refused to begin leaves what there is for the one that goes on with it.
     if !matches!(result, Err(BenchError::Unfinished { .. } | BenchError::OtherRun { .. })) {
         output::tidy(out);

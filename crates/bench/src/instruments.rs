@@ -1,6 +1,7 @@
 //! What stands on a bench beside the device: chamber, supply, power, and a simulated one's time.
 
 use zerorate_core::units::{Axis, Celsius, Seconds, Volts};
+use zerorate_instruments::fault::Fault;
 use zerorate_sim::Truth;
 
 use crate::client::DeviceClient;
@@ -16,7 +17,7 @@ pub trait Chamber {
     /// Where it was sent.
     fn set_point(&self) -> Celsius;
 
-    /// Where its air is.
+    /// Where its air is; NaN while it is not known.
     ///
     /// # Errors
     /// [`InstrumentError`].
@@ -26,6 +27,19 @@ pub trait Chamber {
     /// [`air`](Self::air) is NaN.
     fn is_seen(&self) -> bool {
         true
+    }
+
+    /// What people should know of it, since the last call.
+    fn take_notes(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Leaves it so that it may be left alone.
+    ///
+    /// # Errors
+    /// [`InstrumentError`]; then somebody has to go there.
+    fn rest(&mut self) -> Result<(), InstrumentError> {
+        Ok(())
     }
 }
 
@@ -48,6 +62,19 @@ pub trait Supply {
     /// # Errors
     /// [`InstrumentError`].
     fn gyro_output(&mut self, axis: Axis) -> Result<Volts, InstrumentError>;
+
+    /// What people should know of it, since the last call.
+    fn take_notes(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Leaves it so that it may be left alone.
+    ///
+    /// # Errors
+    /// [`InstrumentError`]; then somebody has to go there.
+    fn rest(&mut self) -> Result<(), InstrumentError> {
+        Ok(())
+    }
 }
 
 /// What gyros and board get their power from.
@@ -71,6 +98,8 @@ pub enum Cycled {
     Done,
     /// Somebody was asked to switch it off and on, and the device is seen to start anew.
     Asked,
+    /// Nobody is there to do it: the board goes on.
+    LeftOn,
 }
 
 /// A time that passes only while somebody waits: a simulated plant's.
@@ -111,6 +140,25 @@ pub enum InstrumentError {
     /// A person was asked, and there is none.
     #[error("standard input has ended, and nobody answers: a manual chamber and supply need somebody there")]
     NobodyThere,
+    /// A remote instrument.
+    #[error("{what}: {fault}")]
+    Remote {
+        /// Which, and where.
+        what: String,
+        /// Why.
+        fault: Fault,
+    },
+    /// A remote instrument has not answered just now, and is let alone for some seconds.
+    #[error("the {0} does not answer")]
+    Away(&'static str),
+    /// An instrument could not be left so that it may be left alone.
+    #[error("{what} could not be brought to rest: {fault}. GO THERE AND SWITCH IT OFF BY HAND")]
+    NotAtRest {
+        /// Which, and where.
+        what: String,
+        /// Why.
+        fault: Fault,
+    },
     /// The chamber has not got where it was sent.
     #[error(
         "the chamber was sent to {set_point_c} C and is still at {air_c:.1} C after {waited_min:.0} min: check its door, its power and its limits"
@@ -123,6 +171,18 @@ pub enum InstrumentError {
         /// How long was waited, minutes.
         waited_min: f64,
     },
+}
+
+impl InstrumentError {
+    /// Whether it may do it later: it does not answer.
+    #[must_use]
+    pub const fn may_pass(&self) -> bool {
+        match self {
+            Self::Remote { fault, .. } => fault.may_pass(),
+            Self::Away(_) => true,
+            _ => false,
+        }
+    }
 }
 
 /// A device and the instruments about it.
@@ -139,4 +199,16 @@ pub struct Bench {
     pub clock: Option<Box<dyn Clock>>,
     /// The truth, on a simulated bench.
     pub witness: Option<Box<dyn Witness>>,
+}
+
+impl Bench {
+    /// Leaves chamber and supply so that they may be left alone; each though the other cannot be.
+    ///
+    /// # Errors
+    /// [`InstrumentError::NotAtRest`].
+    pub fn rest(&mut self) -> Result<(), InstrumentError> {
+        let supply = self.supply.rest();
+        let chamber = self.chamber.rest();
+        supply.and(chamber)
+    }
 }

@@ -25,6 +25,7 @@ pub mod plan;
 pub mod plants;
 pub mod procedure;
 pub mod recorded;
+pub mod remote;
 pub mod results;
 pub mod run;
 #[cfg(feature = "boards")]

@@ -10,8 +10,7 @@ use std::rc::Rc;
 
 use zerorate_core::units::{Axis, Celsius, Volts};
 
-use crate::client::DeviceClient;
-use crate::instruments::{Bench, Chamber, Cycled, InstrumentError, Power, Supply};
+use crate::instruments::{Chamber, Cycled, InstrumentError, Power, Supply};
 
 /// A voltage beyond this is none that a gyro's output or a bench's supply has.
 const MOST_VOLTS: f64 = 100.0;
@@ -34,22 +33,28 @@ pub trait Operator {
     fn ask_number(&mut self, what: &str) -> Result<f64, InstrumentError>;
 }
 
-type Person = Rc<RefCell<dyn Operator>>;
+/// A person whom everything manual asks.
+pub type Person = Rc<RefCell<dyn Operator>>;
 
-/// A bench with a real device, and a person for everything else, who is asked what the chamber shows now.
+/// A chamber that a person sets, who is asked what it shows now.
 ///
 /// # Errors
 /// [`InstrumentError`], when nobody says.
-pub fn bench(device: DeviceClient, operator: Person) -> Result<Bench, InstrumentError> {
+pub fn chamber(operator: &Person) -> Result<Box<dyn Chamber>, InstrumentError> {
     let now = operator.borrow_mut().ask_number("what does the chamber show now, in degrees C")?;
-    Ok(Bench {
-        device,
-        chamber: Box::new(ManualChamber { operator: Rc::clone(&operator), set_point: Celsius(now) }),
-        supply: Box::new(ManualSupply(Rc::clone(&operator))),
-        power: Box::new(ManualSwitch(operator)),
-        clock: None,
-        witness: None,
-    })
+    Ok(Box::new(ManualChamber { operator: Rc::clone(operator), set_point: Celsius(now) }))
+}
+
+/// A supply that a person sets.
+#[must_use]
+pub fn supply(operator: &Person) -> Box<dyn Supply> {
+    Box::new(ManualSupply(Rc::clone(operator)))
+}
+
+/// A switch that a person turns.
+#[must_use]
+pub fn power(operator: &Person) -> Box<dyn Power> {
+    Box::new(ManualSwitch(Rc::clone(operator)))
 }
 
 struct ManualChamber {

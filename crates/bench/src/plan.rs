@@ -41,6 +41,31 @@ impl fmt::Display for Part {
     }
 }
 
+impl Part {
+    /// What the chamber does in it, in words: temperatures, times, rates.
+    #[must_use]
+    pub fn chamber(self, setup: &SetUp) -> String {
+        let chamber = &setup.chamber;
+        let (cold, hot, room) = (chamber.cold_c, chamber.hot_c, chamber.room_c);
+        let held = chamber.soak_s / 60.0;
+        let rate = setup.ramp_rate();
+        let back = format!(", back at {rate:.1} K/min");
+        let ramp = |goes_back| {
+            let back = if goes_back { back.as_str() } else { "" };
+            format!("{cold} C held {held:.0} min, to {hot} C at {rate:.1} K/min{back}")
+        };
+        match self {
+            Self::FullTemperature => ramp(chamber.cooling_ramp),
+            Self::TrimExperiment => format!("{room} C held {:.0} min, and on", ROOM_SOAK.0 / 60.0),
+            Self::Test(_, axis) => ramp(axis == Axis::X),
+            Self::Soaks => {
+                let soaks: Vec<String> = setup.soaks().iter().map(|soak| soak.0.to_string()).collect();
+                format!("{} C, each held {held:.0} min", soaks.join(", "))
+            }
+        }
+    }
+}
+
 /// The parts of a run in their order, each with the time that it takes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {

@@ -1,5 +1,6 @@
 //! Taking groups: the one loop that every procedure records with.
 
+mod patience;
 mod rest;
 mod soak;
 mod unseen;
@@ -113,6 +114,7 @@ pub struct Session<'b> {
     pub warnings: Warnings,
     watches: [StepWatch; 2],
     taken: u32,
+    acquiring: bool,
     /// Where the chamber was when the session began.
     at: Celsius,
     scale: Option<ReadingScale>,
@@ -133,6 +135,7 @@ impl<'b> Session<'b> {
             warnings: Warnings::default(),
             watches: Default::default(),
             taken: 0,
+            acquiring: false,
             scale: None,
             doing: String::new(),
             plan: None,
@@ -168,6 +171,7 @@ impl<'b> Session<'b> {
     pub fn start(&mut self, samples: SampleWindow) -> Result<(), BenchError> {
         self.bench.device.order(Request::SetStream { groups: true, samples })?;
         self.bench.device.order(Request::SetAcquisition { run: true })?;
+        self.acquiring = true;
         self.watches = Default::default();
         self.taken = 0;
         if let Some(witness) = &mut self.bench.witness {
@@ -188,6 +192,7 @@ impl<'b> Session<'b> {
     /// [`BenchError`].
     pub fn stop(&mut self) -> Result<(), BenchError> {
         self.bench.device.order(Request::SetAcquisition { run: false })?;
+        self.acquiring = false;
         self.bench.device.discard_groups();
         self.name_the_lost();
         Ok(())
@@ -227,7 +232,7 @@ impl<'b> Session<'b> {
             .witness
             .as_mut()
             .and_then(|witness| witness.take().into_iter().find(|truth| truth.set == group.report.group.0));
-        let air = self.bench.chamber.air()?;
+        let air = self.air()?;
         let about = if air.0.is_nan() { self.warmth(&group) } else { air };
         self.progress.step(about.0);
         let period = self.setup.group_period();

@@ -17,6 +17,8 @@ use zerorate_core::board::BoardNumbers;
 use zerorate_core::compensate::{LowPass, Mode};
 use zerorate_core::units::{Celsius, Counts, Seconds, Taps, TemperatureScale};
 use zerorate_fit::model::Model;
+pub use zerorate_instruments::controller::ControllerTable;
+pub use zerorate_instruments::supply::SupplyTable;
 
 /// The supply of the potentiometer, volts (paper, 2.1): a tap is a 1023rd of it.
 const POTENTIOMETER_SUPPLY_V: f64 = 5.0;
@@ -42,6 +44,9 @@ pub struct SetUp {
     pub drift: DriftChoice,
     /// What a unit must pass, over the heating ramp.
     pub limits: Limits,
+    /// The fine supply, for remote control; without it a supply of 5 V at most, without a voltmeter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub supply: Option<SupplyTable>,
     /// What is to stand in every recording besides, by names of your own: station = "oven 2", operator = "A. N."
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub labels: BTreeMap<String, String>,
@@ -111,6 +116,9 @@ pub struct ChamberProfile {
     pub limits_c: [f64; 2],
     /// The soaks of the traditional test to compare with, degrees C. Those outside of the ramp's ends are left out.
     pub soaks_c: Vec<f64>,
+    /// The chamber's controller, for remote control: `zerorate setup --controller watlow-f4t` prints one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub controller: Option<ControllerTable>,
 }
 
 /// The trim experiment and the law made from it.
@@ -174,6 +182,7 @@ impl SetUp {
             trim: TrimExperiment::default(),
             drift: DriftChoice::default(),
             limits: Limits::default(),
+            supply: None,
             labels: BTreeMap::new(),
         }
     }
@@ -351,6 +360,7 @@ impl Default for ChamberProfile {
             soak_groups: 20,
             limits_c: [-60.0, 150.0],
             soaks_c: (0..=10).map(|k| -40.0 + 10.0 * f64::from(k)).collect(),
+            controller: None,
         }
     }
 }

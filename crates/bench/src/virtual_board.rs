@@ -2,9 +2,12 @@
 //! pseudo-terminal in real time, or so many times faster.
 //!
 //! It behaves as a board does: groups come by themselves while the acquisition runs, nothing waits for the host, and
-//! what the host does not take in time is lost. Chamber, supply and power obey a person, by orders in words.
+//! what the host does not take in time is lost. Chamber, supply and power obey a person, by orders in words; chamber and
+//! supply a program too, where they listen.
 
+mod modbus;
 mod order;
+mod scpi;
 mod socket;
 
 use std::io;
@@ -14,9 +17,11 @@ use std::time::{Duration, Instant};
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::{Axis, Seconds};
 use zerorate_device::port::PortAcquisition;
-use zerorate_sim::{Plant, PortSpi};
+use zerorate_sim::{Plant, PortSpi, SharedPlant};
 
+use self::modbus::Controller;
 use self::order::Order;
+use self::scpi::FineSupply;
 use self::socket::Socket;
 use crate::setup::SetUp;
 use crate::simulated::NativeDevice;
@@ -43,8 +48,33 @@ pub struct VirtualBoard {
     pending: Vec<u8>,
     /// The second line, and the bytes on their way to who listens there.
     scans: Option<(Socket, Vec<u8>)>,
+    remote: Vec<Remote>,
     damage: Damage,
     acquiring: bool,
+}
+
+/// An instrument that is spoken to on a line of its own.
+struct Remote {
+    socket: Socket,
+    instrument: Instrument,
+    incoming: Vec<u8>,
+    pending: Vec<u8>,
+}
+
+enum Instrument {
+    Chamber(Controller),
+    Supply(FineSupply),
+}
+
+impl Remote {
+    fn exchange(&mut self, plant: &SharedPlant) -> io::Result<()> {
+        self.socket.look(&mut self.incoming, &mut self.pending)?;
+        self.pending.extend(match &mut self.instrument {
+            Instrument::Chamber(controller) => controller.hear(&mut self.incoming, plant),
+            Instrument::Supply(supply) => supply.hear(&mut self.incoming, plant),
+        });
+        Ok(())
+    }
 }
 
 impl VirtualBoard {
@@ -58,7 +88,18 @@ impl VirtualBoard {
         let socket = Socket::open(on)?;
         let damage = Damage { rate: 0.0, state: 0x9E37_79B9_7F4A_7C15 };
         let (looked, pending) = (Instant::now(), Vec::new());
-        Ok(Self { device, socket, speed, due, looked, pending, scans: None, damage, acquiring: false })
+        Ok(Self {
+            device,
+            socket,
+            speed,
+            due,
+            looked,
+            pending,
+            scans: None,
+            remote: Vec::new(),
+            damage,
+            acquiring: false,
+        })
     }
 
     /// Has a second line, on which each scan goes out, corrected; here a group of them at a time.
@@ -70,6 +111,34 @@ impl VirtualBoard {
         let address = socket.address();
         self.scans = Some((socket, Vec::new()));
         Ok(address)
+    }
+
+    /// Has its chamber listen to Modbus, as a Watlow F4T does: on TCP, or in RTU frames on a pseudo-terminal. Returns where,
+    /// as `--chamber` takes it.
+    ///
+    /// # Errors
+    /// When it cannot listen there.
+    pub fn remote_chamber(&mut self, on: &ListenOn) -> io::Result<String> {
+        let is_serial = matches!(on, ListenOn::Pty(_));
+        let controller = Controller::new(self.device.plant(), is_serial);
+        let place = self.remote(on, Instrument::Chamber(controller))?;
+        Ok(format!("modbus-{}:{place}", if is_serial { "rtu" } else { "tcp" }))
+    }
+
+    /// Has its supply and voltmeter listen to SCPI. Returns where, as `--supply` takes it.
+    ///
+    /// # Errors
+    /// When it cannot listen there.
+    pub fn remote_supply(&mut self, on: &ListenOn) -> io::Result<String> {
+        let place = self.remote(on, Instrument::Supply(FineSupply::new()))?;
+        Ok(format!("scpi:{place}"))
+    }
+
+    fn remote(&mut self, on: &ListenOn, instrument: Instrument) -> io::Result<String> {
+        let socket = Socket::open(on)?;
+        let address = socket.address();
+        self.remote.push(Remote { socket, instrument, incoming: Vec::new(), pending: Vec::new() });
+        Ok(address.split_once(':').map_or(address.as_str(), |(_, place)| place).to_owned())
     }
 
     /// Where it listens, as `--device` and `--port` take it.
@@ -107,6 +176,9 @@ impl VirtualBoard {
             self.damage.do_to(&mut incoming);
             self.device.hear(&incoming);
             incoming.clear();
+            for remote in &mut self.remote {
+                remote.exchange(self.device.plant())?;
+            }
             self.pass_time();
             let said = self.device.said();
             let most = MOST_PENDING * self.speed.max(1.0);

@@ -44,9 +44,9 @@ pub fn run(
 ) -> Result<TrimMeasurements, BenchError> {
     session.begin()?;
     session.soak("room temperature", Celsius(session.setup.chamber.room_c), ROOM_SOAK)?;
-    let outputs = [Axis::X, Axis::Y].map(|axis| session.bench.supply.gyro_output(axis));
-    let [x, y] = outputs;
-    let room = Volts(f64::midpoint(x?.0, y?.0));
+    let mut output = |axis| session.patiently(Phase::Supply, recorder, |bench| bench.supply.gyro_output(axis));
+    let (x, y) = (output(Axis::X)?, output(Axis::Y)?);
+    let room = Volts(f64::midpoint(x.0, y.0));
     session.start(SampleWindow::NONE)?;
     session.phase("trim experiment", 0);
     let measured = measure(session, room, extremes, recorder);
@@ -54,7 +54,7 @@ pub fn run(
         session.record_the_rest(Phase::Supply, recorder)?;
         return measured;
     }
-    session.bench.supply.connect_gyros()?;
+    session.patiently(Phase::Supply, recorder, |bench| bench.supply.connect_gyros())?;
     session.stop()?;
     measured
 }
@@ -73,7 +73,7 @@ fn measure(
     for index in 0..points {
         let from_centre = span * (2.0 * f64::from(index) / f64::from(points - 1) - 1.0);
         let supply = room + Volts(from_centre * session.setup.board.input_volts_per_count);
-        session.bench.supply.feed(supply)?;
+        session.patiently(Phase::Supply, recorder, |bench| bench.supply.feed(supply))?;
         let at_middle = read_at(session, [middle; 2], recorder)?;
         refuse_saturation(session, at_middle, supply)?;
         let slopes = match per_tap {
@@ -87,7 +87,7 @@ fn measure(
             measured.points[axis.index()].push(SupplyPoint { supply, at_middle, trimmed, tap });
         }
     }
-    session.bench.supply.feed(room)?;
+    session.patiently(Phase::Supply, recorder, |bench| bench.supply.feed(room))?;
     let slopes = per_tap.unwrap_or([1.0; 2]);
     let [x, y] = [0, 1].map(|axis: usize| working_range(session, extremes[axis], slopes[axis]));
     let longest = (x.end() - x.start()).max(y.end() - y.start());

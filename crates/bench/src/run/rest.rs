@@ -21,6 +21,9 @@ impl Session<'_> {
                 self.bench.device.identify()?;
             }
             Cycled::Asked => self.await_power()?,
+            Cycled::LeftOn => {
+                self.bench.device.identify()?;
+            }
         }
         // First of all: modes and taps then hold at once, and no group of the board's own gets among a run's.
         self.bench.device.order(Request::SetAcquisition { run: false })?;

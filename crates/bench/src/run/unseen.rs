@@ -30,7 +30,7 @@ impl Session<'_> {
         recorder: &mut Recorder,
     ) -> Result<Vec<Taken>, BenchError> {
         let from = self.bench.chamber.set_point();
-        self.bench.chamber.set(set_point)?;
+        self.patiently(Phase::Soak, recorder, |bench| bench.chamber.set(set_point))?;
         if self.bench.chamber.is_seen() {
             return self.until(self.taken + groups, phase, recorder);
         }
@@ -131,7 +131,7 @@ impl Session<'_> {
         self.progress.note(&told);
     }
 
-    fn warn(&mut self, text: String) {
+    pub(super) fn warn(&mut self, text: String) {
         let told = self.warnings.remind(text);
         self.progress.note(&told);
     }

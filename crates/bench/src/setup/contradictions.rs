@@ -1,8 +1,9 @@
 //! What a set-up must hold so that a run of hours does not end in a contradiction.
 
 use zerorate_core::drift::MAX_KNOTS;
-use zerorate_core::units::Taps;
+use zerorate_core::units::{Celsius, Taps};
 use zerorate_fit::model::Model;
+use zerorate_instruments::supply::SupplyTable;
 
 use super::SetUp;
 
@@ -17,7 +18,7 @@ impl SetUp {
     /// What cannot be, in sentences; empty for a sound set-up.
     #[must_use]
     pub fn contradictions(&self) -> Vec<String> {
-        let Self { board, acquisition, chamber, trim, drift, limits, labels: _ } = self;
+        let Self { board, acquisition, chamber, trim, drift, limits, supply, labels: _ } = self;
         let mut found = Vec::new();
         let mut must = |holds: bool, sentence: String| {
             if !holds {
@@ -143,6 +144,9 @@ impl SetUp {
             ),
             Ok(_) => {}
         }
+        let ends = chamber.limits_c.map(Celsius);
+        found.extend(chamber.controller.iter().flat_map(|table| table.contradictions(ends)));
+        found.extend(supply.iter().flat_map(SupplyTable::contradictions));
         found
     }
 }

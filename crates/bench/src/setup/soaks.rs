@@ -1,4 +1,4 @@
-//! Which soaks of a set-up are made: those within the ramp that they are compared with.
+//! The profile of a set-up: how fast its ramp is, and which soaks are made, those within the ramp that they are compared with.
 
 use zerorate_core::units::Celsius;
 
@@ -9,6 +9,13 @@ impl SetUp {
     #[must_use]
     pub fn soaks(&self) -> Vec<Celsius> {
         self.chamber.soaks_c.iter().copied().filter(|&soak| self.is_on_the_ramp(soak)).map(Celsius).collect()
+    }
+
+    /// How fast a ramp goes if it takes the time in which its groups are taken, kelvins a minute.
+    #[must_use]
+    pub fn ramp_rate(&self) -> f64 {
+        let [cold, hot] = self.ends();
+        (hot - cold).0 / (f64::from(self.chamber.ramp_groups) * self.group_period().0 / 60.0)
     }
 
     /// Which soaks are not made and why, a sentence; `None` where all are.

@@ -91,8 +91,17 @@ impl Socket {
         }
     }
 
+    /// The same for a line beside the board's, which is waited for already.
+    pub(super) fn look(&mut self, incoming: &mut Vec<u8>, outgoing: &mut Vec<u8>) -> io::Result<()> {
+        self.exchange_within(Duration::ZERO, incoming, outgoing)
+    }
+
     /// Takes what has come and gives what can be given, without waiting longer than [`WAIT`].
     pub(super) fn exchange(&mut self, incoming: &mut Vec<u8>, outgoing: &mut Vec<u8>) -> io::Result<()> {
+        self.exchange_within(WAIT, incoming, outgoing)
+    }
+
+    fn exchange_within(&mut self, wait: Duration, incoming: &mut Vec<u8>, outgoing: &mut Vec<u8>) -> io::Result<()> {
         let lost = match self {
             Self::Tcp { listener, host, .. } => {
                 if host.is_none() {
@@ -100,14 +109,14 @@ impl Socket {
                     outgoing.clear();
                 }
                 let Some(stream) = host else {
-                    std::thread::sleep(WAIT);
+                    std::thread::sleep(wait);
                     return Ok(());
                 };
                 let lost = pass(stream, incoming, outgoing).is_err();
                 if lost {
                     *host = None;
                 } else if incoming.is_empty() {
-                    std::thread::sleep(WAIT);
+                    std::thread::sleep(wait);
                 }
                 lost
             }

@@ -1,14 +1,15 @@
 //! `zerorate calibrate`.
 
 mod acquisition;
+mod dry_run;
 mod instrument;
+mod notify;
 mod operator;
 mod page;
+mod real;
 mod schedule;
 
-use std::cell::RefCell;
 use std::path::PathBuf;
-use std::rc::Rc;
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
@@ -20,17 +21,18 @@ use zerorate_bench::checkpoint::Keep;
 use zerorate_bench::choice::DeviceChoice;
 use zerorate_bench::error::BenchError;
 use zerorate_bench::instruments::Bench;
-use zerorate_bench::manual;
 use zerorate_bench::plan::Plan;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::results;
 use zerorate_bench::run::Progress;
 use zerorate_bench::setup::SetUp;
 use zerorate_cal::quality::Verdict;
+use zerorate_words::sentence;
 
 use self::acquisition::Acquisition;
 use self::instrument::Instrument;
 use self::operator::AtTerminal;
+use self::real::Instruments;
 use super::Outcome;
 use crate::interrupt;
 use crate::plant::Plant;
@@ -45,7 +47,9 @@ use crate::screen;
 /// beside it to compare with.
 ///
 /// On a real board a person is at the chamber, the supply and the switch: told what to do, and watched by the board's own
-/// temperature reading. Before it begins the run says its steps, how long each takes and when the last ends. Ctrl-C stops
+/// temperature reading. Or chamber and supply obey by themselves, by Modbus or SCPI: then nobody needs to be there, and at
+/// every end - done, error, Ctrl-C - the chamber is sent to its safe set point and stopped, and the supply is off. A second
+/// Ctrl-C ends the program at once and leaves them as they are. Before it begins the run says its steps, how long each takes and when the last ends. Ctrl-C stops
 /// such a run, --resume goes on after what was finished; a step whose result cannot be used is run again.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -64,13 +68,24 @@ pub struct Calibrate {
     #[arg(long, value_name = "DEVICE", default_value_t = DeviceChoice::Native)]
     device: DeviceChoice,
 
-    /// The chamber; without it simulated with a simulated board, manual with a real one
-    #[arg(long, value_enum)]
+    /// The chamber: manual (a person is told), modbus-tcp:HOST:PORT, modbus-rtu:PATH, scpi:HOST:PORT or scpi:PATH, with the
+    /// controller in the set-up; without it simulated with a simulated board, manual with a real one
+    #[arg(long, value_name = "INSTRUMENT")]
     chamber: Option<Instrument>,
 
-    /// The fine supply and the voltmeter; without it as the chamber
-    #[arg(long, value_enum)]
+    /// The fine supply and the voltmeter: manual, scpi:HOST:PORT or scpi:PATH; without it as the chamber is without
+    #[arg(long, value_name = "INSTRUMENT")]
     supply: Option<Instrument>,
+
+    /// Say the plan - steps, how long each takes, how fast the ramps are, when it ends - and what the instruments answer, and do
+    /// nothing
+    #[arg(long)]
+    dry_run: bool,
+
+    /// Run this command by the shell at the end, however it ends: ZERORATE_RESULT is passed, rejected, stopped or failed,
+    /// ZERORATE_MESSAGE a sentence, ZERORATE_OUT the folder
+    #[arg(long, value_name = "CMD")]
+    notify: Option<String>,
 
     /// Go on with a run on a real board that was stopped: what was finished is not repeated
     #[arg(long)]
@@ -116,11 +131,31 @@ Examples:
       the limits that a unit must pass are in the set-up
   zerorate calibrate --device serial:/dev/ttyUSB0 --chamber manual --supply manual --setup bench.toml
       a real board; soaks_c = [] in the set-up leaves out the soaks, which take most of it
+  zerorate calibrate --device serial:/dev/ttyUSB0 --chamber modbus-tcp:10.0.0.7:502 --supply scpi:10.0.0.8:5025 \\
+      --setup bench.toml --dry-run
+      the plan of a night, and whether chamber and supply answer; without --dry-run it begins
+  zerorate calibrate ... --notify 'curl -d \"$ZERORATE_MESSAGE\" https://ntfy.sh/my-bench'
 
 Exit codes: 0 the unit passed; 1 it was rejected, with reasons; 2 error.";
 
 impl Calibrate {
     pub fn run(&self) -> Result<Outcome> {
+        let outcome = self.carry_through();
+        if let Some(command) = self.notify.as_ref().filter(|_| !self.dry_run) {
+            let (result, message) = match &outcome {
+                Ok(Outcome::Done) => ("passed", format!("the unit passed; the report is in {}", self.out.display())),
+                Ok(_) => ("rejected", format!("the unit was rejected; the report is in {}", self.out.display())),
+                Err(error) if interrupt::was_asked_for() => ("stopped", sentence(error.as_ref())),
+                Err(error) => ("failed", sentence(error.as_ref())),
+            };
+            if let Err(error) = notify::run(command, result, &message, &self.out) {
+                screen::note(&format!("`notify`: {error:#}: {command}"));
+            }
+        }
+        outcome
+    }
+
+    fn carry_through(&self) -> Result<Outcome> {
         let kind = self.plant.kind();
         let setup = match &self.setup {
             Some(file) => SetUp::read(file)?,
@@ -130,17 +165,21 @@ impl Calibrate {
             return self.run_real(&setup);
         }
         ensure!(!self.resume, "--resume is for a real board: a simulated run is over in seconds, run it again");
-        let manual = [self.chamber, self.supply].contains(&Some(Instrument::Manual));
-        ensure!(!manual, "a simulated board has a simulated chamber and supply: leave --chamber and --supply out");
+        let others = [&self.chamber, &self.supply].into_iter().flatten().any(|own| *own != Instrument::Simulated);
+        ensure!(!others, "a simulated board has a simulated chamber and supply: leave --chamber and --supply out");
+        if self.dry_run {
+            dry_run::print(&setup, &[], self.json)?;
+            return Ok(Outcome::Done);
+        }
         let unit = Unit::new(self.serial.as_deref().unwrap_or("ZR-0001"), Some((kind, self.seed)))?;
         let mut bench = self.bench(kind, &setup, &unit)?;
         self.carry_out(&mut bench, &setup, unit, Bar::new(&setup), Keep::Nothing)
     }
 
-    /// A real board, a person for everything else.
+    /// A real board, and a person or instruments about it.
     fn run_real(&self, setup: &SetUp) -> Result<Outcome> {
-        let simulated = [self.chamber, self.supply].contains(&Some(Instrument::Simulated));
-        ensure!(!simulated, "a real board is in no simulated chamber: --chamber manual --supply manual");
+        let [chamber, supply] = [&self.chamber, &self.supply].map(|own| own.as_ref().unwrap_or(&Instrument::Manual));
+        let mut instruments = Instruments::open(chamber, supply, setup)?;
         let mut device = self.device.open()?.context("a real board has a line")?;
         let identity = device.identify()?;
         let own = identity.unit.as_str();
@@ -153,10 +192,15 @@ impl Calibrate {
             }
         };
         let unit = Unit::new(serial, None)?;
+        if self.dry_run {
+            instruments.found.push(format!("the board at {} is {serial}", self.device));
+            dry_run::print(setup, &instruments.found, self.json)?;
+            return Ok(Outcome::Done);
+        }
         interrupt::watch()?;
-        let bar = Bar::without_end();
-        let operator = AtTerminal::new(bar.bar.clone());
-        let mut bench = manual::bench(device, Rc::new(RefCell::new(operator)))?;
+        let mut bar = Bar::without_end();
+        instruments.found.iter().for_each(|found| bar.note(found));
+        let mut bench = instruments.bench(device, || AtTerminal::new(bar.bar.clone()))?;
         let keep = if self.resume { Keep::Resume } else { Keep::Anew };
         self.carry_out(&mut bench, setup, unit, bar, keep)
     }

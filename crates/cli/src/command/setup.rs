@@ -4,10 +4,10 @@ mod fields;
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Error, Result};
 use clap::Args;
 use serde::Serialize;
-use zerorate_bench::setup::SetUp;
+use zerorate_bench::setup::{ControllerTable, SetUp, SupplyTable};
 
 use super::Outcome;
 use crate::plant::Plant;
@@ -25,6 +25,11 @@ pub struct Setup {
     #[arg(long, value_enum, default_value_t = Plant::Paper, conflicts_with = "check")]
     plant: Plant,
 
+    /// Print it with the tables of a chamber's controller and a supply for remote control: eurotherm, watlow-f4t, binder, espec or
+    /// own
+    #[arg(long, value_name = "PRESET", conflicts_with = "check")]
+    controller: Option<String>,
+
     /// Check a set-up file and say in what it differs from the paper's
     #[arg(long, value_name = "FILE")]
     check: Option<PathBuf>,
@@ -37,6 +42,8 @@ pub struct Setup {
 const EXAMPLES: &str = "\
 Examples:
   zerorate setup > bench.toml           then edit it
+  zerorate setup --controller watlow-f4t > night.toml
+                                        the same for a chamber and a supply by remote control
   zerorate setup --check bench.toml";
 
 /// What a set-up file was found to be, as JSON has it.
@@ -53,10 +60,19 @@ impl Setup {
     pub fn run(&self) -> Result<Outcome> {
         match &self.check {
             Some(file) => self.check(file)?,
-            None if self.json => screen::print_json(&self.plant.kind().setup())?,
-            None => screen::print(&fields::commented(&self.plant.kind().setup())?)?,
+            None if self.json => screen::print_json(&self.setup()?)?,
+            None => screen::print(&fields::commented(&self.setup()?)?)?,
         }
         Ok(Outcome::Done)
+    }
+
+    fn setup(&self) -> Result<SetUp> {
+        let mut setup = self.plant.kind().setup();
+        if let Some(preset) = &self.controller {
+            setup.chamber.controller = Some(ControllerTable::whole(preset).map_err(Error::msg)?);
+            setup.supply = Some(SupplyTable::default());
+        }
+        Ok(setup)
     }
 
     fn check(&self, file: &std::path::Path) -> Result<()> {

@@ -20,7 +20,8 @@ use crate::screen;
 ///
 /// The board behaves as a real one: groups come by themselves while its acquisition runs, and nothing waits for the host.
 /// The person at its chamber and supply is you: orders are lines on standard input - `chamber -40`, `feed 2.4998`, `gyros`,
-/// `voltmeter`, `power` (off and on), `break stuck-x`, `byte-errors 0.001`, `mend`, `status`, `quit`.
+/// `voltmeter`, `power` (off and on), `break stuck-x`, `byte-errors 0.001`, `mend`, `status`, `quit`. Or chamber and supply
+/// obey `calibrate`, by --chamber-on and --supply-on.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Serve {
@@ -31,6 +32,14 @@ pub struct Serve {
     /// Where its second line is to be listened to, on which each scan goes out, corrected; as for --on
     #[arg(long, value_name = "PLACE")]
     scans_on: Option<ListenOn>,
+
+    /// Where its chamber is to hear Modbus, as the controller watlow-f4t does: TCP, or RTU on a pseudo-terminal; as for --on
+    #[arg(long, value_name = "PLACE")]
+    chamber_on: Option<ListenOn>,
+
+    /// Where its supply and voltmeter are to hear SCPI; as for --on
+    #[arg(long, value_name = "PLACE")]
+    supply_on: Option<ListenOn>,
 
     /// The simulated board
     #[arg(long, value_enum, default_value_t = Plant::Paper)]
@@ -60,7 +69,11 @@ Examples:
   zerorate virtual-board --on tcp:127.0.0.1:5494 --scans-on tcp:127.0.0.1:5495
   zerorate device --port tcp:127.0.0.1:5495 stream
   zerorate virtual-board --on pty:/tmp/board --speed 60
-  zerorate calibrate --device serial:/tmp/board            a chamber that you turn by hand, an hour a minute";
+  zerorate calibrate --device serial:/tmp/board            a chamber that you turn by hand, an hour a minute
+  zerorate virtual-board --on tcp:127.0.0.1:5494 --chamber-on tcp:127.0.0.1:5502 --supply-on tcp:127.0.0.1:5025 --speed 60
+  zerorate calibrate --device tcp:127.0.0.1:5494 --chamber modbus-tcp:127.0.0.1:5502 --supply scpi:127.0.0.1:5025 \\
+      --setup night.toml
+      nobody at the bench; [chamber.controller] preset = \"watlow-f4t\" is in night.toml";
 
 impl Serve {
     pub fn run(&self) -> Result<Outcome> {
@@ -79,6 +92,15 @@ impl Serve {
             .as_ref()
             .map(|on| board.send_scans(on).with_context(|| format!("--scans-on {on}: cannot listen there")));
         let scans = scans.transpose()?;
+        let chamber = self
+            .chamber_on
+            .as_ref()
+            .map(|on| board.remote_chamber(on).with_context(|| format!("--chamber-on {on}: cannot listen there")));
+        let supply = self
+            .supply_on
+            .as_ref()
+            .map(|on| board.remote_supply(on).with_context(|| format!("--supply-on {on}: cannot listen there")));
+        let (chamber, supply) = (chamber.transpose()?, supply.transpose()?);
         interrupt::watch()?;
         let (tell, orders) = mpsc::channel();
         thread::spawn(move || {
@@ -91,6 +113,11 @@ impl Serve {
         screen::print(&format!("board {} listens on {}\n", self.serial, board.address()))?;
         if let Some(scans) = scans {
             screen::print(&format!("its scans go out on {scans}\n"))?;
+        }
+        for (what, place) in [("chamber", chamber), ("supply", supply)] {
+            if let Some(place) = place {
+                screen::print(&format!("its {what} hears {place}\n"))?;
+            }
         }
         let answer = |text: &str| {
             // Whoever closed the pipe does not want to know.

@@ -10,6 +10,7 @@
 mod bench;
 mod board;
 mod manual;
+mod night;
 #[allow(dead_code)] // Nor every helper.
 #[path = "../command/schema.rs"]
 mod schema;

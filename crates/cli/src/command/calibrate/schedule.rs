@@ -1,21 +1,25 @@
 //! A plan as people read it: how long, and until when by the clock on the wall.
 
-use chrono::{DateTime, Local, TimeDelta};
+use chrono::{DateTime, Local, SecondsFormat, TimeDelta};
 use zerorate_bench::plan::Plan;
 
 /// The whole plan, before it begins: a line for all of it and one for each step.
 pub fn of(plan: &Plan) -> Vec<String> {
-    let whole = plan.time_from(0).0;
-    let (all, left) = (plan.parts.len(), plan.left_from(0));
-    let steps = if left == all { format!("{all} steps") } else { format!("{left} of {all} steps are left") };
-    let head =
-        format!("the plan: {steps}, about {}; without delay it ends {}", time(whole), clock(Local::now(), whole));
+    let head = head(plan);
     let steps = plan.parts.iter().enumerate();
     let steps = steps.map(|(place, (part, took))| {
         let long = if took.0 > 0.0 { format!("about {}", time(took.0)) } else { "done before".to_owned() };
         format!("{}. {part}: {long}", place + 1)
     });
     std::iter::once(head).chain(steps).collect()
+}
+
+/// The whole plan in a line.
+pub fn head(plan: &Plan) -> String {
+    let whole = plan.time_from(0).0;
+    let (all, left) = (plan.parts.len(), plan.left_from(0));
+    let steps = if left == all { format!("{all} steps") } else { format!("{left} of {all} steps are left") };
+    format!("the plan: {steps}, about {}; without delay it ends {}", time(whole), from_now(whole))
 }
 
 /// A step that begins, what is left after it, and when all of it ends.
@@ -36,11 +40,21 @@ pub fn step(plan: &Plan, place: usize) -> String {
 
 /// When the plan ends, if the step at this place begins now.
 pub fn end(plan: &Plan, place: usize) -> String {
-    clock(Local::now(), plan.time_from(place).0)
+    from_now(plan.time_from(place).0)
+}
+
+/// The time of day so many seconds from now, with its day.
+pub fn from_now(seconds: f64) -> String {
+    clock(Local::now(), seconds)
+}
+
+/// The same for programs: RFC 3339.
+pub fn stamp(seconds: f64) -> String {
+    later(Local::now(), seconds).to_rfc3339_opts(SecondsFormat::Secs, false)
 }
 
 /// A time as `2 h 40 min`, to five minutes where it has hours.
-fn time(seconds: f64) -> String {
+pub fn time(seconds: f64) -> String {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // days at most
     let minutes = (seconds / 60.0).round() as u64;
     if minutes < 60 {
@@ -50,11 +64,14 @@ fn time(seconds: f64) -> String {
     format!("{} h {:02} min", fives / 60, fives % 60)
 }
 
-/// The time of day so many seconds from now, with its day.
-fn clock(now: DateTime<Local>, seconds: f64) -> String {
+fn later(now: DateTime<Local>, seconds: f64) -> DateTime<Local> {
     #[allow(clippy::cast_possible_truncation)] // days at most
-    let later = now + TimeDelta::seconds(seconds as i64);
-    later.format("%a %e %b, %H:%M").to_string().replace("  ", " ")
+    let seconds = seconds as i64;
+    now + TimeDelta::seconds(seconds)
+}
+
+fn clock(now: DateTime<Local>, seconds: f64) -> String {
+    later(now, seconds).format("%a %e %b, %H:%M").to_string().replace("  ", " ")
 }
 
 #[cfg(test)]

@@ -4,7 +4,9 @@ use anyhow::{Context, Result};
 use documented::DocumentedFields;
 use serde::Serialize;
 use toml::{Table, Value};
-use zerorate_bench::setup::{Acquisition, Board, ChamberProfile, DriftChoice, Limits, SetUp, TrimExperiment};
+use zerorate_bench::setup::{
+    Acquisition, Board, ChamberProfile, ControllerTable, DriftChoice, Limits, SetUp, SupplyTable, TrimExperiment,
+};
 
 /// The file's first lines.
 const HEAD: &str = "The set-up of a board and its bench. A field may be left out: its value is then the one that \
@@ -22,6 +24,8 @@ fn about(section: &str, field: &str) -> &'static str {
         "board" => Board::get_field_docs(field),
         "acquisition" => Acquisition::get_field_docs(field),
         "chamber" => ChamberProfile::get_field_docs(field),
+        "chamber.controller" => ControllerTable::get_field_docs(field),
+        "supply" => SupplyTable::get_field_docs(field),
         "trim" => TrimExperiment::get_field_docs(field),
         "drift" => DriftChoice::get_field_docs(field),
         "limits" => Limits::get_field_docs(field),
@@ -39,7 +43,8 @@ pub fn commented(setup: &SetUp) -> Result<String> {
         if let Some(name) = line.strip_prefix('[').and_then(|line| line.strip_suffix(']')) {
             name.clone_into(&mut section);
             text += "\n";
-            text += &comment(SetUp::get_field_docs(name).unwrap_or_default());
+            let within = name.strip_prefix("chamber.").map(|field| about("chamber", field));
+            text += &comment(within.unwrap_or_else(|| SetUp::get_field_docs(name).unwrap_or_default()));
         } else if let Some((field, _)) = line.split_once(" = ").filter(|_| section != LABELS) {
             text += &comment(about(&section, field));
         }
@@ -97,8 +102,10 @@ mod tests {
 
     #[test]
     fn the_commented_file_reads_back_as_the_set_up() {
+        let mut remote = SetUp { supply: Some(SupplyTable::default()), ..SetUp::paper() };
+        remote.chamber.controller = Some(ControllerTable::of("binder"));
         let labelled = SetUp { labels: [("station".to_owned(), "oven \"2\"".to_owned())].into(), ..SetUp::paper() };
-        for setup in [SetUp::paper(), SetUp::typical(), labelled] {
+        for setup in [SetUp::paper(), SetUp::typical(), labelled, remote] {
             let text = commented(&setup).unwrap();
             assert_eq!(SetUp::parse(&text, "printed").unwrap(), setup);
             assert!(text.lines().filter(|line| line.starts_with('#')).all(|line| line.len() <= WIDTH), "{text}");

@@ -1,0 +1,269 @@
+//! Instruments by remote control behind chamber and supply: they are asked while groups come, and left safe at the end.
+//!
+//! One that does not answer is let alone for some seconds and asked again ([`Patience`]): groups do not wait behind it.
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use zerorate_core::units::{Axis, Celsius, Volts};
+pub use zerorate_instruments::address::Address;
+use zerorate_instruments::controller::Controller;
+use zerorate_instruments::fault::Fault;
+use zerorate_instruments::patience::Patience;
+use zerorate_instruments::supply::PowerSupply;
+
+use crate::instruments::{Chamber, Cycled, InstrumentError, Power, Supply};
+use crate::setup::SetUp;
+
+/// How often an instrument that is away is told to rest, and how long between two of them: half a minute.
+const REST_TRIES: u32 = 6;
+const REST_AGAIN: Duration = Duration::from_secs(5);
+
+/// Why a remote instrument cannot stand on a bench.
+#[derive(Debug, thiserror::Error)]
+pub enum RemoteError {
+    /// The set-up does not say how it is spoken to.
+    #[error("{0}")]
+    SetUp(String),
+    /// It does not answer as it should.
+    #[error(transparent)]
+    Instrument(#[from] InstrumentError),
+}
+
+/// What was found when an instrument was asked for the first time: a sentence.
+pub type Found = String;
+
+/// What both instruments have: a name for sentences, patience, and what is to be told.
+struct Contact {
+    what: &'static str,
+    name: String,
+    patience: Patience,
+    notes: Vec<String>,
+}
+
+impl Contact {
+    fn with(what: &'static str, address: &Address) -> Self {
+        let name = format!("the {what} at {address}");
+        Self { what, name, patience: Patience::with(what), notes: Vec::new() }
+    }
+
+    fn error(&self, fault: Fault) -> InstrumentError {
+        InstrumentError::Remote { what: self.name.clone(), fault }
+    }
+
+    /// Does something with the instrument, if it is to be asked now; says whether it had been silent before.
+    fn attempt<T>(&mut self, act: impl FnOnce() -> Result<T, Fault>) -> Result<(T, bool), InstrumentError> {
+        if !self.patience.may_ask(Instant::now()) {
+            return Err(InstrumentError::Away(self.what));
+        }
+        match act() {
+            Err(fault) if fault.may_pass() => {
+                self.notes.extend(self.patience.silent(Instant::now(), &fault.to_string()));
+                Err(self.error(fault))
+            }
+            Err(fault) => Err(self.error(fault)),
+            Ok(value) => {
+                let (was_silent, told) = self.patience.heard(Instant::now());
+                self.notes.extend(told);
+                Ok((value, was_silent))
+            }
+        }
+    }
+
+    /// Does what makes it safe, again and again where it is away.
+    fn bring_to_rest(&self, mut act: impl FnMut() -> Result<(), Fault>) -> Result<(), InstrumentError> {
+        let mut tries = 1;
+        loop {
+            match act() {
+                Ok(()) => return Ok(()),
+                Err(fault) if fault.may_pass() && tries < REST_TRIES => thread::sleep(REST_AGAIN),
+                Err(fault) => return Err(InstrumentError::NotAtRest { what: self.name.clone(), fault }),
+            }
+            tries += 1;
+        }
+    }
+}
+
+/// A chamber by remote control.
+pub struct RemoteChamber {
+    controller: Controller,
+    contact: Contact,
+    set_point: Celsius,
+    /// Whether it was sent anywhere, and not brought to rest since.
+    is_under_way: bool,
+    /// Where its air was, when that was asked, and how long the answer took.
+    last: Option<(Celsius, Instant, Duration)>,
+}
+
+/// No more than a quarter of the time goes by with asking where the air is: groups wait meanwhile, and where those come faster
+/// than answers the last one stands for several.
+const SHARE_OF_TIME: u32 = 4;
+
+impl RemoteChamber {
+    /// A chamber that was asked who it is and what it shows; it is not moved.
+    ///
+    /// # Errors
+    /// [`RemoteError`].
+    pub fn open(address: &Address, setup: &SetUp) -> Result<(Self, Found), RemoteError> {
+        let Some(table) = &setup.chamber.controller else {
+            return Err(RemoteError::SetUp(format!(
+                "{address}: the set-up does not say which controller this is, and a set point in a wrong register does harm: put [chamber.controller] with preset = \"...\" into it (`zerorate setup --controller watlow-f4t` prints one)"
+            )));
+        };
+        let limits = setup.chamber.limits_c.map(Celsius);
+        let mut controller = Controller::new(address, table, limits).map_err(RemoteError::SetUp)?;
+        let contact = Contact::with("chamber", address);
+        let asked = (|| Ok((controller.identity()?, controller.actual()?, controller.set_point()?)))();
+        let (identity, air, set_point) = asked.map_err(|fault| contact.error(fault))?;
+        let who = identity.map_or_else(String::new, |identity| format!(" ({identity})"));
+        let found = format!("{}{who} shows {:.1} C and is set to {:.1} C", contact.name, air.0, set_point.0);
+        Ok((Self { controller, contact, set_point: air, is_under_way: false, last: None }, found))
+    }
+
+    /// Sends a chamber that was away where it should be, if it has forgotten.
+    fn remind(&mut self) -> Result<(), Fault> {
+        if !self.is_under_way {
+            return Ok(());
+        }
+        let (is, should) = (self.controller.set_point()?, self.set_point);
+        if !self.controller.is_same(is, should) {
+            self.controller.send(should)?;
+            self.contact.notes.push(format!(
+                "the chamber was away and came back set to {:.1} C: it was sent to {:.1} C again",
+                is.0, should.0
+            ));
+        }
+        Ok(())
+    }
+}
+
+impl Chamber for RemoteChamber {
+    fn set(&mut self, set_point: Celsius) -> Result<(), InstrumentError> {
+        self.is_under_way = true;
+        let controller = &mut self.controller;
+        self.contact.attempt(|| controller.send(set_point))?;
+        self.set_point = set_point;
+        Ok(())
+    }
+
+    fn set_point(&self) -> Celsius {
+        self.set_point
+    }
+
+    fn air(&mut self) -> Result<Celsius, InstrumentError> {
+        if let Some((air, asked, took)) = self.last
+            && asked.elapsed() < took * SHARE_OF_TIME
+        {
+            return Ok(air);
+        }
+        let asked = Instant::now();
+        let controller = &mut self.controller;
+        let answer = self.contact.attempt(|| controller.actual());
+        self.last = answer.as_ref().ok().map(|(air, _)| (*air, asked, asked.elapsed()));
+        match answer {
+            Ok((air, false)) => Ok(air),
+            Ok((air, true)) => match self.remind() {
+                Ok(()) => Ok(air),
+                Err(fault) if fault.may_pass() => {
+                    // It is asked again, and then reminded.
+                    self.contact.notes.extend(self.contact.patience.silent(Instant::now(), &fault.to_string()));
+                    Ok(Celsius(f64::NAN))
+                }
+                Err(fault) => Err(self.contact.error(fault)),
+            },
+            Err(error) if error.may_pass() => Ok(Celsius(f64::NAN)),
+            Err(error) => Err(error),
+        }
+    }
+
+    fn take_notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.contact.notes)
+    }
+
+    fn rest(&mut self) -> Result<(), InstrumentError> {
+        if std::mem::take(&mut self.is_under_way) {
+            let controller = &mut self.controller;
+            self.contact.bring_to_rest(|| controller.rest())?;
+            self.set_point = self.controller.safe();
+        }
+        Ok(())
+    }
+}
+
+impl Drop for RemoteChamber {
+    fn drop(&mut self) {
+        // Whoever ends in order has seen the error of `rest`.
+        let _ = self.rest();
+    }
+}
+
+/// A supply by remote control.
+pub struct RemoteSupply {
+    supply: PowerSupply,
+    contact: Contact,
+    /// Whether it may be on.
+    is_on: bool,
+}
+
+impl RemoteSupply {
+    /// A supply that was asked who it is; nothing is fed.
+    ///
+    /// # Errors
+    /// [`RemoteError`].
+    pub fn open(address: &Address, setup: &SetUp) -> Result<(Self, Found), RemoteError> {
+        let table = setup.supply.clone().unwrap_or_default();
+        let mut supply = PowerSupply::new(address, &table).map_err(RemoteError::SetUp)?;
+        let contact = Contact::with("supply", address);
+        let identity = supply.identity().map_err(|fault| contact.error(fault))?;
+        let found = format!("{} is {identity}", contact.name);
+        Ok((Self { supply, contact, is_on: false }, found))
+    }
+}
+
+impl Supply for RemoteSupply {
+    fn feed(&mut self, volts: Volts) -> Result<(), InstrumentError> {
+        self.is_on = true;
+        let supply = &mut self.supply;
+        self.contact.attempt(|| supply.feed(volts)).map(drop)
+    }
+
+    fn connect_gyros(&mut self) -> Result<(), InstrumentError> {
+        let supply = &mut self.supply;
+        self.contact.attempt(|| supply.off())?;
+        self.is_on = false;
+        Ok(())
+    }
+
+    fn gyro_output(&mut self, axis: Axis) -> Result<Volts, InstrumentError> {
+        let supply = &mut self.supply;
+        self.contact.attempt(|| supply.gyro_output(axis)).map(|(volts, _)| volts)
+    }
+
+    fn take_notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.contact.notes)
+    }
+
+    fn rest(&mut self) -> Result<(), InstrumentError> {
+        if std::mem::take(&mut self.is_on) {
+            let supply = &mut self.supply;
+            self.contact.bring_to_rest(|| supply.off())?;
+        }
+        Ok(())
+    }
+}
+
+impl Drop for RemoteSupply {
+    fn drop(&mut self) {
+        // As the chamber's.
+        let _ = self.rest();
+    }
+}
+
+/// The power of a board that nobody switches: every run begins with a board that was told to rest.
+pub struct LeftOn;
+
+impl Power for LeftOn {
+    fn cycle(&mut self) -> Result<Cycled, InstrumentError> {
+        Ok(Cycled::LeftOn)
+    }
+}

@@ -1,0 +1,67 @@
+//! What stands about a real board: a person, or instruments by remote control.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use anyhow::{Result, bail};
+use zerorate_bench::client::DeviceClient;
+use zerorate_bench::instruments::{Bench, Chamber, Power, Supply};
+use zerorate_bench::manual::{self, Person};
+use zerorate_bench::remote::{LeftOn, RemoteChamber, RemoteSupply};
+use zerorate_bench::setup::SetUp;
+
+use super::instrument::Instrument;
+use super::operator::AtTerminal;
+
+/// A chamber and a supply that were asked who they are, and what was found.
+pub struct Instruments {
+    chamber: Option<RemoteChamber>,
+    supply: Option<RemoteSupply>,
+    /// A sentence each.
+    pub found: Vec<String>,
+}
+
+impl Instruments {
+    /// Asks those that are remote. Nothing is moved or fed.
+    pub fn open(chamber: &Instrument, supply: &Instrument, setup: &SetUp) -> Result<Self> {
+        let mut found = Vec::new();
+        let chamber = match chamber {
+            Instrument::Simulated => bail!("a real board is in no simulated chamber: --chamber manual, or its address"),
+            Instrument::Manual => None,
+            Instrument::Remote(address) => {
+                let (chamber, told) = RemoteChamber::open(address, setup)?;
+                found.push(told);
+                Some(chamber)
+            }
+        };
+        let supply = match supply {
+            Instrument::Simulated => bail!("a real board has no simulated supply: --supply manual, or its address"),
+            Instrument::Manual => None,
+            Instrument::Remote(address) => {
+                let (supply, told) = RemoteSupply::open(address, setup)?;
+                found.push(told);
+                Some(supply)
+            }
+        };
+        Ok(Self { chamber, supply, found })
+    }
+
+    /// The bench. Who is there for one of them turns the board's switch too; where nobody is, it stays on.
+    pub fn bench(self, device: DeviceClient, operator: impl FnOnce() -> AtTerminal) -> Result<Bench> {
+        let (chamber, supply, power): (Box<dyn Chamber>, Box<dyn Supply>, Box<dyn Power>) =
+            match (self.chamber, self.supply) {
+                (Some(chamber), Some(supply)) => (Box::new(chamber), Box::new(supply), Box::new(LeftOn)),
+                (chamber, supply) => {
+                    let person: Person = Rc::new(RefCell::new(operator()));
+                    let chamber = match chamber {
+                        Some(chamber) => Box::new(chamber),
+                        None => manual::chamber(&person)?,
+                    };
+                    let supply =
+                        supply.map_or_else(|| manual::supply(&person), |supply| Box::new(supply) as Box<dyn Supply>);
+                    (chamber, supply, manual::power(&person))
+                }
+            };
+        Ok(Bench { device, chamber, supply, power, clock: None, witness: None })
+    }
+}

@@ -1,0 +1,183 @@
+//! Nobody at the bench: chamber and supply of a virtual board obey the program, by Modbus and SCPI.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::board::{Board, await_end, send};
+use crate::schema;
+
+/// Three hours of chamber time, over 30 K.
+const NIGHT: &str = "\
+[chamber]
+cold_c = 10.0
+hot_c = 40.0
+soak_s = 60.0
+soak_groups = 4
+ramp_groups = 400
+soaks_c = [10.0]
+[chamber.controller]
+preset = \"watlow-f4t\"
+[supply]
+voltmeter_x = \"MEAS:VOLT? (@2)\"
+voltmeter_y = \"MEAS:VOLT? (@3)\"
+[trim]
+points = 3
+groups_per_point = 2
+span_counts = 300.0
+margin_taps = 1
+";
+
+struct Bench {
+    board: Board,
+    chamber: String,
+    supply: String,
+    folder: tempfile::TempDir,
+}
+
+impl Bench {
+    fn start(chamber_on: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("night.toml"), NIGHT).unwrap();
+        let more =
+            ["--chamber-on", chamber_on, "--supply-on", "tcp:127.0.0.1:0", "--speed", "300", "--setup", "night.toml"];
+        let mut board = Board::start("tcp:127.0.0.1:0", &more, folder.path());
+        let [chamber, supply] = [0, 1].map(|_| board.said().rsplit(' ').next().unwrap().to_owned());
+        Self { board, chamber, supply, folder }
+    }
+
+    fn calibrate(&self, more: &[&str]) -> Child {
+        Command::new(env!("CARGO_BIN_EXE_zerorate"))
+            .args(["calibrate", "--device", &self.board.port, "--chamber", &self.chamber, "--supply", &self.supply])
+            .args(["--setup", "night.toml", "--json"])
+            .args(more)
+            .current_dir(self.path())
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap()
+    }
+
+    fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The chamber's set point and mode, and the supply's output, asked by hand.
+    fn at_the_end(&self) -> (f32, u16, String) {
+        let mut chamber = TcpStream::connect(self.chamber.strip_prefix("modbus-tcp:").unwrap()).unwrap();
+        let mut read = |register: u16, count: u8| {
+            let [high, low] = register.to_be_bytes();
+            chamber.write_all(&[0, 9, 0, 0, 0, 6, 1, 3, high, low, 0, count]).unwrap();
+            let mut answer = vec![0; 9 + 2 * usize::from(count)];
+            chamber.read_exact(&mut answer).unwrap();
+            answer[9..].to_vec()
+        };
+        let words = read(2782, 2);
+        let set_point = f32::from_be_bytes([words[2], words[3], words[0], words[1]]);
+        let mode = read(2730, 1);
+        let mut supply = TcpStream::connect(self.supply.strip_prefix("scpi:").unwrap()).unwrap();
+        supply.write_all(b"OUTP?\n").unwrap();
+        let mut output = String::new();
+        BufReader::new(supply).read_line(&mut output).unwrap();
+        (set_point, u16::from_be_bytes([mode[0], mode[1]]), output.trim().to_owned())
+    }
+}
+
+fn told(child: &mut Child) -> String {
+    let mut told = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut told).unwrap();
+    told
+}
+
+#[test]
+fn a_night_without_anybody_ends_with_a_report_a_message_and_everything_off() {
+    let bench = Bench::start("tcp:127.0.0.1:0");
+    let mut run = bench.calibrate(&["--notify", "echo $ZERORATE_RESULT: $ZERORATE_MESSAGE > message"]);
+    let mut summary = String::new();
+    run.stdout.take().unwrap().read_to_string(&mut summary).unwrap();
+    let told = told(&mut run);
+    assert_eq!(await_end(&mut run), Some(0), "{told}");
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    schema::hold("summary.json", &summary);
+    assert_eq!(summary["tests"].as_array().unwrap().len(), 6);
+    assert!(bench.path().join("calibration/report.html").exists());
+    assert!(told.contains("step 7 of 7: soaks to compare with") && !told.contains(">>"), "{told}");
+    assert_eq!(
+        fs::read_to_string(bench.path().join("message")).unwrap(),
+        "passed: the unit passed; the report is in calibration\n"
+    );
+    assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
+}
+
+#[test]
+fn a_run_that_is_stopped_leaves_the_chamber_safe_and_the_supply_off() {
+    let bench = Bench::start("tcp:127.0.0.1:0");
+    let mut run = bench.calibrate(&["--notify", "echo $ZERORATE_RESULT > message"]);
+    // On the way to 10 C, or at it.
+    let began = Instant::now();
+    while (bench.path().join("calibration/in-progress/full-temperature.arrows").metadata()).map_or(0, |file| file.len())
+        == 0
+    {
+        assert!(began.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    send("TERM", run.id());
+    let told = told(&mut run);
+    assert_eq!(await_end(&mut run), Some(2), "{told}");
+    assert!(told.contains("stopped by Ctrl-C"), "{told}");
+    assert_eq!(fs::read_to_string(bench.path().join("message")).unwrap(), "stopped\n");
+    assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
+}
+
+#[test]
+fn the_plan_is_told_beforehand_and_nothing_is_moved() {
+    let bench = Bench::start("pty");
+    let mut run = bench.calibrate(&["--dry-run"]);
+    let mut plan = String::new();
+    run.stdout.take().unwrap().read_to_string(&mut plan).unwrap();
+    let told = told(&mut run);
+    assert_eq!(await_end(&mut run), Some(0), "{told}");
+    let plan: Value = serde_json::from_str(&plan).unwrap();
+    schema::hold("plan.json", &plan);
+    assert_eq!(plan["steps"].as_array().unwrap().len(), 7);
+    // 30 K in 400 groups of 1.5 s.
+    assert!((plan["ramp_k_per_min"].as_f64().unwrap() - 3.0).abs() < 1e-9);
+    let found = plan["instruments"].to_string();
+    assert!(
+        found.contains("modbus-rtu:") && found.contains("is set to 25.0 C") && found.contains("ZR-0042"),
+        "{found}"
+    );
+    assert!(!bench.path().join("calibration").exists());
+}
+
+#[test]
+fn an_instrument_that_is_not_there_or_not_known_is_told_before_anything_begins() {
+    let bench = Bench::start("tcp:127.0.0.1:0");
+    fs::write(bench.path().join("no-controller.toml"), "").unwrap();
+    let calibrate = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_zerorate"))
+            .args(["calibrate", "--device", &bench.board.port])
+            .args(arguments)
+            .current_dir(bench.path())
+            .stdin(Stdio::null())
+            .output()
+            .unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    for (arguments, told) in [
+        (&["--chamber", "modbus-tcp:127.0.0.1:1", "--setup", "night.toml"][..], "Connection refused"),
+        (&["--chamber", "modbus-tcp:127.0.0.1:1"], "does not say which controller this is"),
+        (&["--chamber", "gpib:7"], "give modbus-tcp:HOST:PORT"),
+        (&["--chamber", &bench.chamber, "--supply", &bench.chamber, "--setup", "night.toml"], "give scpi:HOST:PORT"),
+        (&["--chamber", "simulated"], "no simulated chamber"),
+    ] {
+        let (code, error) = calibrate(arguments);
+        assert!(code == Some(2) && error.contains(told), "{told} is missing from: {error}");
+    }
+}

@@ -1,0 +1,102 @@
+//! A supply by SCPI: a voltage that is fed, held against what the supply measures, and taken off at every end.
+
+mod table;
+
+use std::thread;
+use std::time::Duration;
+
+use zerorate_core::units::{Axis, Volts};
+
+pub use self::table::SupplyTable;
+
+use crate::address::{Address, Protocol};
+use crate::fault::Fault;
+use crate::scpi::Scpi;
+
+/// How often the output is measured before it is not what was set, and how long between two: it settles.
+const LOOKS: u32 = 5;
+const LOOK_AGAIN: Duration = Duration::from_millis(100);
+/// A current of this share of its limit is the limit's.
+const AT_LIMIT: f64 = 0.95;
+
+/// A supply, and the voltmeter behind the same address where there is one.
+pub struct PowerSupply {
+    scpi: Scpi,
+    table: SupplyTable,
+}
+
+impl PowerSupply {
+    /// A supply at an address, by its table.
+    ///
+    /// # Errors
+    /// A sentence, where the address is no SCPI one.
+    pub fn new(address: &Address, table: &SupplyTable) -> Result<Self, String> {
+        if address.protocol != Protocol::Scpi {
+            return Err(format!("{address}: a supply is spoken to by SCPI: give scpi:HOST:PORT or scpi:PATH"));
+        }
+        let scpi = Scpi::new(address.line(), Duration::from_millis(table.time_out_ms));
+        Ok(Self { scpi, table: table.clone() })
+    }
+
+    /// Who it says that it is.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn identity(&mut self) -> Result<String, Fault> {
+        self.scpi.ask("*IDN?")
+    }
+
+    /// Feeds a voltage: set, switched on, measured.
+    ///
+    /// # Errors
+    /// [`Fault::OutsideLimits`] before anything is sent; [`Fault::CurrentLimit`] or [`Fault::NotTaken`] after it.
+    pub fn feed(&mut self, volts: Volts) -> Result<(), Fault> {
+        let most = self.table.most_v;
+        if !(0.0..=most).contains(&volts.0) {
+            return Err(Fault::OutsideLimits { what: "a supply's voltage (V) of", value: volts.0, least: 0.0, most });
+        }
+        let on = self.table.output;
+        self.scpi.order(&format!("VOLT {:.6}{}", volts.0, on.as_argument()))?;
+        self.scpi.order(&format!("OUTP ON{}", on.as_argument()))?;
+        let mut looks = 1;
+        loop {
+            let given = self.scpi.ask_number(&format!("MEAS:VOLT?{}", on.alone()))?;
+            if (given - volts.0).abs() <= self.table.tolerance_v {
+                return Ok(());
+            }
+            if looks == LOOKS {
+                let amperes = self.scpi.ask_number(&format!("MEAS:CURR?{}", on.alone()))?;
+                let limit = self.scpi.ask_number(&format!("CURR?{}", on.alone()))?;
+                return Err(if amperes >= AT_LIMIT * limit {
+                    Fault::CurrentLimit { volts: volts.0, given, amperes }
+                } else {
+                    Fault::NotTaken { what: "a supply's voltage (V) of", sent: volts.0, read_back: given }
+                });
+            }
+            looks += 1;
+            thread::sleep(LOOK_AGAIN);
+        }
+    }
+
+    /// Switches the output off, and asks whether it is.
+    ///
+    /// # Errors
+    /// [`Fault`]; then somebody has to go there.
+    pub fn off(&mut self) -> Result<(), Fault> {
+        let output = self.table.output;
+        self.scpi.order(&format!("OUTP OFF{}", output.as_argument()))?;
+        if self.scpi.ask_switch(&format!("OUTP?{}", output.alone()))? {
+            return Err(Fault::Scpi { command: "OUTP OFF".into(), error: "its output is still on".into() });
+        }
+        Ok(())
+    }
+
+    /// What a voltmeter shows at a gyro's rate output; without one what the set-up says.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn gyro_output(&mut self, axis: Axis) -> Result<Volts, Fault> {
+        let question = [&self.table.voltmeter_x, &self.table.voltmeter_y][axis.index()].clone();
+        if question.is_empty() { Ok(Volts(self.table.gyro_v)) } else { self.scpi.ask_number(&question).map(Volts) }
+    }
+}
