@@ -18,6 +18,7 @@ mod firmware;
 mod fuzz;
 mod gateware;
 mod house;
+mod instruments;
 mod lines;
 mod lot;
 mod package;
@@ -80,7 +81,7 @@ enum Chore {
         #[arg(long, hide = true)]
         beside: bool,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house,
-        /// wiring, build, numpy, numbers, damage, python, circuit, gateware, firmware, chip, report, web, lot, book
+        /// wiring, build, numpy, numbers, damage, instruments, python, circuit, gateware, firmware, chip, report, web, lot, book
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -273,6 +274,8 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("numbers", "see crates/xtask/python/printed_numbers.py", within(python::printed_numbers))
             .skipped_if(fast, "--fast"),
         Step::new("damage", "see crates/xtask/python/damaged_recordings.py", within(python::damaged_recordings))
+            .skipped_if(fast, "--fast"),
+        Step::new("instruments", "see docs/instruments.md, What was tried", within(instruments::check))
             .skipped_if(fast, "--fast"),
         Step::new("python", "see crates/python/README.md", within(package::check)).skipped_if(fast, "--fast"),
         circuit(workspace).skipped_if(fast, "--fast"),

@@ -137,6 +137,11 @@ pub fn circuit_venv(workspace: &Workspace) -> Result<PathBuf> {
     venv_of(workspace, "venv-circuit", "requirements-circuit.txt", Some("skidl==3.0.0"))
 }
 
+/// The Python of the venv with servers of chambers' controllers and supplies.
+pub fn instruments_venv(workspace: &Workspace) -> Result<PathBuf> {
+    venv_of(workspace, "venv-instruments", "requirements-instruments.txt", None)
+}
+
 /// Makes sure that there is a Python that can make a venv.
 fn has_python() -> Result<()> {
     // Debian ships venv without the pip it installs: the module is there, ensurepip is not.
