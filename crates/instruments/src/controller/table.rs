@@ -104,7 +104,7 @@ impl ControllerTable {
     pub fn whole(preset: &str) -> Result<Self, String> {
         let mut table = Self::of(preset);
         if preset == "own" {
-            // An example: numbers that a person must look up.
+            // Numbers that a person must look up: a set-up with them contradicts itself.
             table = Self {
                 actual_register: Some(0),
                 set_point_register: Some(0),
@@ -156,8 +156,15 @@ impl ControllerTable {
             self.scale.is_none_or(|scale| scale > 0.0 && scale.is_finite()),
             "chamber.controller.scale must be above 0: 10 where the registers hold tenths".into(),
         );
-        if let Err(sentence) = self.registers() {
-            must(false, sentence);
+        match self.registers() {
+            Ok(registers) => must(
+                registers.actual != registers.set_point,
+                format!(
+                    "chamber.controller.actual_register and set_point_register are both {}: look them up in the controller's manual",
+                    registers.actual
+                ),
+            ),
+            Err(sentence) => must(false, sentence),
         }
         found
     }
@@ -245,6 +252,7 @@ mod tests {
             (ControllerTable { safe_c: 200.0, ..ControllerTable::of("binder") }, "safe_c 200 is outside"),
             (ControllerTable { safe_c: f64::NAN, ..ControllerTable::of("binder") }, "safe_c NaN is outside"),
             (ControllerTable { unit: 0, ..ControllerTable::of("binder") }, "1 to 247"),
+            (ControllerTable::whole("own").unwrap(), "set_point_register are both 0"),
             (ControllerTable { scale: Some(0.0), ..ControllerTable::of("espec") }, "above 0"),
         ] {
             let found = table.contradictions(LIMITS).join("; ");
