@@ -9,11 +9,16 @@
 #[path = "../command/bench.rs"]
 mod bench;
 mod board;
+#[allow(dead_code)] // Nor all that a line does.
+#[path = "../../../instruments/tests/servers/fault_line.rs"]
+mod fault_line;
 mod manual;
 mod night;
 #[allow(dead_code)] // Nor every helper.
 #[path = "../command/schema.rs"]
 mod schema;
 mod self_test;
+#[path = "../../../instruments/tests/servers/server.rs"]
+mod server;
 mod unplugged;
 mod verbs;

@@ -10,6 +10,7 @@ import socket
 import struct
 import time
 
+from pymodbus.client import ModbusTcpClient
 from pymodbus.constants import ExcCodes
 from pymodbus.datastore import ModbusBaseDeviceContext, ModbusServerContext
 from pymodbus.framer import FramerType
@@ -48,11 +49,35 @@ class Chamber:
         return self.air
 
 
+class Behind:
+    """Another controller's chamber, which pymodbus's client asks: a Watlow F4T's registers, as a virtual board has them."""
+
+    def __init__(self, port):
+        self.client = ModbusTcpClient("127.0.0.1", port=port)
+        self.client.connect()
+
+    def read(self, register):
+        low, high = self.client.read_holding_registers(register, count=2, device_id=1).registers
+        return struct.unpack(">f", struct.pack(">HH", high, low))[0]
+
+    def now(self):
+        return self.read(2820)
+
+    @property
+    def set_point(self):
+        return self.read(2782)
+
+    @set_point.setter
+    def set_point(self, celsius):
+        high, low = struct.unpack(">HH", struct.pack(">f", celsius))
+        answer = self.client.write_registers(2782, [low, high], device_id=1)
+        assert not answer.isError(), answer
+
+
 class Controller(ModbusBaseDeviceContext):
-    def __init__(self, preset, fault, speed):
+    def __init__(self, preset, fault, chamber):
         self.actual, self.target, self.mode_register, self.form = MAPS[preset]
-        self.fault, self.mode = fault, 10
-        self.chamber = Chamber(speed)
+        self.fault, self.mode, self.chamber = fault, 10, chamber
 
     def words(self, celsius):
         if self.form == "f32":
@@ -97,13 +122,15 @@ async def main():
     parser.add_argument("--fault", choices=["none", "nan", "32767", "ignore", "refuse"], default="none")
     parser.add_argument("--speed", type=float, default=0.0, help="how many times faster than the clock; 0: it stands still")
     parser.add_argument("--port", type=int, default=0)
+    parser.add_argument("--behind", type=int, help="the port of a virtual board's chamber, which is then the one behind this")
     arguments = parser.parse_args()
     port = arguments.port
     if not port:
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
-    context = ModbusServerContext(Controller(arguments.preset, arguments.fault, arguments.speed), single=True)
+    chamber = Behind(arguments.behind) if arguments.behind else Chamber(arguments.speed)
+    context = ModbusServerContext(Controller(arguments.preset, arguments.fault, chamber), single=True)
     framer = FramerType.RTU if arguments.rtu else FramerType.SOCKET
     server = ModbusTcpServer(context, framer=framer, address=("127.0.0.1", port))
     task = asyncio.create_task(server.serve_forever())

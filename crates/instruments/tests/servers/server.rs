@@ -12,7 +12,7 @@ impl Server {
     pub fn start(script: &str, arguments: &[&str]) -> Self {
         let python = std::env::var("ZERORATE_INSTRUMENTS_PYTHON").expect("run `cargo xtask test instruments`");
         let mut child = Command::new(python)
-            .arg(format!("{}/tests/servers/{script}", env!("CARGO_MANIFEST_DIR")))
+            .arg(format!("{}/../instruments/tests/servers/{script}", env!("CARGO_MANIFEST_DIR")))
             .args(arguments)
             .stdout(Stdio::piped())
             .stderr(Stdio::null())

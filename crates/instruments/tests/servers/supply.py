@@ -13,13 +13,27 @@ from sinstruments.simulator import BaseDevice, Server
 class Supply(BaseDevice):
     def __init__(self, name, **options):
         self.load_ohm = options.pop("load_ohm")
+        behind = options.pop("behind")
+        # A virtual board's supply, which is then the one behind this.
+        self.behind = socket.create_connection(("127.0.0.1", behind)) if behind else None
         self.volts, self.limit, self.is_on, self.errors = 0.0, 0.1, False, []
         super().__init__(name, **options)
 
     def given(self):
         return min(self.volts, self.limit * self.load_ohm) if self.is_on else 0.0
 
+    def asked(self, question):
+        self.behind.sendall(question + b"\n")
+        answer = b""
+        while not answer.endswith(b"\n"):
+            answer += self.behind.recv(256)
+        return answer
+
     def handle_message(self, message):
+        if self.behind and message.strip().upper().startswith((b"VOLT ", b"OUTP ")):
+            self.behind.sendall(message.strip() + b"\n")
+        elif self.behind and b"(@" in message:
+            return self.asked(message.strip())
         header, _, parameter = message.decode().strip().upper().partition(" ")
         answers = {
             "*IDN?": "SINSTRUMENTS,SUPPLY,1,1.4.0",
@@ -49,12 +63,13 @@ class Supply(BaseDevice):
 
 parser = argparse.ArgumentParser()
 parser.add_argument("--load-ohm", type=float, default=1e5)
+parser.add_argument("--behind", type=int)
 arguments = parser.parse_args()
 with socket.socket() as free:
     free.bind(("127.0.0.1", 0))
     port = free.getsockname()[1]
 transports = [{"type": "tcp", "url": ["127.0.0.1", port]}]
-device = {"class": "Supply", "name": "supply", "load_ohm": arguments.load_ohm, "transports": transports}
+device = {"class": "Supply", "name": "supply", "load_ohm": arguments.load_ohm, "behind": arguments.behind, "transports": transports}
 # A registry is of what is loaded when it is needed.
 registry = {"Supply": types.SimpleNamespace(load=lambda: Supply)}
 server = Server([device], registry=registry)
