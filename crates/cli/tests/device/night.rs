@@ -184,10 +184,11 @@ fn a_night_by_servers_of_others_loses_no_group_when_the_line_to_the_chamber_is_c
     let line = FaultLine::tcp(chamber.port);
     let mut run =
         bench.calibrate_by(&format!("modbus-tcp:{}", line.place), &format!("scpi:127.0.0.1:{}", supply.port), &[]);
-    // Its head is there from the beginning; groups come after the soak.
+    // Its head is there from the beginning. Groups come after the soak: four of it, then those of the ramp.
     let recording = bench.path().join("calibration/in-progress/full-temperature.arrows");
     let head = await_file(&recording, 0);
-    await_file(&recording, head);
+    let group = await_file(&recording, head) - head;
+    await_file(&recording, head + 20 * group);
     line.does(Does::Cut);
     // Three times as long as an answer may take, and more.
     std::thread::sleep(Duration::from_millis(4500));
