@@ -60,7 +60,8 @@ impl Part {
             Self::Test(_, axis) => ramp(axis == Axis::X),
             Self::Soaks => {
                 let soaks: Vec<String> = setup.soaks().iter().map(|soak| soak.0.to_string()).collect();
-                format!("{} C, each held {held:.0} min", soaks.join(", "))
+                let each = if soaks.len() > 1 { "each " } else { "" };
+                format!("{} C, {each}held {held:.0} min", soaks.join(", "))
             }
         }
     }

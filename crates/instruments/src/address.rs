@@ -96,8 +96,8 @@ impl Address {
     #[must_use]
     pub fn line(&self) -> Box<dyn Line> {
         match &self.way {
-            Way::Tcp(address) => Box::new(TcpLine::new(self.to_string(), address.clone())),
-            Way::Serial(path, baud) => Box::new(SerialLine::new(self.to_string(), path.clone(), *baud)),
+            Way::Tcp(address) => Box::new(TcpLine::new(address.clone())),
+            Way::Serial(path, baud) => Box::new(SerialLine::new(path.clone(), *baud)),
         }
     }
 }

@@ -133,7 +133,13 @@ impl Controller {
     fn write(&mut self, to: Celsius) -> Result<(), Fault> {
         let [least, most] = self.limits.map(|limit| limit.0);
         if !(least..=most).contains(&to.0) {
-            return Err(Fault::OutsideLimits { what: "a set point (C) of", value: to.0, least, most });
+            return Err(Fault::OutsideLimits {
+                what: "a set point (C) of",
+                value: to.0,
+                least,
+                most,
+                limit: "chamber.limits_c",
+            });
         }
         self.speech.send(to_degrees(to, self.degrees))?;
         let mut looks = 1;

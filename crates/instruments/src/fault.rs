@@ -4,13 +4,8 @@
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
     /// The line cannot be opened or is gone.
-    #[error("{line}: {source}: check the instrument's power, cable and address")]
-    Line {
-        /// The line, as people write it.
-        line: String,
-        /// What the system says.
-        source: std::io::Error,
-    },
+    #[error("{0}: check the instrument's power, cable and address")]
+    Line(#[source] std::io::Error),
     /// Nothing came that can be read.
     #[error(
         "no answer to {asked}: {heard}: check the instrument's power, cable, address and, on a serial line, its rate"
@@ -66,7 +61,7 @@ pub enum Fault {
         raw: String,
     },
     /// A value that must not be sent.
-    #[error("{what} {value} is outside {least} to {most}: nothing was sent. The limits are in the set-up")]
+    #[error("{what} {} is outside {least} to {most}, {limit} of the set-up: nothing was sent", short(*value))]
     OutsideLimits {
         /// What was to be sent, with its unit.
         what: &'static str,
@@ -76,10 +71,14 @@ pub enum Fault {
         least: f64,
         /// The most.
         most: f64,
+        /// The field of the set-up that says so.
+        limit: &'static str,
     },
     /// What was sent is not what is read back.
     #[error(
-        "{what} {sent} was sent, and {read_back} is read back: the instrument does not take it. Look at its own limits, its lock, and whether a programme runs on it"
+        "{what} {} was sent, and {} is read back: the instrument does not take it. Look at its own limits, its lock, and whether a programme runs on it",
+        short(*sent),
+        short(*read_back)
     )]
     NotTaken {
         /// What was sent, with its unit.
@@ -107,8 +106,13 @@ impl Fault {
     /// Whether it may answer later: the line is cut, or the instrument starts anew.
     #[must_use]
     pub const fn may_pass(&self) -> bool {
-        matches!(self, Self::Line { .. } | Self::Silent { .. })
+        matches!(self, Self::Line(_) | Self::Silent { .. })
     }
+}
+
+/// A number to the ten-thousandth: no instrument here shows more.
+fn short(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
 }
 
 /// What an exception's code says.

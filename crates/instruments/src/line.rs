@@ -26,7 +26,4 @@ pub trait Line {
     /// Makes sure that no late answer is taken for the next: the connection is made anew, or the line listened to until it has
     /// been quiet for `quiet`.
     fn renew(&mut self, quiet: Duration);
-
-    /// The line, as people write it.
-    fn name(&self) -> &str;
 }

@@ -115,12 +115,10 @@ impl Modbus {
         asked: impl Fn() -> String,
         fits: impl Fn(&[u8]) -> bool,
     ) -> Result<Vec<u8>, Fault> {
-        let name = self.line.name().to_owned();
-        let lost = |source| Fault::Line { line: name.clone(), source };
         let is_recent = self.answered.is_some_and(|answered| answered.elapsed() < QUIET);
         let quiet = if self.framing == Framing::Rtu && is_recent { QUIET } else { Duration::ZERO };
         self.line.drop_heard(quiet);
-        self.line.send(&self.framing.frame(self.transaction, self.unit, request)).map_err(lost)?;
+        self.line.send(&self.framing.frame(self.transaction, self.unit, request)).map_err(Fault::Line)?;
         let deadline = Instant::now() + self.time_out;
         let mut heard = Vec::new();
         let mut what = "nothing came";
@@ -145,7 +143,7 @@ impl Modbus {
                 let heard = if heard.is_empty() { what } else { "only part of an answer came" };
                 return Err(Fault::Silent { asked: asked(), heard });
             }
-            self.line.receive(&mut heard, left).map_err(lost)?;
+            self.line.receive(&mut heard, left).map_err(Fault::Line)?;
         }
     }
 }

@@ -36,8 +36,7 @@ impl Scpi {
     /// [`Fault::Line`].
     pub fn tell(&mut self, command: &str) -> Result<(), Fault> {
         self.renew_if_stale();
-        let sent = self.line.send(format!("{command}\n").as_bytes());
-        sent.map_err(|source| self.lost(source))
+        self.line.send(format!("{command}\n").as_bytes()).map_err(Fault::Line)
     }
 
     /// Says something, and holds it against the instrument's error queue.
@@ -120,15 +119,10 @@ impl Scpi {
         }
     }
 
-    fn lost(&self, source: std::io::Error) -> Fault {
-        Fault::Line { line: self.line.name().to_owned(), source }
-    }
-
     fn once(&mut self, question: &str) -> Result<String, Fault> {
         let is_recent = self.answered.is_some_and(|answered| answered.elapsed() < QUIET);
         self.line.drop_heard(if is_recent { QUIET } else { Duration::ZERO });
-        let sent = self.line.send(format!("{question}\n").as_bytes());
-        sent.map_err(|source| self.lost(source))?;
+        self.line.send(format!("{question}\n").as_bytes()).map_err(Fault::Line)?;
         let deadline = Instant::now() + self.time_out;
         let mut heard = Vec::new();
         loop {
@@ -140,8 +134,7 @@ impl Scpi {
                 let what = if heard.is_empty() { "nothing came" } else { "what came is no whole line" };
                 return Err(Fault::Silent { asked: question.into(), heard: what });
             }
-            let received = self.line.receive(&mut heard, left);
-            received.map_err(|source| self.lost(source))?;
+            self.line.receive(&mut heard, left).map_err(Fault::Line)?;
         }
     }
 }

@@ -53,7 +53,13 @@ impl PowerSupply {
     pub fn feed(&mut self, volts: Volts) -> Result<(), Fault> {
         let most = self.table.most_v;
         if !(0.0..=most).contains(&volts.0) {
-            return Err(Fault::OutsideLimits { what: "a supply's voltage (V) of", value: volts.0, least: 0.0, most });
+            return Err(Fault::OutsideLimits {
+                what: "a supply's voltage (V) of",
+                value: volts.0,
+                least: 0.0,
+                most,
+                limit: "supply.most_v",
+            });
         }
         let on = self.table.output;
         self.scpi.order(&format!("VOLT {:.6}{}", volts.0, on.as_argument()))?;

@@ -106,6 +106,8 @@ impl Socket {
             Self::Tcp { listener, host, .. } => {
                 if host.is_none() {
                     *host = accept(listener)?;
+                    // Neither half a question of the last host nor an answer to it is the next one's.
+                    incoming.clear();
                     outgoing.clear();
                 }
                 let Some(stream) = host else {

@@ -166,7 +166,10 @@ impl Calibrate {
         }
         ensure!(!self.resume, "--resume is for a real board: a simulated run is over in seconds, run it again");
         let others = [&self.chamber, &self.supply].into_iter().flatten().any(|own| *own != Instrument::Simulated);
-        ensure!(!others, "a simulated board has a simulated chamber and supply: leave --chamber and --supply out");
+        ensure!(
+            !others,
+            "without --device the board is simulated, and its chamber and supply are: name the board by --device, or leave --chamber and --supply out"
+        );
         if self.dry_run {
             dry_run::print(&setup, &[], self.json)?;
             return Ok(Outcome::Done);

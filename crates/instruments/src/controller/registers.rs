@@ -64,7 +64,13 @@ impl Speech for ByRegisters {
                 let end = f64::from(NEAR_THE_END);
                 if !(-end..=end).contains(&scaled) {
                     let least = -end / self.registers.scale;
-                    return Err(Fault::OutsideLimits { what: "in one register", value, least, most: -least });
+                    return Err(Fault::OutsideLimits {
+                        what: "in one register",
+                        value,
+                        least,
+                        most: -least,
+                        limit: "chamber.controller.scale",
+                    });
                 }
                 #[allow(clippy::cast_possible_truncation)] // within an i16, as was seen
                 let raw = scaled.round() as i16;

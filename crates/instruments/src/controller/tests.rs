@@ -70,7 +70,7 @@ fn nothing_is_sent_that_is_outside_the_limits_or_no_number() {
     let (mut controller, fake) = controller(Degrees::C);
     for wrong in [-40.1, 80.1, f64::NAN, f64::INFINITY] {
         let told = controller.send(Celsius(wrong)).unwrap_err().to_string();
-        assert!(told.contains("outside -40 to 80: nothing was sent"), "{told}");
+        assert!(told.contains("outside -40 to 80, chamber.limits_c of the set-up: nothing was sent"), "{told}");
     }
     assert!(fake.borrow().sent.is_empty());
     controller.send(Celsius(-40.0)).unwrap();

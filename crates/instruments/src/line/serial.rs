@@ -15,17 +15,16 @@ const MOST_QUIETS: u32 = 5;
 
 /// A serial line.
 pub struct SerialLine {
-    name: String,
     path: PathBuf,
     baud: u32,
     port: Option<Box<dyn SerialPort>>,
 }
 
 impl SerialLine {
-    /// A line on a port, opened when it is needed; `name` is what errors call it.
+    /// A line on a port, opened when it is needed.
     #[must_use]
-    pub const fn new(name: String, path: PathBuf, baud: u32) -> Self {
-        Self { name, path, baud, port: None }
+    pub const fn new(path: PathBuf, baud: u32) -> Self {
+        Self { path, baud, port: None }
     }
 
     fn port(&mut self) -> io::Result<&mut Box<dyn SerialPort>> {
@@ -93,9 +92,5 @@ impl Line for SerialLine {
             }
             dropped.clear();
         }
-    }
-
-    fn name(&self) -> &str {
-        &self.name
     }
 }

@@ -13,16 +13,15 @@ const SEND: Duration = Duration::from_secs(1);
 
 /// A line over TCP.
 pub struct TcpLine {
-    name: String,
     address: String,
     stream: Option<TcpStream>,
 }
 
 impl TcpLine {
-    /// A line to `HOST:PORT`, opened when it is needed; `name` is what errors call it.
+    /// A line to `HOST:PORT`, opened when it is needed.
     #[must_use]
-    pub const fn new(name: String, address: String) -> Self {
-        Self { name, address, stream: None }
+    pub const fn new(address: String) -> Self {
+        Self { address, stream: None }
     }
 
     fn stream(&mut self) -> io::Result<&mut TcpStream> {
@@ -100,9 +99,5 @@ impl Line for TcpLine {
 
     fn renew(&mut self, _: Duration) {
         self.stream = None;
-    }
-
-    fn name(&self) -> &str {
-        &self.name
     }
 }

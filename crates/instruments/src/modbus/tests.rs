@@ -39,10 +39,6 @@ impl Line for Scripted {
         self.0.borrow_mut().renewed += 1;
         self.1.clear();
     }
-
-    fn name(&self) -> &'static str {
-        "a line"
-    }
 }
 
 fn with(protocol: Protocol, answers: &[&[u8]]) -> (Modbus, Rc<RefCell<Script>>) {
