@@ -14,8 +14,6 @@ pub mod client;
 pub mod emulated;
 pub mod error;
 pub mod evaluate;
-#[cfg(feature = "gateware")]
-pub mod gateware;
 pub mod instruments;
 pub mod link;
 pub mod manual;

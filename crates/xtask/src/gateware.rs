@@ -17,9 +17,6 @@ use crate::workspace::Workspace;
 /// Where everything is, from the root.
 const BLOCK: &str = "gateware/acquisition";
 
-/// A test of few and short groups, for the block's clock is simulated edge by edge.
-const SHORTENED: &str = "gateware/acquisition/shortened.toml";
-
 /// Programs, and Debian's packages of them.
 const PROGRAMS: [(&str, &str); 5] = [
     ("verilator", "verilator"),
@@ -57,7 +54,7 @@ const PARTS: [Part; 6] = [
     ("lint", "mend what Verilator points at", lint),
     ("proofs", "see gateware/acquisition/formal/README.md", proofs::check),
     ("simulation", "see gateware/acquisition/sim/README.md", simulation),
-    ("bench", "see crates/bench/src/gateware.rs", bench),
+    ("bench", "see gateware/acquisition/bench/README.md", bench),
     ("synthesis", "see the logs in target/gateware", synthesis),
 ];
 
@@ -98,36 +95,25 @@ fn lint(workspace: &Workspace) -> Result<Outcome> {
 
 /// The block in simulation, from Rust.
 fn simulation(workspace: &Workspace) -> Result<Outcome> {
-    let (folder, target) = (format!("{BLOCK}/sim"), out(workspace)?);
-    let commands: [&[&str]; 3] =
-        [&["fmt", "--check"], &["clippy", "--all-targets", "--", "-D", "warnings"], &["test", "--no-fail-fast"]];
-    for arguments in commands {
-        cargo::run_in(workspace, &folder, &target, arguments)?;
-    }
+    run(workspace, &["fmt", "--all", "--check"])?;
+    check_package(workspace, "zerorate-gateware")
+}
+
+/// A unit tested through the block: by groups against the simulated port, then the whole of a calibration, shortened.
+fn bench(workspace: &Workspace) -> Result<Outcome> {
+    check_package(workspace, "zerorate-gateware-bench")
+}
+
+fn check_package(workspace: &Workspace, package: &str) -> Result<Outcome> {
+    let of_package = ["--locked", "--package", package];
+    run(workspace, &[&["clippy"], &of_package[..], &["--all-targets", "--", "-D", "warnings"]].concat())?;
+    run(workspace, &[&["test"], &of_package[..], &["--no-fail-fast"]].concat())?;
     Ok(Outcome::Passed)
 }
 
-/// A unit tested through the block: by groups against the simulated port, then the whole of `calibrate`, shortened.
-fn bench(workspace: &Workspace) -> Result<Outcome> {
-    let with_gateware = [&cargo::EVERY_CRATE[..], &["--features", "zerorate/gateware"]].concat();
-    cargo::run(workspace, &[&["clippy"], &with_gateware[..], &["--all-targets", "--", "-D", "warnings"]].concat())?;
-    cargo::run(workspace, &[&["test"], &with_gateware[..], &["--test", "gateware"]].concat())?;
-    cargo::run(workspace, &[&["build"], &with_gateware[..], &["--bin", "zerorate"]].concat())?;
-    let out = out(workspace)?;
-    let summary = |acquisition: &str| -> Result<Value> {
-        let folder = out.join(acquisition);
-        println!("    zerorate calibrate --acquisition {acquisition}");
-        let mut zerorate = Command::new(workspace.target.join("debug").join("zerorate"));
-        zerorate.current_dir(&workspace.root).args(["calibrate", "--acquisition", acquisition, "--setup", SHORTENED]);
-        provide::succeed(zerorate.arg("--out").arg(&folder))?;
-        let mut summary: Value = serde_json::from_str(&fs::read_to_string(folder.join("summary.json"))?)?;
-        let took = summary.as_object_mut().and_then(|summary| summary.remove("wall_s"));
-        took.context("summary.json has no wall_s")?;
-        Ok(summary)
-    };
-    ensure!(summary("port")? == summary("gateware")?, "the gateware's summary is not the port's");
-    println!("    the summaries of port and gateware are the same");
-    Ok(Outcome::Passed)
+/// A cargo command in the block's workspace.
+fn run(workspace: &Workspace, arguments: &[&str]) -> Result<()> {
+    cargo::run_in(workspace, BLOCK, &out(workspace)?, arguments)
 }
 
 /// The board's bitstream, what it takes and how fast it is.

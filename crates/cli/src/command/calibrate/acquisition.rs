@@ -15,8 +15,6 @@ pub enum Acquisition {
     Port,
     /// None: the processor drives the A/D itself
     Direct,
-    /// The FPGA's block, verilated; slow, and only in a build with the feature `gateware`
-    Gateware,
 }
 
 impl Acquisition {
@@ -33,36 +31,13 @@ impl Acquisition {
                 );
                 Ok(simulated::direct_bench(kind.build(seed), setup, &unit.serial))
             }
-            Self::Gateware => gateware(kind, seed, setup, unit),
         }
     }
 }
 
-#[cfg(feature = "gateware")]
-#[allow(clippy::unnecessary_wraps)] // Without the feature it is an error.
-fn gateware(kind: PlantKind, seed: u64, setup: &SetUp, unit: &Unit) -> Result<Bench> {
-    Ok(simulated::bench_on::<zerorate_bench::gateware::GatewareAcquisition>(kind.build(seed), setup, &unit.serial))
-}
-
-#[cfg(not(feature = "gateware"))]
-fn gateware(_: PlantKind, _: u64, _: &SetUp, _: &Unit) -> Result<Bench> {
-    anyhow::bail!(
-        "this zerorate was built without the verilated gateware: with verilator and g++ there, \
-         `cargo build --release --features gateware` builds one with it, and `cargo xtask gateware` runs it"
-    )
-}
-
-#[cfg(all(test, not(feature = "gateware")))]
+#[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_build_without_the_gateware_says_how_to_get_it() {
-        let unit = Unit::new("ZR-0001", None).expect("a serial number");
-        let setup = SetUp::paper();
-        let refused = Acquisition::Gateware.bench(PlantKind::Paper, 1, &setup, &unit).err();
-        assert!(refused.is_some_and(|why| why.to_string().contains("--features gateware")));
-    }
 
     #[test]
     fn a_processor_that_drives_the_converter_itself_does_not_oversample() {

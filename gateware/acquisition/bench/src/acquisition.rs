@@ -14,12 +14,11 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
+use zerorate_bench::simulated::OnPlant;
 use zerorate_device::acquisition::{Acquisition, NumberedScan, Set, Timing};
 use zerorate_device::port::{PortAcquisition, PortError};
 use zerorate_gateware::{Bench, Port, Scale, SharedPort, Timing as Clocking};
 use zerorate_sim::{SPI_BYTE_NS, Scanned, SharedPlant, Truth};
-
-use crate::simulated::OnPlant;
 
 /// Scan to scan at the block, for sets of so many scans: a scan takes 38 us, reading status and head at 10 MHz 58 us, the
 /// head once more with the scans 53 us, a scan's samples 6.4 us, and starting anew 30 us. So a tap that follows from a

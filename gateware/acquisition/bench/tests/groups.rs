@@ -1,8 +1,7 @@
-//! A shortened test through the verilated acquisition block: `cargo xtask gateware` runs it.
+//! Groups through the verilated acquisition block and through the simulated port.
 
 #![allow(clippy::unwrap_used)] // what a test cannot do without
 
-use zerorate_bench::gateware::GatewareAcquisition;
 use zerorate_bench::instruments::Bench;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::run::{Phase, Recorder, Session, Silent, Taken};
@@ -11,6 +10,7 @@ use zerorate_bench::simulated;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::{Celsius, Taps};
 use zerorate_core::wire::SampleWindow;
+use zerorate_gateware_bench::GatewareAcquisition;
 
 fn take(mut bench: Bench, setup: &SetUp, groups: u32) -> Vec<Taken> {
     let mut progress = Silent;
