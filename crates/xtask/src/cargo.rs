@@ -35,14 +35,6 @@ pub fn test(workspace: &Workspace) -> Result<Outcome> {
     run(workspace, &[&["test"], &EVERY_CRATE[..]].concat())
 }
 
-/// The driver and the readers of logs can be published alone: they are packed, unpacked and built as a registry would
-/// have them.
-pub fn publish(workspace: &Workspace) -> Result<Outcome> {
-    run(workspace, &["build", "--package", "max5494", "--no-default-features"])?;
-    run(workspace, &["test", "--package", "max5494", "--all-features"])?;
-    run(workspace, &["publish", "--dry-run", "--allow-dirty", "--package", "max5494", "--package", "imu-logs"])
-}
-
 /// Builds the command as its users do, for the steps that run it.
 pub fn build_command(workspace: &Workspace) -> Result<Outcome> {
     run(workspace, &["build", "--release", "--package", "zerorate"])

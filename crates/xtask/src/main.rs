@@ -23,6 +23,7 @@ mod lines;
 mod lot;
 mod package;
 mod provide;
+mod publish;
 mod python;
 mod report;
 mod steps;
@@ -256,7 +257,7 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("clippy", "mend what it points at", within(cargo::lint)),
         Step::new("rustdoc", "mend what it points at", within(cargo::document)),
         Step::new("tests", "`cargo test -p CRATE NAME` runs one", within(cargo::test)),
-        Step::new("publish", "mend what cannot be published", within(cargo::publish)),
+        Step::new("publish", "mend what cannot be published", within(publish::check)),
         Step::new("no_std", "see ARCHITECTURE.md, Arrows", within(targets::no_std)).skipped_if(fast, "--fast"),
         Step::new("wasm", "see ARCHITECTURE.md, Where things happen", within(targets::wasm)).skipped_if(fast, "--fast"),
         Step::new("arrows", "see ARCHITECTURE.md, Arrows", within(arrows::check)),

@@ -1,0 +1,81 @@
+//! What would be published, as a registry would have it: packed, unpacked elsewhere, and built from nothing but that.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use toml::{Table, Value};
+
+use crate::cargo;
+use crate::provide;
+use crate::steps::Outcome;
+use crate::workspace::Workspace;
+
+/// The command, which people install.
+const COMMAND: &str = "zerorate";
+
+/// What a registry shows of a crate, beside its name and version.
+const SHOWN: [&str; 6] = ["description", "license", "repository", "readme", "keywords", "categories"];
+
+/// The driver and the readers of logs can be published alone, and the command with all that it stands on can be installed.
+pub fn check(workspace: &Workspace) -> Result<Outcome> {
+    cargo::run(workspace, &["build", "--package", "max5494", "--no-default-features"])?;
+    cargo::run(workspace, &["test", "--package", "max5494", "--all-features"])?;
+    cargo::run(workspace, &["publish", "--dry-run", "--allow-dirty", "--package", "max5494", "--package", "imu-logs"])?;
+    let names = published(workspace)?;
+    let mut package = vec!["package", "--quiet", "--no-verify", "--allow-dirty"];
+    package.extend(names.iter().flat_map(|name| ["--package", name]));
+    cargo::run(workspace, &package)?;
+    let place = unpack(workspace, &names)?;
+    println!("    cargo install zerorate, from what was packed");
+    let mut install = cargo::program();
+    install.current_dir(&place).env("CARGO_TARGET_DIR", workspace.target.join("installed"));
+    install.args(["install", "--quiet", "--debug", "--path", "zerorate", "--root", "."]);
+    provide::succeed(&mut install)?;
+    provide::succeed(Command::new(place.join("bin/zerorate")).arg("--version"))?;
+    Ok(Outcome::Passed)
+}
+
+/// The crates that are not kept from being published. Each tells a registry what it shows.
+fn published(workspace: &Workspace) -> Result<Vec<String>> {
+    let mut names = Vec::new();
+    for folder in workspace.crates()? {
+        let path = format!("crates/{folder}/Cargo.toml");
+        let manifest: Table = workspace.read(&path)?.parse().with_context(|| path.clone())?;
+        let package =
+            manifest.get("package").and_then(Value::as_table).with_context(|| format!("{path}: no package"))?;
+        if package.get("publish").and_then(Value::as_bool) == Some(false) {
+            continue;
+        }
+        for field in SHOWN {
+            ensure!(package.contains_key(field), "{path}: `{field}` is missing, and a registry shows it");
+        }
+        names.push(package.get("name").and_then(Value::as_str).with_context(|| format!("{path}: no name"))?.to_owned());
+    }
+    Ok(names)
+}
+
+/// Unpacks all into one folder, and has the command take them where a registry would be asked.
+fn unpack(workspace: &Workspace, names: &[String]) -> Result<PathBuf> {
+    let packed = workspace.target.join("package");
+    let place = packed.join("unpacked");
+    if place.is_dir() {
+        fs::remove_dir_all(&place)?;
+    }
+    fs::create_dir_all(&place)?;
+    let mut manifest = "[workspace]\nresolver = \"3\"\nmembers = [\"zerorate\"]\n\n[patch.crates-io]\n".to_owned();
+    for name in names {
+        let folder = format!("{name}-{}", env!("CARGO_PKG_VERSION"));
+        let archive = packed.join(format!("{folder}.crate"));
+        provide::succeed(Command::new("tar").arg("-xzf").arg(archive).arg("-C").arg(&place))?;
+        fs::rename(place.join(folder), place.join(name))?;
+        if name != COMMAND {
+            manifest += &format!("{name} = {{ path = \"{name}\" }}\n");
+        }
+    }
+    fs::write(place.join("Cargo.toml"), manifest)?;
+    // The same versions of what others wrote.
+    fs::copy(workspace.root.join("Cargo.lock"), place.join("Cargo.lock"))?;
+    Ok(place)
+}
