@@ -28,6 +28,18 @@ impl Line {
         self.centre.1 + self.slope * (place - self.centre.0)
     }
 
+    /// How steep it is.
+    #[must_use]
+    pub fn slope(&self) -> f64 {
+        self.slope
+    }
+
+    /// The mean of its points' places.
+    #[must_use]
+    pub fn centre(&self) -> f64 {
+        self.centre.0
+    }
+
     /// How far a point is above it.
     #[must_use]
     pub fn off(&self, point: (f64, f64)) -> f64 {

@@ -1,6 +1,7 @@
 //! Jumps of the rate that stay.
 
 use zerorate_fit::jumps::{Jump, REACH, background, jumps};
+use zerorate_fit::line::Line;
 use zerorate_fit::robust::{centre_and_sigma, noise};
 use zerorate_fit::small_step::{SmallStep, small_steps};
 
@@ -29,6 +30,10 @@ const STANDS_OUT: f64 = 5.0;
 /// drifting, and removing one would remove what is to be fitted (the largest of the shared chamber recording is 0.11). One that
 /// stands out all the same is told and left in.
 const SHARE: f64 = 0.15;
+
+/// Lines through the temperature on either side of a ramp's end part by more than this many times the rms about them: a parabola,
+/// a turn that is no corner, parts them by 28 times; by more across a gap, as their middles are further apart.
+const BENT: f64 = 30.0;
 
 /// The steps of one axis.
 #[derive(Debug, Default)]
@@ -69,6 +74,7 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
                 && groups[jump.group].log == groups[jump.before].log
                 // Beside a turn the rates of heating and of cooling lie on either side of a gap: hysteresis is no step.
                 && (goes_on(jump.before, jump.group) || !turns(&used, &temperatures, jump.group, temperature_margin))
+                && !bends(&used, &temperatures, jump.group, temperature_margin)
                 && jump.is_confirmed(&used, &temperatures, &rates)
         };
         let largest_with = |between: usize| {
@@ -122,6 +128,20 @@ fn turns(used: &[usize], temperatures: &[f64], group: usize, margin: f64) -> boo
     let (min, max) = around.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
     let [first, last] = [around.first(), around.last()].map(|end| end.copied().unwrap_or(f64::NAN));
     max - min - (last - first).abs() > 0.5 * margin
+}
+
+/// Whether the temperature begins or ends a ramp, or turns round, at a group: there a rate that goes by how fast the temperature
+/// changes jumps, and no unit has stepped. By lines through the groups on either side, which part by more than a margin's half, and
+/// by more than a turn that is smooth parts them.
+fn bends(used: &[usize], temperatures: &[f64], group: usize, margin: f64) -> bool {
+    let place = used.partition_point(|other| *other < group);
+    let reach = place.saturating_sub(REACH)..(place + REACH).min(used.len());
+    let points: Vec<(f64, f64)> = reach.clone().map(|other| (used[other] as f64, temperatures[other])).collect();
+    let (before, after) = points.split_at(place - reach.start);
+    let [from, to] = [before, after].map(Line::through);
+    let parted = (REACH as f64 * (to.slope() - from.slope())).abs();
+    let apart = (to.centre() - from.centre()) / REACH as f64;
+    parted > (0.5 * margin).max(BENT * apart * from.rms(before).max(to.rms(after)))
 }
 
 /// Two steps in opposite directions whose sizes agree to this share are one interval of another rate.

@@ -162,3 +162,34 @@ fn a_gap_beside_a_turn_is_no_step_though_heating_and_cooling_differ() {
         assert!(levels.steps.is_empty() && levels.left_in.is_empty(), "{lost:?}: {levels:?}");
     }
 }
+
+#[test]
+fn a_rate_that_goes_by_how_fast_the_temperature_changes_does_not_step_where_a_ramp_begins_or_ends() {
+    let (of_cycle, clean) = cycle();
+    let noise = |row: usize| clean[0][row] - (0.01 + 3e-4 * of_cycle[row] - 2e-6 * of_cycle[row].powi(2));
+    // Soak, heat at 2 K/min, soak, cool, soak; and the same without a soak at the top. A sensor in steps of 0.1 C as well.
+    for (ends, resolution) in
+        [([1200, 3600, 4800, 7200], 0.0), ([1200, 4200, 4200, 7200], 0.0), ([1200, 3600, 4800, 7200], 0.1)]
+    {
+        let mut temperature = -10.0;
+        let (mut temperatures, mut rates) = (Vec::new(), Vec::new());
+        for row in 0..ROWS {
+            let speed = match row {
+                row if (ends[0]..ends[1]).contains(&row) => 1.0,
+                row if (ends[2]..ends[3]).contains(&row) => -1.0,
+                _ => 0.0,
+            };
+            temperature += speed / 60.0;
+            rates.push(1e-4 * temperature + 8e-3 * speed + noise(row));
+            let read = temperature + 10.0 * noise(row);
+            temperatures.push(if resolution > 0.0 { resolution * (read / resolution).round() } else { read });
+        }
+        let (_, _, levels) = condition(&temperatures, std::slice::from_ref(&rates));
+        assert_eq!((&levels.steps[..], &levels.left_in[..]), (&[][..], &[][..]), "{ends:?} {resolution}");
+        // One that is elsewhere on the ramp is one.
+        rates[2400..].iter_mut().for_each(|rate| *rate += 0.05);
+        let (_, _, levels) = condition(&temperatures, &[rates]);
+        let [step] = &levels.steps[..] else { panic!("{ends:?} {resolution}: {levels:?}") };
+        assert!((step.size - 0.05).abs() < 5e-4, "{step:?}");
+    }
+}
