@@ -42,7 +42,7 @@ use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 
 use beside::Beside;
-use figures::Comparison;
+use figures::{Comparison, Extent};
 use steps::{Outcome, Step};
 use workspace::Workspace;
 
@@ -60,7 +60,8 @@ enum Chore {
     /// In order, with circuit, gateware, firmware and chip beside the others: what those say follows at the end.
     ///
     /// Formatting, lints, documentation and tests by cargo; the rules of ARCHITECTURE.md by reading the sources; then
-    /// the built command against numpy and against damaged recordings, and the Python package against the command; the circuit in ngspice and the gateware by the FPGA
+    /// the built command against numpy and against damaged recordings; what would be published, installed for ARM and run
+    /// by qemu-user, and the Python package against the command; the circuit in ngspice and the gateware by the FPGA
     /// tools, the firmware in QEMU and the image for the chip in Unicorn, as the chores `circuit`, `gateware`, `firmware` and
     /// `chip` do; the report in a headless browser, and the
     /// page that fits a log held against the command;
@@ -82,7 +83,8 @@ enum Chore {
         #[arg(long, hide = true)]
         beside: bool,
         /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house,
-        /// wiring, build, numpy, numbers, damage, instruments, python, circuit, gateware, firmware, chip, report, web, lot, book
+        /// wiring, build, numpy, numbers, damage, instruments, install, python,
+        /// circuit, gateware, firmware, chip, report, web, lot, book
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -214,7 +216,8 @@ fn main() -> Result<ExitCode> {
             let after = after.map_or_else(|| workspace.zerorate(), Ok)?;
             let [before, after] =
                 [before, after].map(|program| program.canonicalize().with_context(|| program.display().to_string()));
-            let comparison = Comparison { workspace: &workspace, before: before?, after: after?, within, held_out };
+            let (before, after) = (before?, after?);
+            let comparison = Comparison { workspace: &workspace, before, after, extent: Extent::All, within, held_out };
             let step =
                 Step::new("figures", "mend it, or say in the commit which figures moved and why", || comparison.run());
             steps::run(&[step])
@@ -277,6 +280,8 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("damage", "see crates/xtask/python/damaged_recordings.py", within(python::damaged_recordings))
             .skipped_if(fast, "--fast"),
         Step::new("instruments", "see docs/instruments.md, What was tried", within(instruments::check))
+            .skipped_if(fast, "--fast"),
+        Step::new("install", "mend what cannot be published, or what differs on ARM", within(publish::install))
             .skipped_if(fast, "--fast"),
         Step::new("python", "see crates/python/README.md", within(package::check)).skipped_if(fast, "--fast"),
         circuit(workspace).skipped_if(fast, "--fast"),
