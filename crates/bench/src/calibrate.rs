@@ -127,7 +127,7 @@ fn run(
                 if !std::mem::replace(&mut deployed, true) {
                     deploy(&mut session, &measured)?;
                 }
-                compensation_test::run(&mut session, runnable, axis, extent, recorder)
+                compensation_test::run(&mut session, &measured.ramp, runnable, axis, extent, recorder)
             })?;
             verifications.push(evaluated(run, &measured, setup));
         }

@@ -47,7 +47,8 @@ pub fn test(
     recorder: &mut Recorder,
 ) -> Result<Verification, BenchError> {
     let setup = session.setup;
-    compensation_test::run(session, mode, axis, extent, recorder).map(|run| evaluated(run, measured, setup))
+    compensation_test::run(session, &measured.ramp, mode, axis, extent, recorder)
+        .map(|run| evaluated(run, measured, setup))
 }
 
 /// A test that was run, with its results.

@@ -34,12 +34,14 @@ pub struct Extent {
 
 /// Runs the test on a device that has its calibration.
 ///
-/// The compensated axis finds its tap at the end of the soak, before the ramp begins.
+/// The compensated axis finds its tap at the end of the soak, before the ramp begins. If the control then reads what the
+/// full-temperature test did not read there (`before`), it is told: a supply left in the gyros' place would cost the whole test.
 ///
 /// # Errors
 /// [`BenchError`].
 pub fn run(
     session: &mut Session<'_>,
+    before: &[Taken],
     mode: Mode,
     axis: Axis,
     extent: Extent,
@@ -55,7 +57,11 @@ pub fn run(
     let name =
         |direction: &str| format!("compensation test, {} {}, {direction}", axis.name().to_uppercase(), mode.name());
     session.phase(&name("heating"), ramp_groups);
-    session.until(soak_groups, Phase::Soak, recorder)?;
+    let soak = session.until(soak_groups, Phase::Soak, recorder)?;
+    if let Some(doubt) = soak.last().and_then(|last| control_is_elsewhere(before, last, axis.other())) {
+        let told = session.warnings.add(doubt);
+        session.progress.note(&told);
+    }
     let heating = session.ramp(hot, ramp_groups, Phase::Heating, recorder)?;
     let mut cooling = Vec::new();
     if extent.cooling {
@@ -65,4 +71,20 @@ pub fn run(
     session.stop()?;
     recorder.next_run();
     Ok(TestRun { mode, axis, heating, cooling })
+}
+
+/// What is told of a control that is more than half of its drift away from what it read at the same temperature before.
+fn control_is_elsewhere(before: &[Taken], now: &Taken, control: Axis) -> Option<String> {
+    let temperature = now.temperature(control).0;
+    let from_there = |taken: &&Taken| (taken.temperature(control).0 - temperature).abs();
+    let then = before.iter().min_by(|a, b| from_there(a).total_cmp(&from_there(b)))?.zro(control).0;
+    let readings = || before.iter().map(|taken| taken.zro(control).0);
+    let drift = readings().fold(f64::NEG_INFINITY, f64::max) - readings().fold(f64::INFINITY, f64::min);
+    let reads = now.zro(control).0;
+    ((reads - then).abs() > 0.5 * drift).then(|| {
+        format!(
+            "{}, which is not compensated, reads {reads:.0} counts after the soak, and in the full-temperature test it read {then:.0} there: are the gyros connected, and is the supply off? Ctrl-C stops the run; --resume goes on with this test",
+            control.name().to_uppercase()
+        )
+    })
 }

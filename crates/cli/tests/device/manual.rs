@@ -34,6 +34,8 @@ struct Run {
     out: ChildStdout,
     /// Everything told so far.
     lines: Vec<String>,
+    /// The person says that the gyros are connected again, and leaves the supply where it is.
+    forgets_the_gyros: bool,
 }
 
 impl Run {
@@ -50,7 +52,7 @@ impl Run {
             .unwrap();
         let (answers, out) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());
         let told = BufReader::new(child.stderr.take().unwrap());
-        Self { child, answers, told, out, lines: Vec::new() }
+        Self { child, answers, told, out, lines: Vec::new(), forgets_the_gyros: false }
     }
 
     /// Does what the program says, until it says something with `part` in it for the `nth` time, or ends.
@@ -89,7 +91,9 @@ impl Run {
                 String::new()
             }
             _ if what.contains("connect the gyros") => {
-                board.order("gyros");
+                if !self.forgets_the_gyros {
+                    board.order("gyros");
+                }
                 String::new()
             }
             _ if what.contains("volts are at the X") => word(&board.order("voltmeter"), 2),
@@ -153,6 +157,7 @@ fn a_run_by_hand_that_was_stopped_goes_on_and_passes() {
     assert_eq!(code, Some(0), "{:#?}", run.lines);
     assert_eq!(run.count("feed"), 0, "the trim experiment is not repeated: {:#?}", run.lines);
     assert_eq!(run.count("the ramp has begun"), 6, "{:#?}", run.lines);
+    assert_eq!(run.count("are the gyros connected"), 0, "{:#?}", run.lines);
 
     let summary: Value = serde_json::from_str(&summary).unwrap();
     schema::hold("summary.json", &summary);
@@ -197,6 +202,18 @@ fn a_board_that_holds_a_calibration_is_measured_without_it() {
     let ramp = folder.path().join("calibration/in-progress/full-temperature.parquet");
     let rows = Recording::read(&(&ramp).into()).unwrap().rows;
     assert!(rows.iter().all(|row| row.tap == 511 && row.mode.name() == "off"), "the wiper stays");
+}
+
+#[test]
+fn a_supply_left_in_the_gyros_place_is_told_before_the_ramp() {
+    let (mut board, folder) = bench("pty");
+    let mut run = Run::start(&board, &[], folder.path());
+    run.forgets_the_gyros = true;
+    assert!(run.obey_until(&mut board, "are the gyros connected, and is the supply off?", 1), "{:#?}", run.lines);
+    run.child.kill().unwrap();
+    run.child.wait().unwrap();
+    assert_eq!(run.count("the ramp has begun"), 1, "{:#?}", run.lines);
+    assert_eq!(run.count("note: Y, which is not compensated, reads "), 1, "{:#?}", run.lines);
 }
 
 #[test]
