@@ -86,6 +86,16 @@ pub struct UnitError {
     known: &'static str,
 }
 
+impl RateUnit {
+    /// What is measured in it, in a sentence.
+    pub(crate) fn quantity(self) -> &'static str {
+        match self {
+            Self::MetresPerS2 => "acceleration",
+            Self::Dps | Self::RadPerS | Self::Counts => "rate",
+        }
+    }
+}
+
 impl FromStr for TimeUnit {
     type Err = UnitError;
     fn from_str(text: &str) -> Result<Self, UnitError> {

@@ -45,5 +45,5 @@ pub(super) fn table(fit: &LogFit, unit: RateUnit, scale: RateScale) -> Markup {
         rows: left.iter().map(row).collect(),
         numbers_from: 2,
     }
-    .markup()
+    .wide_markup()
 }

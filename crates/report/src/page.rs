@@ -102,16 +102,27 @@ impl Table<'_> {
     /// The table as HTML. Its caption stays where it is when the box scrolls, and the box can be reached by keyboard, for
     /// those who scroll with it.
     pub(super) fn markup(&self) -> Markup {
+        self.as_lists_on_a_phone(false)
+    }
+
+    /// The same for one too wide for a phone: there its rows stand as lists, each cell with the head of its column.
+    pub(super) fn wide_markup(&self) -> Markup {
+        self.as_lists_on_a_phone(true)
+    }
+
+    fn as_lists_on_a_phone(&self, lists: bool) -> Markup {
         let class = |column: usize| if column >= self.numbers_from { "n" } else { "" };
         html! {
             figure.table {
                 figcaption { (self.caption) }
-                div.scroll tabindex="0" { table {
+                div.scroll tabindex="0" { table.lists[lists] {
                     thead { tr { @for (column, head) in self.heads.iter().enumerate() {
                         th scope="col" class=(class(column)) { (head) }
                     } } }
                     tbody { @for row in &self.rows { tr { @for (column, cell) in row.iter().enumerate() {
-                        @if column == 0 { th scope="row" { (cell) } } @else { td class=(class(column)) { (cell) } }
+                        @if column == 0 { th scope="row" { (cell) } } @else {
+                            td class=(class(column)) data-head=(self.heads[column]) { (cell) }
+                        }
                     } } } }
                 } }
             }

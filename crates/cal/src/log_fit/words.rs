@@ -66,7 +66,15 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
     for (step, kind, does, then) in taken.chain(left_in).filter(|(step, ..)| step.axis == axis) {
         let part = sensor.part(step.row);
         let scale = RateScale::of(stream.unit, &[step.size], options.told_in);
-        let text = format!("{}: {then}", of_step(&part.step(step), &part.axis(name), does, scale, unit));
+        let text = format!(
+            "{}: {then}",
+            of_step(
+                &part.step(step),
+                &format!("{}: the {} {does}", part.axis(name), stream.unit.quantity()),
+                scale,
+                unit
+            )
+        );
         judgement.add(Reason::new(kind, text));
     }
 }
@@ -190,9 +198,10 @@ fn of_coarse_rate(sensor: &Gathered, axis: usize, options: &FitOptions) -> Optio
     let scale = RateScale::of(sensor.stream.unit, &[step], options.told_in);
     let text = || {
         format!(
-            "{}: the rate comes in steps of {}, larger than its noise: an average is no finer than a step, and what looks like a \
+            "{}: the {} comes in steps of {}, larger than its noise: an average is no finer than a step, and what looks like a \
              jump of one is the converter's",
             sensor.stream.names[axis],
+            sensor.stream.unit.quantity(),
             scale.told(step)
         )
     };
@@ -250,8 +259,10 @@ pub(super) fn of_still(still: &Still, name: &str, sensor: &Gathered) -> Reason {
     let (still, name) = (part.still(still), part.axis(name));
     let place = place(still.time_s, still.rows, still.temperature, stream.temperature_unit.name());
     let text = format!(
-        "{name}: the rate is {} {} and nothing else {place}: the gyro is dead or stuck, or the wrong column was read",
-        still.rate, stream.unit
+        "{name}: the {} is {} {} and nothing else {place}: the sensor is dead or stuck, or the wrong column was read",
+        stream.unit.quantity(),
+        still.rate,
+        stream.unit
     );
     Reason::new(ReasonKind::StuckReading, text)
 }
@@ -280,9 +291,10 @@ fn lasting(seconds: f64) -> String {
     }
 }
 
-fn of_step(step: &Step, name: &str, does: &str, scale: RateScale, unit: &str) -> String {
+/// Where something (`what_does`) steps or jumps.
+fn of_step(step: &Step, what_does: &str, scale: RateScale, unit: &str) -> String {
     format!(
-        "{name}: the rate {does} by {} somewhere {} and stays, with no temperature change to match",
+        "{what_does} by {} somewhere {} and stays, with no temperature change to match",
         scale.with_error(step.size, step.error),
         place(step.time_s, step.rows, step.temperature, unit)
     )

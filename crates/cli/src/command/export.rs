@@ -1,5 +1,6 @@
 //! `zerorate export`.
 
+use std::io::{self, IsTerminal};
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
@@ -76,8 +77,9 @@ impl Export {
         let exported =
             export(&calibration, self.format, &options).with_context(|| format!("{}", self.calibration.display()))?;
         let Some(out) = &self.out else {
-            // The text is all that standard output holds, so that it can be piped.
-            exported.notes.iter().for_each(|note| screen::note(note));
+            // The text is all that standard output holds, so that it can be piped. Who reads it has read the notes in it.
+            let is_read = |note: &&String| io::stdout().is_terminal() && exported.text.contains(note.as_str());
+            exported.notes.iter().filter(|note| !is_read(note)).for_each(|note| screen::note(note));
             screen::print(&exported.text)?;
             return Ok(Outcome::Done);
         };

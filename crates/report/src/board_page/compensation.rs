@@ -205,5 +205,5 @@ fn table(summary: &Summary) -> Markup {
         rows: summary.tests.iter().map(row).collect(),
         numbers_from: 2,
     }
-    .markup()
+    .wide_markup()
 }

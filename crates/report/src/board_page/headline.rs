@@ -154,7 +154,7 @@ fn left(board: &Board) -> Markup {
                 heads: &heads,
                 rows: summary.tests.iter().map(row).collect(),
                 numbers_from: 1,
-            }.markup())
+            }.wide_markup())
         }
     }
 }

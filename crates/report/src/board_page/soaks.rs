@@ -119,5 +119,5 @@ fn table(soaks: &Soaks, axis: &BoardAxis, board: &Board) -> Markup {
         rows: points(soaks, axis).iter().map(row).collect(),
         numbers_from: 1,
     }
-    .markup()
+    .wide_markup()
 }

@@ -118,7 +118,7 @@ fn table(board: &Board) -> Markup {
     }
     let heads = ["", "a, taps per count", "b, taps", "V₀, counts", "one tap, counts"];
     let caption = html! { "The line d" i { "N" } " = " i { "a" } " (" i { "V" } " − " i { "V" } sub { "0" } ") + " i { "b" } ", two ways, beside the paper’s." };
-    Table { caption, heads: &heads, rows, numbers_from: 1 }.markup()
+    Table { caption, heads: &heads, rows, numbers_from: 1 }.wide_markup()
 }
 
 fn taps(board: &Board) -> Figure {

@@ -45,7 +45,7 @@ pub(super) fn chapter(board: &Board) -> Markup {
             heads: &heads,
             rows,
             numbers_from: 1,
-        }.markup())
+        }.wide_markup())
         p.small {
             "The residual of a potentiometer alone cannot be less than one tap, 31 counts peak to peak: it is a saw-tooth of "
             "whole taps, and the paper’s “less than 40” is that and a little more. Y’s equation is quoted with the sign of its "

@@ -79,7 +79,7 @@ impl LogPage<'_> {
             rows: axes.iter().map(row).collect(),
             numbers_from: 1,
         }
-        .markup()
+        .wide_markup()
     }
 
     /// What is left within the recording: smaller than what a device gets.
@@ -110,7 +110,7 @@ impl LogPage<'_> {
             rows: axes.iter().map(row).collect(),
             numbers_from: 1,
         }
-        .markup()
+        .wide_markup()
     }
 
     /// Of which unit the page is, by whom and by which program.

@@ -94,7 +94,7 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
         &format!("Ramp sensitivity, per {degree}/s"),
     ];
     html! {
-        (Table { caption, heads: &heads, rows, numbers_from: 1 }.markup())
+        (Table { caption, heads: &heads, rows, numbers_from: 1 }.wide_markup())
         @for sentence in &doubtful { p.small { (told(sentence)) "." } }
         @for sentence in &missing { p.small { (told(sentence)) "." } }
     }

@@ -80,7 +80,7 @@ pub(super) fn table(rows: &[Outside<'_>]) -> Markup {
     };
     let heads = ["Unit", "Axis", "Station", "Quantity", "Value", "Limit", "Outside by"];
     html! {
-        (Table { caption, heads: &heads, rows: rows.iter().take(LISTED).map(row).collect(), numbers_from: 4 }.markup())
+        (Table { caption, heads: &heads, rows: rows.iter().take(LISTED).map(row).collect(), numbers_from: 4 }.wide_markup())
         @if rows.len() > LISTED { p { "… and " (counted(rows.len() - LISTED, "row")) " more." } }
     }
 }
