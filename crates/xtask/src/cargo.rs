@@ -27,7 +27,9 @@ pub fn lint(workspace: &Workspace) -> Result<Outcome> {
 
 /// The documentation of our own crates builds, and no link in it is broken.
 pub fn document(workspace: &Workspace) -> Result<Outcome> {
-    run_documentation(workspace, &[&["doc"], &EVERY_CRATE[..], &["--no-deps"]].concat())
+    println!("    with RUSTDOCFLAGS='-D warnings'");
+    let mut document = command(workspace);
+    run_with(document.env("RUSTDOCFLAGS", "-D warnings"), &[&["doc"], &EVERY_CRATE[..], &["--no-deps"]].concat())
 }
 
 /// All tests pass.
@@ -45,12 +47,6 @@ pub fn run(workspace: &Workspace, arguments: &[&str]) -> Result<Outcome> {
     run_with(&mut command(workspace), arguments)
 }
 
-/// Runs a cargo command that documents; a warning is an error.
-pub fn run_documentation(workspace: &Workspace, arguments: &[&str]) -> Result<Outcome> {
-    println!("    with RUSTDOCFLAGS='-D warnings'");
-    run_with(command(workspace).env("RUSTDOCFLAGS", "-D warnings"), arguments)
-}
-
 /// Runs a cargo command in a workspace of its own, from the root; what it builds goes to `target`.
 pub fn run_in(workspace: &Workspace, folder: &str, target: &Path, arguments: &[&str]) -> Result<()> {
     println!("    cargo {}, in {folder}", arguments.join(" "));
@@ -59,13 +55,20 @@ pub fn run_in(workspace: &Workspace, folder: &str, target: &Path, arguments: &[&
     provide::succeed(command.args(arguments))
 }
 
-fn run_with(command: &mut Command, arguments: &[&str]) -> Result<Outcome> {
+/// Has what calls cargo in another workspace take what was built in this one; what it makes goes to `target`.
+pub fn share<'a>(workspace: &Workspace, command: &'a mut Command, target: &Path) -> &'a mut Command {
+    command.env("CARGO_BUILD_BUILD_DIR", &workspace.target).env("CARGO_TARGET_DIR", target)
+}
+
+/// Runs a cargo command by a call that was prepared.
+pub fn run_with(command: &mut Command, arguments: &[&str]) -> Result<Outcome> {
     println!("    cargo {}", arguments.join(" "));
     provide::succeed(command.args(arguments))?;
     Ok(Outcome::Passed)
 }
 
-fn command(workspace: &Workspace) -> Command {
+/// Cargo, called in the root.
+pub fn command(workspace: &Workspace) -> Command {
     let mut command = program();
     command.current_dir(&workspace.root);
     command

@@ -2,7 +2,7 @@
 //!
 //! zig links for every system from one machine, against musl or Windows' own libraries, so that no old glibc is asked for.
 
-pub mod trial;
+mod trial;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,6 @@ use std::process::Command;
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::cargo;
-use crate::figures::Extent;
 use crate::provide;
 use crate::python;
 use crate::steps::{Outcome, Step};
@@ -26,18 +25,15 @@ const BESIDE: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICEN
 /// A system for which the command is built.
 pub struct System {
     /// By the name that Rust has for it.
-    pub target: &'static str,
+    target: &'static str,
     /// The program that runs it here, and the Debian packages that have it; none where this machine does.
     runner: Option<(&'static str, &'static [&'static str])>,
 }
 
-/// Linux on ARM.
-pub const ARM: System = System { target: "aarch64-unknown-linux-musl", runner: Some(("qemu-aarch64", &["qemu-user"])) };
-
 /// All of them: the first runs here, and is what the Debian package holds.
 pub const SYSTEMS: [System; 3] = [
     System { target: "x86_64-unknown-linux-musl", runner: None },
-    ARM,
+    System { target: "aarch64-unknown-linux-musl", runner: Some(("qemu-aarch64", &["qemu-user"])) },
     System { target: "x86_64-pc-windows-gnu", runner: Some(("wine", &["wine", "wine64"])) },
 ];
 
@@ -63,9 +59,7 @@ pub fn steps<'a>(workspace: &'a Workspace, asked: &[String]) -> Result<Vec<Step<
     let mut steps = Vec::new();
     for system in SYSTEMS.iter().filter(wanted) {
         steps.push(Step::new(system.target, "mend the build for it", move || build(workspace, system)));
-        steps.push(Step::new("trial", "its figures differ from this machine's", move || {
-            trial::run(workspace, system, &system.program(workspace), Extent::All)
-        }));
+        steps.push(Step::new("trial", "its figures differ from this machine's", move || trial::run(workspace, system)));
         if system.runner.is_none() {
             steps.push(Step::new("debian", "see package.metadata.deb in crates/cli/Cargo.toml", move || {
                 debian(workspace, system)
@@ -78,14 +72,6 @@ pub fn steps<'a>(workspace: &'a Workspace, asked: &[String]) -> Result<Vec<Step<
 
 /// Builds the command for a system and packs it.
 fn build(workspace: &Workspace, system: &System) -> Result<Outcome> {
-    let mut build = zig(workspace, system, "zigbuild")?;
-    build.current_dir(&workspace.root).env("CARGO_TARGET_DIR", built(workspace));
-    provide::succeed(build.args(["--release", "--locked", "--package", "zerorate"]))?;
-    pack(workspace, system)
-}
-
-/// A command of cargo's that links for a system by zig.
-pub fn zig(workspace: &Workspace, system: &System, command: &str) -> Result<Command> {
     let installed = Command::new("rustup").args(["target", "add", system.target]).status();
     ensure!(
         installed.is_ok_and(|status| status.success()),
@@ -93,9 +79,11 @@ pub fn zig(workspace: &Workspace, system: &System, command: &str) -> Result<Comm
         system.target
     );
     let tools = python::zig(workspace)?;
-    let mut zig = Command::new(tools.join("cargo-zigbuild"));
-    zig.env("PATH", with(&tools)?).args([command, "--target", system.target]);
-    Ok(zig)
+    let mut zigbuild = Command::new(tools.join("cargo-zigbuild"));
+    zigbuild.current_dir(&workspace.root).env("CARGO_TARGET_DIR", built(workspace)).env("PATH", with(&tools)?);
+    zigbuild.args(["zigbuild", "--release", "--locked", "--package", "zerorate", "--target", system.target]);
+    provide::succeed(&mut zigbuild)?;
+    pack(workspace, system)
 }
 
 /// Puts the program and what stands beside it into an archive: a zip for Windows.

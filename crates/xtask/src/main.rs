@@ -60,9 +60,8 @@ enum Chore {
     /// In order, with circuit, gateware, firmware and chip beside the others: what those say follows at the end.
     ///
     /// Formatting, lints, documentation and tests by cargo; the rules of ARCHITECTURE.md by reading the sources; then
-    /// the built command against numpy and against damaged recordings; what would be published, installed for ARM and run
-    /// by qemu-user, and the Python package against the command; the circuit in ngspice and the gateware by the FPGA
-    /// tools, the firmware in QEMU and the image for the chip in Unicorn, as the chores `circuit`, `gateware`, `firmware` and
+    /// the built command against numpy and against damaged recordings; what would be published, installed, and the Python
+    /// package against the command; the circuit in ngspice and the gateware by the FPGA tools, the firmware in QEMU and the image for the chip in Unicorn, as the chores `circuit`, `gateware`, `firmware` and
     /// `chip` do; the report in a headless browser, and the
     /// page that fits a log held against the command;
     /// zerorate-lot, whose query engine takes longer to build than everything else together; last the book, whose commands are run. What that needs is
@@ -281,8 +280,12 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
             .skipped_if(fast, "--fast"),
         Step::new("instruments", "see docs/instruments.md, What was tried", within(instruments::check))
             .skipped_if(fast, "--fast"),
-        Step::new("install", "mend what cannot be published, or what differs on ARM", within(publish::install))
-            .skipped_if(fast, "--fast"),
+        Step::new(
+            "install",
+            "mend what cannot be published, or what differs where it is installed",
+            within(publish::install),
+        )
+        .skipped_if(fast, "--fast"),
         Step::new("python", "see crates/python/README.md", within(package::check)).skipped_if(fast, "--fast"),
         circuit(workspace).skipped_if(fast, "--fast"),
         Step::new("gateware", "`cargo xtask gateware` runs it alone", within(gateware::check))

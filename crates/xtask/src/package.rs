@@ -22,7 +22,7 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
     };
     let command = workspace.zerorate()?;
     run(workspace, &["fmt", "--check"])?;
-    run(workspace, &["clippy", "--release", "--locked", "--all-targets", "--", "-D", "warnings"])?;
+    run(workspace, &["clippy", "--locked", "--all-targets", "--", "-D", "warnings"])?;
     let wheel = wheel(workspace)?;
     let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--force-reinstall", "--no-deps"];
     provide::succeed(Command::new(&tests).args(pip).arg(wheel))?;
@@ -44,7 +44,7 @@ fn wheel(workspace: &Workspace) -> Result<PathBuf> {
         fs::remove_dir_all(&wheels).with_context(|| wheels.display().to_string())?;
     }
     let mut maturin = Command::new(python::maturin(workspace)?);
-    maturin.current_dir(workspace.root.join(FOLDER)).env("CARGO_TARGET_DIR", target(workspace));
+    cargo::share(workspace, &mut maturin, &target(workspace)).current_dir(workspace.root.join(FOLDER));
     provide::succeed(maturin.args(["build", "--quiet", "--release", "--locked", "--out"]).arg(&wheels))?;
     let built: Vec<_> = fs::read_dir(&wheels)?.collect::<std::io::Result<_>>()?;
     ensure!(built.len() == 1, "{}: {} wheels, not one", wheels.display(), built.len());
@@ -53,10 +53,13 @@ fn wheel(workspace: &Workspace) -> Result<PathBuf> {
 
 /// A cargo command in the package's workspace.
 fn run(workspace: &Workspace, arguments: &[&str]) -> Result<()> {
-    cargo::run_in(workspace, FOLDER, &target(workspace), arguments)
+    println!("    cargo {}, in {FOLDER}", arguments.join(" "));
+    let mut command = cargo::program();
+    cargo::share(workspace, &mut command, &target(workspace)).current_dir(workspace.root.join(FOLDER));
+    provide::succeed(command.args(arguments))
 }
 
-/// Where it is built: with features of its own, so that the other crates are not built anew for it.
+/// Where the library and the wheels are put. What they stand on is built where the command's is, and once where it is the same.
 fn target(workspace: &Workspace) -> PathBuf {
     workspace.target.join("python")
 }

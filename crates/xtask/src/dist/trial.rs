@@ -21,10 +21,10 @@ const CHANCE: &str = "\
 __declspec(dllexport) BOOL WINAPI ProcessPrng(BYTE *into, SIZE_T bytes) { return RtlGenRandom(into, (ULONG)bytes); }
 ";
 
-/// Calibrations and fits of logs by a system's program, beside those of this machine's own build.
-pub fn run(workspace: &Workspace, system: &System, program: &Path, extent: Extent) -> Result<Outcome> {
+/// Calibrations, a study and fits of logs, beside those of this machine's own build.
+pub fn run(workspace: &Workspace, system: &System) -> Result<Outcome> {
     let before = workspace.zerorate()?.canonicalize()?;
-    let program = program.canonicalize()?;
+    let program = system.program(workspace).canonicalize()?;
     let after = match system.runner {
         None => program,
         Some((runner, packages)) => {
@@ -37,12 +37,11 @@ pub fn run(workspace: &Workspace, system: &System, program: &Path, extent: Exten
             started_by(workspace, system, runner, &program)?
         }
     };
-    Comparison { workspace, before, after, extent, within: 0.0, held_out: false }.run()
+    Comparison { workspace, before, after, extent: Extent::All, within: 0.0, held_out: false }.run()
 }
 
 /// A script that starts a program by its runner, and is a program like another.
 fn started_by(workspace: &Workspace, system: &System, runner: &str, program: &Path) -> Result<PathBuf> {
-    fs::create_dir_all(built(workspace))?;
     let script = built(workspace).join(format!("run-{}", system.target));
     // Wine tells of windows that nobody opens, and keeps what it is asked to keep in a folder of its own.
     let prefix = built(workspace).join("wine");
