@@ -121,7 +121,7 @@ impl Table<'_> {
                     } } }
                     tbody { @for row in &self.rows { tr { @for (column, cell) in row.iter().enumerate() {
                         @if column == 0 { th scope="row" { (cell) } } @else {
-                            td class=(class(column)) data-head=(self.heads[column]) { (cell) }
+                            td class=(class(column)) data-head=[lists.then_some(self.heads[column])] { (cell) }
                         }
                     } } } }
                 } }

@@ -219,8 +219,9 @@ fn a_lot_names_the_units_outside_its_limits_the_furthest_first_and_draws_the_lim
     let section = between(&page, "<section id=\"outside\">", "</section>")[0];
     let serials = between(section, "<th scope=\"row\">", "</th>");
     assert!(serials.iter().any(|serial| serial.contains("ZR-2026-0009")), "{serials:?}");
-    let parts = between(section, "<td class=\"n\">", "</td>");
-    let far = parts.iter().filter_map(|cell| cell.strip_suffix("\u{a0}%")?.parse::<f64>().ok()).collect::<Vec<_>>();
+    let parts = between(section, "<td class=\"n\" data-head=", "</td>");
+    let percent = |cell: &&str| cell.rsplit('>').next()?.strip_suffix("\u{a0}%")?.parse::<f64>().ok();
+    let far = parts.iter().filter_map(percent).collect::<Vec<_>>();
     assert!(far.len() == serials.len() && far.is_sorted_by(|a, b| a >= b), "{far:?}");
     for label in ["at most 1500", "at most 5", "at least 8050", "at most 8350"] {
         assert!(page.contains(&format!(">{label}</text>")), "{label}");

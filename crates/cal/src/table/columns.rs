@@ -187,10 +187,13 @@ impl<'a> Names<'a> {
     fn guess_time(&self, temperatures: &[usize], gyros: &[Gyro]) -> Result<Option<usize>, TableError> {
         let is_other =
             |column: usize| temperatures.contains(&column) || gyros.iter().any(|gyro| gyro.columns.contains(&column));
-        // Of `timestamp` and `timestamp_sample` the one with fewer words, of `date` and `time` the time; a log may also have none.
+        // Of `date` and `time` the time, of `timestamp` and `time_s` the one that says its unit, of `timestamp` and
+        // `timestamp_sample` the one with fewer words; a log may also have none.
         let named = self.places(is_time).into_iter().filter(|&column| !is_other(column));
         let is_date = |column: usize| self.words[column].first().is_some_and(|word| word == "date");
-        let named = named.min_by_key(|&column| (self.words[column].len(), is_date(column)));
+        let has_unit =
+            |column: usize| self.table.clocks[column].is_some() || time_unit(&self.with_units[column]).is_some();
+        let named = named.min_by_key(|&column| (is_date(column), !has_unit(column), self.words[column].len()));
         let clock = || self.table.clocks.iter().position(Option::is_some);
         if let Some(found) = named.or_else(clock) {
             return Ok(Some(found));

@@ -22,6 +22,7 @@ fn columns_are_guessed_where_the_names_make_it_plain() {
         ("TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T", Some(0), 10, vec![2, 3, 4]),
         ("TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,heat", Some(0), usize::MAX, vec![]),
         ("timestamp,timestamp_sample,device_id,x,y,z,temperature", Some(0), 6, vec![3, 4, 5]),
+        ("timestamp,time_s,temp_c,rate_dps", Some(1), 2, vec![3]),
         ("temp,rate_dps", None, 0, vec![1]),
     ] {
         match resolve(header, &Columns::default()) {
