@@ -27,8 +27,8 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// The command with all that it stands on can be installed from what would be published, and is the built command to the last
-/// digit. What others wrote was built for the tests.
+/// The command with all that it stands on can be installed from what would be published, and has the built command's figures to
+/// the last digit. What others wrote is the built command's too, and not built again.
 pub fn install(workspace: &Workspace) -> Result<Outcome> {
     let names = published(workspace)?;
     let mut package = vec!["package", "--quiet", "--no-verify", "--allow-dirty"];
@@ -38,7 +38,7 @@ pub fn install(workspace: &Workspace) -> Result<Outcome> {
     println!("    cargo install zerorate, from what was packed");
     let mut install = cargo::program();
     cargo::share(workspace, &mut install, &workspace.target.join("installed"));
-    install.current_dir(&place).args(["install", "--quiet", "--debug", "--path", "zerorate", "--root", "."]);
+    install.current_dir(&place).args(["install", "--quiet", "--path", "zerorate", "--root", "."]);
     provide::succeed(&mut install)?;
     let (before, after) = (workspace.zerorate()?.canonicalize()?, place.join("bin/zerorate").canonicalize()?);
     Comparison { workspace, before, after, extent: Extent::Few, within: 0.0, held_out: false }.run()
@@ -81,12 +81,7 @@ fn unpack(workspace: &Workspace, names: &[String]) -> Result<PathBuf> {
             patches.insert(name.clone(), Table::from_iter([("path".to_owned(), name.as_str().into())]).into());
         }
     }
-    // Compiled as for the tests, or nothing that was built for them would serve.
-    let root: Table = workspace.read("Cargo.toml")?.parse().context("Cargo.toml")?;
-    let dev =
-        root.get("profile").and_then(|profiles| profiles.get("dev")).context("Cargo.toml: no profile for tests")?;
     let mut manifest = toml! { workspace = { resolver = "2", members = ["zerorate"] } };
-    manifest.insert("profile".into(), Table::from_iter([("dev".to_owned(), dev.clone())]).into());
     manifest.insert("patch".into(), Table::from_iter([("crates-io".to_owned(), patches.into())]).into());
     fs::write(place.join("Cargo.toml"), manifest.to_string())?;
     // The same versions of what others wrote.
