@@ -8,6 +8,7 @@ mod device;
 mod export;
 mod fit;
 mod info;
+mod live;
 mod lot;
 mod report;
 mod setup;
@@ -57,6 +58,7 @@ enum Command {
     Characterise(characterise::Characterise),
     Report(report::Report),
     Info(info::Info),
+    Live(live::LookOn),
     Study(study::Study),
     Lot(lot::Lot),
     Device(device::Device),
@@ -117,6 +119,7 @@ impl Cli {
             Command::Characterise(characterise) => characterise.run(),
             Command::Report(report) => report.run(),
             Command::Info(info) => info.run(),
+            Command::Live(live) => live.run(),
             Command::Study(study) => study.run(),
             Command::Lot(lot) => lot.run(),
             Command::Setup(setup) => setup.run(),

@@ -3,6 +3,7 @@
 mod command;
 mod interrupt;
 mod log_arguments;
+mod looking_on;
 mod output;
 mod plant;
 mod progress;

@@ -21,7 +21,7 @@ use super::number::{fixed, significant};
 use super::page::{self, Chapter};
 
 /// Seconds in a minute: figures show time in minutes.
-const MINUTE_S: f64 = 60.0;
+pub(super) const MINUTE_S: f64 = 60.0;
 
 /// A run and its axes, X first.
 struct Board<'a> {
@@ -108,7 +108,7 @@ impl Board<'_> {
 }
 
 /// The ink of an axis.
-fn ink_of(axis: Axis) -> Ink {
+pub(super) fn ink_of(axis: Axis) -> Ink {
     match axis {
         Axis::X => Ink::X,
         Axis::Y => Ink::Y,
@@ -116,7 +116,7 @@ fn ink_of(axis: Axis) -> Ink {
 }
 
 /// An axis's name as it is written, `X` or `Y`.
-fn name_of(axis: Axis) -> &'static str {
+pub(super) fn name_of(axis: Axis) -> &'static str {
     match axis {
         Axis::X => "X",
         Axis::Y => "Y",

@@ -16,8 +16,8 @@ use crate::workspace::Workspace;
 
 /// The targets, with the longest input of each in bytes: logs of a kilobyte reach every message; a calibration and a record
 /// must have room for all their fields.
-const TARGETS: [(&str, u32); 5] =
-    [("ulog", 1024), ("dataflash", 1024), ("csv", 1024), ("calibration", 16_384), ("record", 4096)];
+const TARGETS: [(&str, u32); 6] =
+    [("ulog", 1024), ("dataflash", 1024), ("csv", 1024), ("calibration", 16_384), ("record", 4096), ("request", 1024)];
 
 /// What clang's `-fsanitize=fuzzer` asks of LLVM: counters for edges, and comparisons told to the fuzzer.
 const INSTRUMENTATION: [&str; 6] = [

@@ -20,6 +20,7 @@ mod gateware;
 mod house;
 mod instruments;
 mod lines;
+mod live;
 mod lot;
 mod package;
 mod provide;
@@ -127,7 +128,7 @@ enum Chore {
         /// Seconds a target
         #[arg(long, default_value = "60")]
         seconds: u32,
-        /// These targets only: ulog, dataflash, csv, calibration, record
+        /// These targets only: ulog, dataflash, csv, calibration, record, request
         #[arg(value_name = "TARGET")]
         only: Vec<String>,
     },

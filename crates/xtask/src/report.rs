@@ -9,6 +9,7 @@ use anyhow::{Context, Result, ensure};
 use crate::browser::Browser;
 use crate::devtools::{DevTools, SCREENS, Screen};
 use crate::faults;
+use crate::live;
 use crate::provide;
 use crate::steps::Outcome;
 use crate::workspace::Workspace;
@@ -40,6 +41,7 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
             }
         }
     }
+    faults.extend(live::look(workspace, &mut browser.devtools, &pictures)?);
     ensure!(faults.is_empty(), "{} faults\n    {}", faults.len(), faults.join("\n    "));
     println!("    no console error, no request, no overflow; pictures in {}", pictures.display());
     Ok(Outcome::Passed)
@@ -72,11 +74,18 @@ fn look<W: std::io::Write>(
     scheme: &str,
     picture: &Path,
 ) -> Result<Vec<String>> {
-    let width = screen.1;
     page.open_page()?;
     page.go_to(url, screen, scheme)?;
     page.photograph(picture)?;
+    let mut faults = seen(page, screen)?;
+    // Last, so that what the page did meanwhile counts as well.
+    faults.extend(page.events.iter().filter_map(|event| faults::of(event, url)));
+    Ok(faults)
+}
 
+/// What is wrong with what a page shows.
+pub fn seen<W: std::io::Write>(page: &mut DevTools<W>, screen: Screen) -> Result<Vec<String>> {
+    let width = screen.1;
     let mut faults = Vec::new();
     let wide = page.evaluate("document.documentElement.scrollWidth")?.as_f64().unwrap_or(f64::INFINITY);
     if wide > f64::from(width) {
@@ -91,8 +100,6 @@ fn look<W: std::io::Write>(
     if covering > 0.0 {
         faults.push(format!("{covering} buttons cover what is under them"));
     }
-    // Last, so that what the page did meanwhile counts as well.
-    faults.extend(page.events.iter().filter_map(|event| faults::of(event, url)));
     Ok(faults)
 }
 

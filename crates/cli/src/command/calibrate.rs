@@ -3,6 +3,7 @@
 mod acquisition;
 mod dry_run;
 mod instrument;
+mod looked_on;
 mod notify;
 mod operator;
 mod page;
@@ -27,14 +28,17 @@ use zerorate_bench::results;
 use zerorate_bench::run::Progress;
 use zerorate_bench::setup::SetUp;
 use zerorate_cal::quality::Verdict;
+use zerorate_live::Listen;
 use zerorate_words::sentence;
 
 use self::acquisition::Acquisition;
 use self::instrument::Instrument;
+use self::looked_on::LookedOn;
 use self::operator::AtTerminal;
 use self::real::Instruments;
 use super::Outcome;
 use crate::interrupt;
+use crate::looking_on::{self, LookingOn};
 use crate::plant::Plant;
 use crate::screen;
 
@@ -87,6 +91,11 @@ pub struct Calibrate {
     #[arg(long, value_name = "CMD")]
     notify: Option<String>,
 
+    /// Serve a page that shows the run as it goes: at 127.0.0.1:5495, or ADDRESS:PORT of this machine (port 0: any free one).
+    /// Beyond this machine its address has a token in it, which it prints
+    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = looking_on::HERE)]
+    live: Option<Listen>,
+
     /// Go on with a run on a real board that was stopped: what was finished is not repeated
     #[arg(long)]
     resume: bool,
@@ -134,6 +143,8 @@ Examples:
   zerorate calibrate --device serial:/dev/ttyUSB0 --chamber modbus-tcp:10.0.0.7:502 --supply scpi:10.0.0.8:5025 \\
       --setup bench.toml --dry-run
       the plan of a night, and whether chamber and supply answer; without --dry-run it begins
+  zerorate calibrate ... --live 0.0.0.0:5495
+      the run as it goes, on a telephone in the same network: open the address that it prints
   zerorate calibrate ... --notify 'curl -d \"$ZERORATE_MESSAGE\" https://ntfy.sh/my-bench'
 
 Exit codes: 0 the unit passed; 1 it was rejected, with reasons; 2 error.";
@@ -211,9 +222,23 @@ impl Calibrate {
     fn carry_out(&self, bench: &mut Bench, setup: &SetUp, unit: Unit, mut bar: Bar, keep: Keep) -> Result<Outcome> {
         results::refuse_others(&self.out, &unit, self.force)?;
         setup.unreachable().iter().for_each(|sentence| bar.note(sentence));
-        let result = calibrate(bench, setup, unit, &self.out, &mut bar, keep);
+        let title = format!("Calibration of {}", unit.serial);
+        let live = self.live.as_ref().map(|listen| LookingOn::open(listen, &title, setup));
+        let live = live.transpose()?;
+        if let Some(live) = &live {
+            bar.note(&live.told());
+        }
+        let result = calibrate(bench, setup, unit, &self.out, &mut LookedOn::new(&mut bar, setup, live.as_ref()), keep);
         bar.finish();
-        let summary = result.map_err(|error| self.with_what_is_left(error))?;
+        let result = result.map_err(|error| self.with_what_is_left(error));
+        if let Some(live) = live {
+            live.end(match &result {
+                Ok(summary) if summary.verdict == Verdict::Rejected => "The unit was rejected; the report says why.".into(),
+                Ok(_) => "The unit passed; the report is written.".into(),
+                Err(error) => format!("It ended before it was done: {}.", sentence(error.as_ref())),
+            });
+        }
+        let summary = result?;
         if self.json {
             screen::print_json(&summary)?;
         } else {

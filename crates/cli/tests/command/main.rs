@@ -14,6 +14,7 @@ mod help;
 mod info;
 mod kept;
 mod killed;
+mod live;
 mod log;
 mod place;
 mod report;

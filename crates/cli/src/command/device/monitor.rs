@@ -10,10 +10,13 @@ use serde_json::{Value, json};
 use zerorate_bench::board::{Board, LiveAxis, LiveGroup};
 use zerorate_bench::client::ClientError;
 use zerorate_bench::setup::SetUp;
+use zerorate_live::Listen;
+use zerorate_report::{LiveRun, RunGroup};
 
 use super::Device;
 use crate::command::Outcome;
 use crate::interrupt;
+use crate::looking_on::{self, LookingOn};
 use crate::screen::{self, Grid};
 
 /// How often Ctrl-C is looked for while no group comes.
@@ -36,23 +39,36 @@ pub struct Monitor {
     /// The set-up file of the board, for the scales of temperature and rate and for the centre; without it the paper's
     #[arg(long, value_name = "FILE")]
     setup: Option<PathBuf>,
+
+    /// Serve a page that shows the groups as they come: at 127.0.0.1:5495, or ADDRESS:PORT of this machine (port 0: any free
+    /// one). Beyond this machine its address has a token in it, which it prints
+    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = looking_on::HERE)]
+    live: Option<Listen>,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   zerorate device --port serial:/dev/ttyUSB0 monitor
-  zerorate device --port tcp:bench-3:5494 monitor --groups 40 --json > groups.jsonl";
+  zerorate device --port tcp:bench-3:5494 monitor --groups 40 --json > groups.jsonl
+  zerorate device --port serial:/dev/ttyUSB0 monitor --live";
 
 impl Monitor {
     pub fn run(&self, device: &Device) -> Result<Outcome> {
         let setup = self.setup.as_deref().map_or_else(|| Ok(SetUp::paper()), SetUp::read)?;
         let mut board = device.open()?;
         interrupt::watch()?;
+        let live = self.live.as_ref().map(|listen| LookingOn::open(listen, "Groups as they come", &setup)).transpose()?;
+        if let Some(live) = &live {
+            screen::note(&live.told());
+        }
         if board.watch()? {
             screen::note("the acquisition stood still: started, and stopped again at the end");
         }
         let mut view = View::new(device.json);
-        let shown = self.show(&mut board, &setup, &mut view);
+        let shown = self.show(&mut board, &setup, &mut view, live.as_ref());
+        if let Some(live) = live {
+            live.end("The monitor has ended.".into());
+        }
         // A board that does not answer any more cannot be taken leave of.
         if !shown.as_ref().is_err_and(|error| error.is::<ClientError>()) {
             board.leave()?;
@@ -68,7 +84,7 @@ impl Monitor {
         Ok(Outcome::Done)
     }
 
-    fn show(&self, board: &mut Board, setup: &SetUp, view: &mut View) -> Result<u32> {
+    fn show(&self, board: &mut Board, setup: &SetUp, view: &mut View, live: Option<&LookingOn>) -> Result<u32> {
         let late = board.group_period() * 3 + Duration::from_secs(4);
         let mut shown = 0;
         let mut waited = Duration::ZERO;
@@ -96,10 +112,30 @@ impl Monitor {
                 before = Some(faults);
             }
             view.show(&group)?;
+            if let Some(live) = live {
+                let time_s = board.group_period().as_secs_f64() * f64::from(group.group);
+                live.change(|run| look_on(run, &group, time_s));
+            }
             shown += 1;
         }
         Ok(shown)
     }
+}
+
+/// Shows a group to those who look on.
+fn look_on(run: &mut LiveRun, group: &LiveGroup, time_s: f64) {
+    run.heard_at = looking_on::clock();
+    for (own, axis) in run.axes.iter_mut().zip(&group.axes) {
+        own.push(RunGroup {
+            time_s,
+            temperature_counts: axis.temperature_counts,
+            reading_counts: axis.corrected_counts,
+            // What the chamber does is not known here.
+            is_ramp: false,
+            is_compensated: axis.mode != zerorate_bench::board::Mode::Off.name(),
+        });
+    }
+    run.doing = format!("group {}, {} lost", group.group, group.lost);
 }
 
 /// The counters that are not 0.

@@ -1,0 +1,99 @@
+//! What has come, drawn as the report draws it.
+
+use maud::{Markup, html};
+use zerorate_core::units::Axis;
+use zerorate_fit::drift_fit::DriftFit;
+
+use super::{RunGroup, LiveRun};
+use crate::board_page::{MINUTE_S, ink_of, name_of};
+use crate::figure::{Figure, Ink, Mark, Panel, Sample};
+use crate::number::counted;
+
+const TEMPERATURE: &str = "temperature reading, counts";
+
+/// Both figures; nothing of a step without groups.
+pub(super) fn figures(run: &LiveRun, fits: &[Option<DriftFit>; 2]) -> Markup {
+    html! {
+        @if run.axes.iter().all(|axis| axis.kept().is_empty()) {
+            p { "No group of this step has come yet." }
+        } @else {
+            (over_temperature(run, fits).markup())
+            (over_time(run).markup())
+        }
+    }
+}
+
+fn key(sample: Sample) -> Vec<(Ink, Sample, String)> {
+    Axis::BOTH.map(|axis| (ink_of(axis), sample, name_of(axis).to_owned())).into()
+}
+
+/// The reading over temperature, with the fit of what has come so far, and below what it leaves.
+fn over_temperature(run: &LiveRun, fits: &[Option<DriftFit>; 2]) -> Figure {
+    let columns = Axis::BOTH.map(|axis| {
+        let groups = run.axes[axis.index()].ramp();
+        let readings: Vec<_> = groups.iter().map(|group| (group.temperature_counts, group.reading_counts)).collect();
+        let name = name_of(axis);
+        let mut marks = vec![Mark::Dots(ink_of(axis), readings.clone())];
+        let mut left = None;
+        if let Some(fit) = &fits[axis.index()] {
+            let mut fitted: Vec<_> = fit_at(fit, &groups);
+            let residual = readings.iter().zip(&fitted).map(|((t, reading), (_, fitted))| (*t, reading - fitted));
+            left = Some(residual.collect());
+            fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
+            marks.push(Mark::Line(Ink::Curve, fitted));
+        }
+        let title = format!("{name}: zero-rate output against temperature");
+        let upper = Panel::new(title, TEMPERATURE, format!("{name}: zero-rate output, counts"), marks);
+        let mut column = vec![Panel { second: run.celsius(), ..upper }];
+        if let Some(left) = left {
+            let marks = [Mark::Dots(ink_of(axis), left), Mark::Level(Ink::Aim, 0.0)];
+            let title = format!("{name}: residual of the fit so far");
+            let lower = Panel::new(title, TEMPERATURE, format!("{name}: residual, counts"), marks);
+            column.push(Panel { height: Panel::SHORT, ..lower });
+        }
+        column
+    });
+    let is_fitted = fits.iter().any(Option::is_some);
+    let mut key = key(Sample::Dot);
+    if is_fitted {
+        key.push((Ink::Curve, Sample::Line, format!("{} through what has come so far", run.running_model())));
+    }
+    let came = run.axes.iter().map(super::RunGroups::came).max().unwrap_or(0);
+    Figure {
+        id: "fig-1".into(),
+        name: "Figure 1".into(),
+        caption: html! {
+            "Zero-rate output against temperature in the step that runs, " (counted(came, "group")) " so far"
+            @if is_fitted { "; below, what the fit leaves of them (in-sample)" } "."
+        },
+        key,
+        columns: columns.into(),
+    }
+}
+
+/// A fit at the temperatures of groups, in their order.
+fn fit_at(fit: &DriftFit, groups: &[RunGroup]) -> Vec<(f64, f64)> {
+    let biases = fit.model.biases(groups.iter().map(|group| (group.time_s, group.temperature_counts)));
+    groups.iter().map(|group| group.temperature_counts).zip(biases).collect()
+}
+
+/// Reading and temperature over time.
+fn over_time(run: &LiveRun) -> Figure {
+    let began = run.axes.iter().filter_map(|axis| Some(axis.kept().first()?.time_s)).fold(f64::INFINITY, f64::min);
+    let panel = |title: &str, up: &str, of: fn(&RunGroup) -> f64| {
+        let line = |axis: Axis| {
+            let groups = run.axes[axis.index()].kept().iter();
+            Mark::Line(ink_of(axis), groups.map(|group| ((group.time_s - began) / MINUTE_S, of(group))).collect())
+        };
+        Panel::new(title, "time, min", up, Axis::BOTH.map(line))
+    };
+    let reading = panel("Zero-rate output against time", "zero-rate output, counts", |group| group.reading_counts);
+    let temperature = panel("Temperature against time", TEMPERATURE, |group| group.temperature_counts);
+    Figure {
+        id: "fig-2".into(),
+        name: "Figure 2".into(),
+        caption: html! { "Zero-rate output and temperature against time in the step that runs." },
+        key: key(Sample::Line),
+        columns: vec![vec![reading], vec![temperature]],
+    }
+}

@@ -1,0 +1,25 @@
+"use strict";
+// Parts come as events: the id of a part in the first line, its HTML in the others.
+(() => {
+  const line = document.getElementById("line");
+  const tell = text => { if (line.textContent !== text) line.textContent = text; };
+  const clock = () => new Date().toLocaleTimeString();
+  let source, heard = null;
+  const open = () => {
+    source = new EventSource("events" + location.search);
+    source.onmessage = event => {
+      const end = event.data.indexOf("\n");
+      const part = document.getElementById(event.data.slice(0, end));
+      if (part) part.innerHTML = event.data.slice(end + 1);
+      heard = clock();
+      tell("Connected.");
+    };
+    source.addEventListener("over", () => { source.close(); tell("It is over; what is shown is the last."); });
+    source.onerror = () => {
+      tell(heard ? `The connection is lost; what is shown is from ${heard}. It is being opened again.` : "Nobody answers yet.");
+      // The browser tries again by itself, unless the answer was none that it knows.
+      if (source.readyState === EventSource.CLOSED) setTimeout(open, 3000);
+    };
+  };
+  open();
+})();

@@ -1,0 +1,88 @@
+//! Looks on a recording as `zerorate live` shows it, and on what the page does while the server is away and when it is back.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+use anyhow::{Context, Result};
+
+use crate::devtools::{DevTools, SCREENS};
+use crate::faults;
+use crate::report;
+use crate::workspace::Workspace;
+
+/// How long the page may take to say what it is to say: the browser's own patience with a lost connection is in it.
+const SAID_WITHIN_MS: u32 = 120_000;
+
+/// Opens the recording that the report's calibration has left, on each screen in each scheme, and lists what is wrong. The last
+/// page sees the server end, and another come in its place.
+pub fn look<W: Write>(workspace: &Workspace, page: &mut DevTools<W>, pictures: &Path) -> Result<Vec<String>> {
+    let recording = workspace.target.join("report-calibration/full-temperature.parquet");
+    println!("    zerorate live {}", recording.display());
+    let server = Server::start(workspace, &recording, "127.0.0.1:0")?;
+    let (url, place) = (server.url.clone(), server.place());
+    let mut faults = Vec::new();
+    for screen in SCREENS {
+        for scheme in ["light", "dark"] {
+            page.open_page()?;
+            page.go_to(&url, screen, scheme)?;
+            says(page, "Connected")?;
+            let view = format!("live-{}-{scheme}", screen.0);
+            page.photograph(&pictures.join(format!("{view}.png")))?;
+            let mut found = report::seen(page, screen)?;
+            let own = format!("request for {url}events");
+            found.extend(page.events.iter().filter_map(|event| faults::of(event, &url)).filter(|fault| *fault != own));
+            faults.extend(found.into_iter().map(|fault| format!("{view}: {fault}")));
+        }
+    }
+    drop(server);
+    says(page, "lost")?;
+    let _again = Server::start(workspace, &recording, &place)?;
+    says(page, "Connected")?;
+    Ok(faults)
+}
+
+/// Waits until the page's line about its connection has a word in it.
+fn says<W: Write>(page: &mut DevTools<W>, word: &str) -> Result<()> {
+    let look = format!(
+        "new Promise((done, late) => {{
+            setTimeout(() => late(new Error('it says: ' + document.getElementById('line').textContent)), {SAID_WITHIN_MS});
+            const look = () => document.getElementById('line').textContent.includes('{word}') ? done(0) : setTimeout(look, 50);
+            look();
+        }})"
+    );
+    page.evaluate(&look).map(drop).with_context(|| format!("the page as it goes never says '{word}'"))
+}
+
+/// `zerorate live`, which ends with this.
+struct Server {
+    process: Child,
+    url: String,
+}
+
+impl Server {
+    fn start(workspace: &Workspace, recording: &Path, on: &str) -> Result<Self> {
+        let mut command = Command::new(workspace.zerorate()?);
+        command.arg("live").arg(recording).args(["--on", on]).stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut process = command.spawn().context("zerorate could not be started")?;
+        let told = process.stderr.take().context("zerorate has no standard error")?;
+        let mut server = Self { process, url: String::new() };
+        let mut lines = BufReader::new(told).lines().map_while(std::result::Result::ok);
+        let line = lines.find(|line| line.contains("http://")).context("zerorate live says no address")?;
+        line.split_whitespace().filter(|word| word.starts_with("http://")).for_each(|word| word.clone_into(&mut server.url));
+        Ok(server)
+    }
+
+    /// Where it listens.
+    fn place(&self) -> String {
+        self.url.trim_start_matches("http://").trim_end_matches('/').to_owned()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // One that has ended by itself is gone too.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
