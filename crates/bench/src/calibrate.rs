@@ -74,7 +74,7 @@ fn run(
     progress: &mut dyn Progress,
     keep: Keep,
 ) -> Result<Summary, BenchError> {
-    let began = Instant::now();
+    let (began, started) = (Instant::now(), SystemTime::now());
     let mut output = OutputFolder::open(out)?;
     let identity = bench.device.identify()?;
     let checkpoints = Checkpoints::open(output.in_progress(), keep, &format!("{}\n{}", unit.serial, setup.to_toml()))?;
@@ -169,7 +169,7 @@ fn run(
     let mut run = Calibrated { unit, setup: setup.clone(), measured, verifications, soaks, checks };
     let cut_short: Vec<String> = crate::summary::cut_short(&run).collect();
     run.measured.calibration.warnings.extend(cut_short);
-    let summary = summary(&run, recordings, began.elapsed().as_secs_f64());
+    let summary = summary(&run, recordings, started, began.elapsed().as_secs_f64());
     results::write(&run.measured.calibration, &run.measured.record, &summary, &mut output)?;
     if let Some(aside) = output.publish()? {
         progress.note(&format!(

@@ -1,9 +1,11 @@
 //! A run in numbers.
 
+use std::time::SystemTime;
+
 use zerorate_cal::calibration::Origin;
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::recording::Phase;
-use zerorate_cal::summary::{AxisSummary, Check, SCHEMA, Summary, TestResult};
+use zerorate_cal::summary::{AxisSummary, Check, SCHEMA, Summary, TestResult, stamp};
 use zerorate_core::units::Axis;
 use zerorate_fit::least_squares::raw_coefficients;
 
@@ -11,9 +13,9 @@ use crate::calibrated::Calibrated;
 use crate::evaluate::extremes;
 use crate::measure::MeasuredAxis;
 
-/// The summary of a run that left these recordings and took so long by the wall clock.
+/// The summary of a run that left these recordings, began then and took so long by the wall clock.
 #[must_use]
-pub fn summary(run: &Calibrated, recordings: Vec<Origin>, wall_s: f64) -> Summary {
+pub fn summary(run: &Calibrated, recordings: Vec<Origin>, started: SystemTime, wall_s: f64) -> Summary {
     let board = &run.setup.board;
     let failed = || run.checks.iter().filter(|check| !check.passed);
     let axes = Axis::BOTH.map(|axis| (axis.name().to_owned(), axis_summary(run, axis)));
@@ -23,6 +25,7 @@ pub fn summary(run: &Calibrated, recordings: Vec<Origin>, wall_s: f64) -> Summar
         seed: run.unit.plant.map(|(_, seed)| seed),
         serial: run.unit.serial.to_string(),
         verdict: verdict(run),
+        started: run.unit.plant.is_none().then(|| stamp(started)),
         wall_s,
         trim_part: board.trim_part.clone(),
         counts_per_dps: board.counts_per_dps,

@@ -5,7 +5,9 @@
 
 use std::collections::BTreeMap;
 use std::io;
+use std::time::SystemTime;
 
+use chrono::{DateTime, SecondsFormat, Utc};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use zerorate_core::compensate::Mode;
@@ -45,6 +47,10 @@ pub struct Summary {
     /// Good; a warning where a compensation made its axis worse in a test, where a test left the temperatures that were
     /// fitted or the ramp was cut short; rejected where a check was not passed.
     pub verdict: Verdict,
+    /// When the run began, or went on after it was stopped: RFC 3339, to the second ([`stamp`]). `None` of a simulated run, which is the same
+    /// whenever it is made, and of one by an older version.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub started: Option<String>,
     /// How long the run took by the wall clock, seconds.
     pub wall_s: f64,
     /// The trim part of the board, as `max5494`.
@@ -66,6 +72,12 @@ pub struct Summary {
     pub failed_checks: Vec<String>,
     /// What to look at, a sentence each.
     pub warnings: Vec<String>,
+}
+
+/// A time as a summary has it.
+#[must_use]
+pub fn stamp(time: SystemTime) -> String {
+    DateTime::<Utc>::from(time).to_rfc3339_opts(SecondsFormat::Secs, true)
 }
 
 /// One axis in numbers.

@@ -14,6 +14,7 @@ mod report;
 mod setup;
 mod study;
 mod typed;
+mod units;
 mod verify;
 mod virtual_board;
 
@@ -59,6 +60,7 @@ enum Command {
     Report(report::Report),
     Info(info::Info),
     Live(live::LookOn),
+    Units(units::Units),
     Study(study::Study),
     Lot(lot::Lot),
     Device(device::Device),
@@ -120,6 +122,7 @@ impl Cli {
             Command::Report(report) => report.run(),
             Command::Info(info) => info.run(),
             Command::Live(live) => live.run(),
+            Command::Units(units) => units.run(),
             Command::Study(study) => study.run(),
             Command::Lot(lot) => lot.run(),
             Command::Setup(setup) => setup.run(),

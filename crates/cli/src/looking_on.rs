@@ -33,9 +33,8 @@ impl LookingOn {
             let copy = lock(&own).clone();
             copy.parts()
         };
-        let live = Live::open(listen, page, parts).with_context(|| {
-            format!("nobody can look on; {} finds a port that is free", listen.at_any_port())
-        })?;
+        let live = Live::open(listen, page, parts)
+            .with_context(|| format!("nobody can look on; {} finds a port that is free", listen.at_any_port()))?;
         Ok(Self { run, live })
     }
 

@@ -27,9 +27,7 @@ impl Guard {
         let local = local.ip().to_canonical();
         match host.parse::<IpAddr>() {
             Ok(number) => number.to_canonical() == local || (number.is_loopback() && local.is_loopback()),
-            Err(_) => {
-                host == "localhost" && local.is_loopback() || self.name.as_ref().is_some_and(|own| *own == host)
-            }
+            Err(_) => host == "localhost" && local.is_loopback() || self.name.as_ref().is_some_and(|own| *own == host),
         }
     }
 }
@@ -66,7 +64,9 @@ mod tests {
         for authority in ["127.0.0.1:5495", "localhost", "LOCALHOST:8000", "[::1]:5495", "bench-3:5495"] {
             assert!(guard.is_here(authority, loopback), "{authority}");
         }
-        for authority in ["", ":80", "evil.example", "127.0.0.1.evil.example:5495", "localhost:x", "[::1", "192.168.1.7"] {
+        for authority in
+            ["", ":80", "evil.example", "127.0.0.1.evil.example:5495", "localhost:x", "[::1", "192.168.1.7"]
+        {
             assert!(!guard.is_here(authority, loopback), "{authority}");
         }
         assert!(guard.is_here("192.168.1.7:5495", lan) && guard.is_here("Bench-3", lan));

@@ -166,7 +166,10 @@ mod tests {
         let parts = Parts::default();
         parts.put(vec![("now", "1".into()), ("plan", "a".into())]);
         let first = parts.since(0, NO_TIME);
-        assert_eq!(first.parts.iter().map(|(id, html)| (*id, &**html)).collect::<Vec<_>>(), [("now", "1"), ("plan", "a")]);
+        assert_eq!(
+            first.parts.iter().map(|(id, html)| (*id, &**html)).collect::<Vec<_>>(),
+            [("now", "1"), ("plan", "a")]
+        );
         parts.put(vec![("now", "2".into()), ("plan", "a".into())]);
         parts.put(vec![("now", "3".into())]);
         let second = parts.since(first.changes, NO_TIME);

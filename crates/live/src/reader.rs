@@ -73,7 +73,8 @@ fn refuse(stream: &mut TcpStream, refusal: Refusal) -> io::Result<()> {
 fn whole(stream: &mut TcpStream, status: &str, kind: &str, body: &str) -> io::Result<()> {
     let length = body.len();
     stream.write_all(
-        format!("HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n{ALWAYS}\r\n{body}").as_bytes(),
+        format!("HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n{ALWAYS}\r\n{body}")
+            .as_bytes(),
     )?;
     stream.flush()
 }

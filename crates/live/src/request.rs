@@ -80,7 +80,8 @@ pub fn decide(head: &[u8], guard: &Guard, local: SocketAddr) -> Result<Wanted, R
     if text("origin").is_some_and(|origin| !is_of(origin, host)) {
         return Err(Refusal::OtherSite);
     }
-    let (path, query) = request.path.unwrap_or_default().split_once('?').unwrap_or((request.path.unwrap_or_default(), ""));
+    let (path, query) =
+        request.path.unwrap_or_default().split_once('?').unwrap_or((request.path.unwrap_or_default(), ""));
     let token = query.split('&').find_map(|pair| pair.strip_prefix("token="));
     if !guard.knows(token) {
         return Err(Refusal::WithoutToken);

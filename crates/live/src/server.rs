@@ -125,7 +125,8 @@ fn seen_from_elsewhere(address: IpAddr) -> IpAddr {
         IpAddr::V4(_) => (Ipv4Addr::new(192, 0, 2, 1), 9).into(),
         IpAddr::V6(_) => (Ipv6Addr::new(0x2001, 0xdb8, 0, 0, 0, 0, 0, 1), 9).into(),
     };
-    let socket = UdpSocket::bind((address, 0)).and_then(|socket| socket.connect(there).and_then(|()| socket.local_addr()));
+    let socket =
+        UdpSocket::bind((address, 0)).and_then(|socket| socket.connect(there).and_then(|()| socket.local_addr()));
     match (socket, address) {
         (Ok(own), _) => own.ip(),
         (Err(_), IpAddr::V4(_)) => Ipv4Addr::LOCALHOST.into(),

@@ -136,9 +136,11 @@ impl LiveRun {
         if self.air_c.is_finite() {
             facts.push(("Chamber", html! { (fixed(self.air_c, 1)) "\u{a0}°C" }));
         }
-        let last: Vec<_> = self.axes.iter().zip(["X", "Y"]).filter_map(|(axis, name)| Some((name, axis.last()?))).collect();
+        let last: Vec<_> =
+            self.axes.iter().zip(["X", "Y"]).filter_map(|(axis, name)| Some((name, axis.last()?))).collect();
         if let [(_, group), ..] = &last[..] {
-            let celsius = self.celsius().map(|scale| format!(" ({}\u{a0}°C)", fixed(scale.of(group.temperature_counts), 1)));
+            let celsius =
+                self.celsius().map(|scale| format!(" ({}\u{a0}°C)", fixed(scale.of(group.temperature_counts), 1)));
             facts.push((
                 "Temperature reading",
                 html! { (fixed(group.temperature_counts, 0)) " counts" (celsius.unwrap_or_default()) },

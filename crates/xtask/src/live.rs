@@ -69,7 +69,9 @@ impl Server {
         let mut server = Self { process, url: String::new() };
         let mut lines = BufReader::new(told).lines().map_while(std::result::Result::ok);
         let line = lines.find(|line| line.contains("http://")).context("zerorate live says no address")?;
-        line.split_whitespace().filter(|word| word.starts_with("http://")).for_each(|word| word.clone_into(&mut server.url));
+        line.split_whitespace()
+            .filter(|word| word.starts_with("http://"))
+            .for_each(|word| word.clone_into(&mut server.url));
         Ok(server)
     }
 

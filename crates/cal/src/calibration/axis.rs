@@ -15,6 +15,9 @@ use crate::units::{RateScale, RateUnit, WrittenRate};
 /// More left than uncorrected is told from chance by so many standard errors.
 const SIGMAS: f64 = 2.0;
 
+/// Places at which two curves are compared.
+const COMPARED_AT: u32 = 200;
+
 /// One axis: its drift, how well it was fitted, and its trim where it has one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "AxisForm", into = "AxisForm")]
@@ -51,6 +54,17 @@ impl AxisCalibration {
     #[must_use]
     pub fn measured_drift(&self) -> Drift {
         self.fit.measured_drift()
+    }
+
+    /// How far its curve is from another's at most, over the temperatures that both were fitted to, in its rate unit; `None` where
+    /// they have none in common.
+    #[must_use]
+    pub fn distance_from(&self, other: &Self) -> Option<f64> {
+        let (own, other) = (self.measured_drift(), other.measured_drift());
+        let (from, to) = (own.valid.min().max(other.valid.min()), own.valid.max().min(other.valid.max()));
+        let places = (0..=COMPARED_AT).map(|place| from + (to - from) * f64::from(place) / f64::from(COMPARED_AT));
+        let apart = places.map(|temperature| (own.evaluate(temperature).0 - other.evaluate(temperature).0).abs());
+        (from <= to).then(|| apart.fold(0.0, f64::max))
     }
 
     /// What is to be known of an axis whose calibration leaves a device more than it had: its folds are of this log, and the

@@ -233,7 +233,9 @@ impl Calibrate {
         let result = result.map_err(|error| self.with_what_is_left(error));
         if let Some(live) = live {
             live.end(match &result {
-                Ok(summary) if summary.verdict == Verdict::Rejected => "The unit was rejected; the report says why.".into(),
+                Ok(summary) if summary.verdict == Verdict::Rejected => {
+                    "The unit was rejected; the report says why.".into()
+                }
                 Ok(_) => "The unit passed; the report is written.".into(),
                 Err(error) => format!("It ended before it was done: {}.", sentence(error.as_ref())),
             });

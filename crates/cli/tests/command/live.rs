@@ -27,9 +27,10 @@ impl Serving {
             .spawn()
             .unwrap();
         let told = BufReader::new(process.stderr.take().unwrap());
-        let mut words = told.lines().map_while(Result::ok).flat_map(|line| {
-            line.split_whitespace().map(str::to_owned).collect::<Vec<_>>()
-        });
+        let mut words = told
+            .lines()
+            .map_while(Result::ok)
+            .flat_map(|line| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>());
         let url = words.find(|word| word.starts_with("http://")).unwrap();
         // What it tells besides is read to its end, or it would wait to be heard.
         std::thread::spawn(move || words.for_each(drop));
@@ -63,9 +64,11 @@ fn a_run_is_looked_on_to_its_end_and_its_figures_are_the_reports() {
     }
     drop(serving);
 
-    let summary: Value = serde_json::from_slice(&fs::read(folder.path().join("calibration/summary.json")).unwrap()).unwrap();
+    let summary: Value =
+        serde_json::from_slice(&fs::read(folder.path().join("calibration/summary.json")).unwrap()).unwrap();
     let rms = ["x", "y"].map(|axis| summary["axes"][axis]["fit_rms_counts"].as_f64().unwrap());
-    let serving = Serving::start(folder.path(), &["live", "calibration/full-temperature.parquet", "--on", "127.0.0.1:0"]);
+    let serving =
+        Serving::start(folder.path(), &["live", "calibration/full-temperature.parquet", "--on", "127.0.0.1:0"]);
     let lines = BufReader::new(serving.ask("/events")).lines().map(Result::unwrap);
     let now = lines.skip_while(|line| line != "data: now").nth(1).unwrap();
     let told = format!("X\u{a0}{:.2}, Y\u{a0}{:.2} counts rms, in-sample, poly:2", rms[0], rms[1]);

@@ -21,6 +21,7 @@ mod report;
 mod schema;
 mod setup;
 mod table;
+mod units;
 mod verify;
 
 use std::path::Path;

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use zerorate_core::units::Axis;
 use zerorate_fit::drift_fit::DriftFit;
 
-use super::{RunGroup, LiveRun};
+use super::{LiveRun, RunGroup};
 use crate::board_page::{MINUTE_S, ink_of, name_of};
 use crate::figure::{Figure, Ink, Mark, Panel, Sample};
 use crate::number::counted;

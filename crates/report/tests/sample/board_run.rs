@@ -247,6 +247,7 @@ fn made() -> BoardRun {
         seed: Some(1),
         serial: serial.clone(),
         verdict: Verdict::Warning,
+        started: None,
         wall_s: 12.0,
         trim_part: "max5494".into(),
         counts_per_dps: 54.6,

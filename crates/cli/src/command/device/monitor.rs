@@ -57,7 +57,8 @@ impl Monitor {
         let setup = self.setup.as_deref().map_or_else(|| Ok(SetUp::paper()), SetUp::read)?;
         let mut board = device.open()?;
         interrupt::watch()?;
-        let live = self.live.as_ref().map(|listen| LookingOn::open(listen, "Groups as they come", &setup)).transpose()?;
+        let live =
+            self.live.as_ref().map(|listen| LookingOn::open(listen, "Groups as they come", &setup)).transpose()?;
         if let Some(live) = &live {
             screen::note(&live.told());
         }
