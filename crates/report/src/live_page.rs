@@ -80,7 +80,8 @@ impl LiveRun {
         let headline = html! {
             p.over { "A run as it goes" }
             h1 { (title) }
-            p #line.small role="status" { "Not connected yet. This page needs its script." }
+            p #line.small role="status" { "Not connected yet." }
+            noscript { p { "This page renews itself by a script; without one it stays empty." } }
             div id=(NOW) {}
         };
         let holder = |id: &str| html! { div id=(id) {} };
@@ -121,7 +122,7 @@ impl LiveRun {
     fn now(&self, fits: &[Option<DriftFit>; 2]) -> Markup {
         let mut facts: Vec<(&str, Markup)> = Vec::new();
         if let Some(ended) = &self.ended {
-            facts.push(("The end", told(ended)));
+            facts.push(("State", told(ended)));
         }
         if let Some(place) = self.steps.iter().position(|step| step.state == StepState::Now) {
             let step = &self.steps[place];
