@@ -30,8 +30,14 @@ pub enum RemoteError {
     Instrument(#[from] InstrumentError),
 }
 
-/// What was found when an instrument was asked for the first time: a sentence.
-pub type Found = String;
+/// What was found when an instrument was asked for the first time.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Found {
+    /// A sentence.
+    pub told: String,
+    /// What a record says of it: where it is, and who it says it is.
+    pub label: String,
+}
 
 /// What both instruments have: a name for sentences, patience, and what is to be told.
 struct Contact {
@@ -116,7 +122,8 @@ impl RemoteChamber {
         let asked = (|| Ok((controller.identity()?, controller.actual()?, controller.set_point()?)))();
         let (identity, air, set_point) = asked.map_err(|fault| contact.error(fault))?;
         let who = identity.map_or_else(String::new, |identity| format!(" ({identity})"));
-        let found = format!("{}{who} shows {:.1} C and is set to {:.1} C", contact.name, air.0, set_point.0);
+        let told = format!("{}{who} shows {:.1} C and is set to {:.1} C", contact.name, air.0, set_point.0);
+        let found = Found { told, label: format!("{address}{who}") };
         Ok((Self { controller, contact, set_point: air, is_under_way: false, last: None }, found))
     }
 
@@ -215,7 +222,7 @@ impl RemoteSupply {
         let mut supply = PowerSupply::new(address, &table).map_err(RemoteError::SetUp)?;
         let contact = Contact::with("supply", address);
         let identity = supply.identity().map_err(|fault| contact.error(fault))?;
-        let found = format!("{} is {identity}", contact.name);
+        let found = Found { told: format!("{} is {identity}", contact.name), label: format!("{address} ({identity})") };
         Ok((Self { supply, contact, is_on: false }, found))
     }
 }

@@ -212,6 +212,7 @@ impl Calibrate {
             return Ok(Outcome::Done);
         }
         interrupt::watch()?;
+        let setup = &instruments.named_in(setup);
         let mut bar = Bar::without_end();
         instruments.found.iter().for_each(|found| bar.note(found));
         let mut bench = instruments.bench(device, || AtTerminal::new(bar.bar.clone()))?;

@@ -160,7 +160,13 @@ fn a_night_without_anybody_ends_with_a_report_a_message_and_everything_off() {
     schema::hold("summary.json", &summary);
     assert_eq!(summary["tests"].as_array().unwrap().len(), 6);
     hold_against_the_simulated(&bench, &summary);
-    assert!(bench.path().join("calibration/report.html").exists());
+    let report = fs::read_to_string(bench.path().join("calibration/report.html")).unwrap();
+    let recording = Recording::read(&bench.path().join("calibration/trim-sweep.parquet").as_path().into()).unwrap();
+    let supply = format!("{} (Zerorate,virtual supply,0,{})", bench.supply, env!("CARGO_PKG_VERSION"));
+    assert!(report.contains(&supply));
+    assert_eq!(recording.info.labels.get("supply"), Some(&supply));
+    assert_eq!(recording.info.labels.get("chamber"), Some(&bench.chamber));
+    assert!(summary["started"].as_str().unwrap().starts_with("20"));
     assert!(told.contains("step 7 of 7: soaks to compare with") && !told.contains(">>"), "{told}");
     assert_eq!(
         fs::read_to_string(bench.path().join("message")).unwrap(),

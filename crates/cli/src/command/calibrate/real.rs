@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use zerorate_bench::client::DeviceClient;
 use zerorate_bench::instruments::{Bench, Chamber, Power, Supply};
 use zerorate_bench::manual::{self, Person};
-use zerorate_bench::remote::{LeftOn, RemoteChamber, RemoteSupply};
+use zerorate_bench::remote::{Found, LeftOn, RemoteChamber, RemoteSupply};
 use zerorate_bench::setup::SetUp;
 
 use super::instrument::Instrument;
@@ -19,18 +19,24 @@ pub struct Instruments {
     supply: Option<RemoteSupply>,
     /// A sentence each.
     pub found: Vec<String>,
+    /// Which they are, by `chamber` and `supply`, as a record says it.
+    labels: Vec<(&'static str, String)>,
 }
 
 impl Instruments {
     /// Asks those that are remote. Nothing is moved or fed.
     pub fn open(chamber: &Instrument, supply: &Instrument, setup: &SetUp) -> Result<Self> {
-        let mut found = Vec::new();
+        let (mut found, mut labels) = (Vec::new(), Vec::new());
+        let mut note = |what, Found { told, label }| {
+            found.push(told);
+            labels.push((what, label));
+        };
         let chamber = match chamber {
             Instrument::Simulated => bail!("a real board is in no simulated chamber: --chamber manual, or its address"),
             Instrument::Manual => None,
             Instrument::Remote(address) => {
-                let (chamber, told) = RemoteChamber::open(address, setup)?;
-                found.push(told);
+                let (chamber, found) = RemoteChamber::open(address, setup)?;
+                note("chamber", found);
                 Some(chamber)
             }
         };
@@ -38,12 +44,22 @@ impl Instruments {
             Instrument::Simulated => bail!("a real board has no simulated supply: --supply manual, or its address"),
             Instrument::Manual => None,
             Instrument::Remote(address) => {
-                let (supply, told) = RemoteSupply::open(address, setup)?;
-                found.push(told);
+                let (supply, found) = RemoteSupply::open(address, setup)?;
+                note("supply", found);
                 Some(supply)
             }
         };
-        Ok(Self { chamber, supply, found })
+        Ok(Self { chamber, supply, found, labels })
+    }
+
+    /// The set-up with the instruments among its labels, so that every record says by which it was made; what the set-up says of
+    /// them itself stays.
+    pub fn named_in(&self, setup: &SetUp) -> SetUp {
+        let mut setup = setup.clone();
+        for (what, label) in &self.labels {
+            setup.labels.entry((*what).to_owned()).or_insert_with(|| label.clone());
+        }
+        setup
     }
 
     /// The bench. Who is there for one of them turns the board's switch too; where nobody is, it stays on.
