@@ -31,6 +31,20 @@ struct Part {
     html: Arc<str>,
 }
 
+impl State {
+    fn put(&mut self, parts: Vec<(&'static str, String)>) {
+        for (id, html) in parts {
+            let changes = self.changes + 1;
+            match self.parts.iter_mut().find(|part| part.id == id) {
+                Some(part) if *part.html == *html => continue,
+                Some(part) => (part.changed_at, part.html) = (changes, html.into()),
+                None => self.parts.push(Part { id, changed_at: changes, html: html.into() }),
+            }
+            self.changes = changes;
+        }
+    }
+}
+
 /// What has changed since a reader last looked.
 pub struct News {
     /// The parts, in their order.
@@ -49,19 +63,22 @@ impl Parts {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes parts as they are now.
+    /// Takes parts as they are now; after the last ones none.
     pub fn put(&self, parts: Vec<(&'static str, String)>) {
         let mut state = self.lock();
-        for (id, html) in parts {
-            let changes = state.changes + 1;
-            match state.parts.iter_mut().find(|part| part.id == id) {
-                Some(part) if *part.html == *html => continue,
-                Some(part) => (part.changed_at, part.html) = (changes, html.into()),
-                None => state.parts.push(Part { id, changed_at: changes, html: html.into() }),
-            }
-            state.changes = changes;
+        if !state.is_over {
+            state.put(parts);
+            self.changed.notify_all();
         }
+    }
+
+    /// Takes the last parts.
+    pub fn put_last(&self, parts: Vec<(&'static str, String)>) {
+        let mut state = self.lock();
+        state.put(parts);
+        state.is_over = true;
         self.changed.notify_all();
+        self.wanted.notify_all();
     }
 
     /// What has changed since; waits for it, but not longer than so.
@@ -122,13 +139,6 @@ impl Parts {
         self.changed.notify_all();
     }
 
-    /// These were the last changes.
-    pub fn finish(&self) {
-        self.lock().is_over = true;
-        self.changed.notify_all();
-        self.wanted.notify_all();
-    }
-
     /// Waits until all readers are gone, but not longer than so.
     pub fn until_alone(&self, patience: Duration) {
         let until = Instant::now() + patience;
@@ -180,8 +190,11 @@ mod tests {
     #[test]
     fn after_the_end_nobody_waits() {
         let parts = Parts::default();
-        parts.finish();
+        parts.put_last(vec![("now", "the end".into())]);
+        // Made before the end, and late.
+        parts.put(vec![("now", "before".into())]);
         assert!(!parts.are_wanted());
-        assert!(parts.since(0, Duration::MAX / 4).is_over);
+        let news = parts.since(0, Duration::MAX / 4);
+        assert!(news.is_over && *news.parts[0].1 == *"the end");
     }
 }

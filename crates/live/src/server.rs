@@ -99,8 +99,7 @@ impl Live {
     /// The parts are made a last time and sent to all that look on, with word that nothing comes after them. A reader that does
     /// not read is not waited for.
     pub fn finish(&self) {
-        self.shared.parts.put((self.parts_made)());
-        self.shared.parts.finish();
+        self.shared.parts.put_last((self.parts_made)());
         self.shared.parts.until_alone(LAST_WITHIN);
     }
 }

@@ -46,8 +46,9 @@ pub(crate) fn whole(value: u64) -> String {
     set(&value.to_string(), false)
 }
 
-/// For a page: so many of what is counted, as `1 unit`, `2 units`.
-pub(crate) fn counted(count: usize, noun: &str) -> String {
+/// For a page and a terminal: so many of what is counted, as `1 unit`, `2 units`.
+#[must_use]
+pub fn counted(count: usize, noun: &str) -> String {
     format!("{} {noun}{}", whole(count as u64), if count == 1 { "" } else { "s" })
 }
 

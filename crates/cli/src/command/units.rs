@@ -8,6 +8,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use serde::Serialize;
 use zerorate_cal::quality::Verdict;
+use zerorate_report::number::counted;
 
 use self::found::{AxisOfRun, Run, Unit, units};
 use super::Outcome;
@@ -104,10 +105,6 @@ impl Units {
         page.sentence("", "Counts peak to peak over a heating ramp; changed: the curve's largest distance from the calibration before, counts.");
         page
     }
-}
-
-fn counted(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 fn cells(unit: &Unit, place: usize, run: &Run) -> [String; 8] {
