@@ -60,6 +60,12 @@ pub fn share<'a>(workspace: &Workspace, command: &'a mut Command, target: &Path)
     command.env("CARGO_BUILD_BUILD_DIR", &workspace.target).env("CARGO_TARGET_DIR", target)
 }
 
+/// Has a workspace's own crates linted as they are built: clippy is their compiler, as `cargo clippy` has it by the same variables.
+pub fn lint_as_built(command: &mut Command) -> &mut Command {
+    println!("    with clippy as the compiler of our crates");
+    command.env("RUSTC_WORKSPACE_WRAPPER", "clippy-driver").env("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings")
+}
+
 /// Runs a cargo command by a call that was prepared.
 pub fn run_with(command: &mut Command, arguments: &[&str]) -> Result<Outcome> {
     println!("    cargo {}", arguments.join(" "));

@@ -18,14 +18,11 @@ use crate::workspace::Workspace;
 /// Rows of raw samples that are compared.
 const ROWS: &str = "100000000";
 
-/// Its lints and tests in one build: clippy is the compiler of our crates here, as `cargo clippy` has it by the same variables.
-/// To lint first, or to make the documentation, cargo would go through the engine once more, which takes minutes.
+/// Its lints and tests in one build. To lint first, or to make the documentation, cargo would go through the engine once more,
+/// which takes minutes.
 pub fn check(workspace: &Workspace) -> Result<Outcome> {
     let arguments = ["test", "--release", "--package", "zerorate-lot"];
-    println!("    with clippy as the compiler of our crates");
-    let mut test = cargo::command(workspace);
-    test.env("RUSTC_WORKSPACE_WRAPPER", "clippy-driver").env("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings");
-    cargo::run_with(&mut test, &arguments)
+    cargo::run_with(cargo::lint_as_built(&mut cargo::command(workspace)), &arguments)
 }
 
 /// The speed of the raw stage beside DuckDB's and a plain loop's, on the same hundred million rows.

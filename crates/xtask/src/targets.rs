@@ -1,6 +1,8 @@
 //! The crates that are built for other targets than this machine: the board's side without an operating system, and what
 //! a browser's page will use.
 
+use std::path::PathBuf;
+
 use anyhow::Result;
 
 use crate::steps::Outcome;
@@ -10,8 +12,8 @@ use crate::workspace::Workspace;
 /// The board's side.
 const BOARD_SIDE: [&str; 4] = ["zerorate-core", "max5494", "zerorate-device", "zerorate-lockstep"];
 
-/// What needs no files: all that lies between a log's bytes and a report.
-const BROWSER_SIDE: [&str; 9] = [
+/// What needs no files: all that lies between a log's bytes and a report, and the page that rests on it.
+const BROWSER_SIDE: [&str; 10] = [
     "zerorate-core",
     "imu-logs",
     "zerorate-fit",
@@ -21,21 +23,28 @@ const BROWSER_SIDE: [&str; 9] = [
     "zerorate-characterise",
     "zerorate-export",
     "zerorate-report",
+    "zerorate-web",
 ];
 
 /// The board's side builds with core alone.
 pub fn no_std(workspace: &Workspace) -> Result<Outcome> {
-    check(workspace, &Toolchain::of_board()?, &BOARD_SIDE)
+    let packages = BOARD_SIDE.iter().flat_map(|package| ["--package", package]);
+    let arguments: Vec<&str> = ["check", "--locked"].into_iter().chain(packages).collect();
+    Toolchain::of_board()?.run(&workspace.root, &workspace.target.join("targets"), &arguments)?;
+    Ok(Outcome::Passed)
 }
 
 /// The browser's side builds for WebAssembly.
 pub fn wasm(workspace: &Workspace) -> Result<Outcome> {
-    check(workspace, &Toolchain::of_browser()?, &BROWSER_SIDE)
+    page_program(workspace).map(|_| Outcome::Passed)
 }
 
-fn check(workspace: &Workspace, toolchain: &Toolchain, packages: &[&str]) -> Result<Outcome> {
-    let mut arguments = vec!["check", "--locked"];
-    arguments.extend(packages.iter().flat_map(|package| ["--package", package]));
-    toolchain.run(&workspace.root, &workspace.target.join("targets"), &arguments)?;
-    Ok(Outcome::Passed)
+/// Builds the browser's side, as the page carries it; says where the page's program is.
+pub fn page_program(workspace: &Workspace) -> Result<PathBuf> {
+    let built = workspace.target.join("targets");
+    let packages = BROWSER_SIDE.iter().flat_map(|package| ["--package", package]);
+    let arguments: Vec<&str> =
+        ["build", "--locked", "--profile", "page", "--lib"].into_iter().chain(packages).collect();
+    Toolchain::of_browser()?.run(&workspace.root, &built, &arguments)?;
+    Ok(built.join("wasm32-unknown-unknown/page/zerorate_web.wasm"))
 }

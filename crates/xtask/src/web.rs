@@ -13,7 +13,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use crate::steps::Outcome;
-use crate::toolchain::Toolchain;
+use crate::targets;
 use crate::workspace::Workspace;
 
 pub use trial::check;
@@ -33,10 +33,7 @@ pub fn build_page(workspace: &Workspace) -> Result<Outcome> {
 
 /// Builds the page: one file.
 fn build(workspace: &Workspace) -> Result<PathBuf> {
-    let built = workspace.target.join("targets");
-    let arguments = ["build", "--locked", "--profile", "page", "--package", "zerorate-web", "--lib"];
-    Toolchain::of_browser()?.run(&workspace.root, &built, &arguments)?;
-    let program = built.join("wasm32-unknown-unknown/page/zerorate_web.wasm");
+    let program = targets::page_program(workspace)?;
     let program = fs::read(&program).with_context(|| program.display().to_string())?;
     let mut packed = GzEncoder::new(Vec::new(), Compression::best());
     packed.write_all(&program)?;
