@@ -75,6 +75,28 @@ fn a_run_is_looked_on_to_its_end_and_its_figures_are_the_reports() {
     assert!(now.contains(&told) && now.contains("The recording is finished"), "{told}: {now}");
 }
 
+/// A board's groups, of which nobody knows when they end.
+#[test]
+fn a_monitor_is_looked_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut board = Command::new(env!("CARGO_BIN_EXE_zerorate"))
+        .args(["virtual-board", "--on", "tcp:127.0.0.1:0", "--speed", "20"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = String::new();
+    BufReader::new(board.stdout.take().unwrap()).read_line(&mut said).unwrap();
+    let port = said.trim().rsplit(' ').next().unwrap();
+    let serving = Serving::start(folder.path(), &["device", "--port", port, "monitor", "--live", "127.0.0.1:0"]);
+    let mut lines = BufReader::new(serving.ask("/events")).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line.contains(", 0 lost")));
+    assert!(lines.any(|line| line.contains(" groups so far")));
+    drop(serving);
+    board.kill().unwrap();
+    board.wait().unwrap();
+}
+
 /// A recording that another program writes is shown as it grows.
 #[test]
 fn a_recording_is_looked_on_as_it_grows() {
