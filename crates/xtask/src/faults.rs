@@ -1,6 +1,14 @@
-//! What a page tells of itself that it should not have to.
+//! What is wrong with a page: by what it shows, and by what it tells of itself that it should not have to.
 
+use std::io::Write;
+
+use anyhow::Result;
 use serde_json::Value;
+
+use crate::devtools::{DevTools, Screen};
+
+/// A figure's text is legible from about this height on, in CSS pixels of its glyph box.
+const LEGIBLE_PX: f64 = 7.0;
 
 /// How addresses begin of what a page carries or made itself.
 const OWN: [&str; 2] = ["data:", "blob:"];
@@ -21,6 +29,44 @@ pub fn of(event: &Value, url: &str) -> Option<String> {
         _ => None,
     }
 }
+
+/// What is wrong with what a page shows.
+pub fn shown<W: Write>(page: &mut DevTools<W>, screen: Screen) -> Result<Vec<String>> {
+    let width = screen.1;
+    let mut faults = Vec::new();
+    let wide = page.evaluate("document.documentElement.scrollWidth")?.as_f64().unwrap_or(f64::INFINITY);
+    if wide > f64::from(width) {
+        faults.push(format!("{wide} px wide on a screen of {width} px"));
+    }
+    if let Some(height) = page.evaluate(SMALLEST_TEXT)?.as_f64()
+        && height < LEGIBLE_PX
+    {
+        faults.push(format!("a figure has text {height:.1} px high, legible is {LEGIBLE_PX} px"));
+    }
+    let covering = page.evaluate(COVERING_BUTTONS)?.as_f64().unwrap_or(f64::INFINITY);
+    if covering > 0.0 {
+        faults.push(format!("{covering} buttons cover what is under them"));
+    }
+    Ok(faults)
+}
+
+/// The height in CSS pixels of the lowest text in any figure, as scaled on this screen and whichever way it is turned;
+/// null without figures.
+const SMALLEST_TEXT: &str = "(() => {
+    const heights = [...document.querySelectorAll('svg text')]
+        .map(text => text.getBBox().height * Math.abs(text.getScreenCTM().a || text.getScreenCTM().b))
+        .filter(height => height > 0);
+    return heights.length ? Math.min(...heights) : null;
+})()";
+
+/// How many buttons lie on a text, a table or a figure. What is folded away has a place too, and is not seen.
+const COVERING_BUTTONS: &str = "(() => {
+    const seen = selector => [...document.querySelectorAll(selector)].filter(element => element.checkVisibility());
+    const places = selector => seen(selector).map(element => element.getBoundingClientRect());
+    const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+    const beneath = places('pre, table, svg');
+    return places('button').filter(button => button.width > 0 && beneath.some(other => meet(button, other))).length;
+})()";
 
 #[cfg(test)]
 mod tests {

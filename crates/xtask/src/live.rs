@@ -8,7 +8,6 @@ use anyhow::{Context, Result};
 
 use crate::devtools::{DevTools, SCREENS};
 use crate::faults;
-use crate::report;
 use crate::workspace::Workspace;
 
 /// How long the page may take to say what it is to say: the browser's own patience with a lost connection is in it.
@@ -29,7 +28,7 @@ pub fn look<W: Write>(workspace: &Workspace, page: &mut DevTools<W>, pictures: &
             says(page, "Connected")?;
             let view = format!("live-{}-{scheme}", screen.0);
             page.photograph(&pictures.join(format!("{view}.png")))?;
-            let mut found = report::seen(page, screen)?;
+            let mut found = faults::shown(page, screen)?;
             let own = format!("request for {url}events");
             found.extend(page.events.iter().filter_map(|event| faults::of(event, &url)).filter(|fault| *fault != own));
             faults.extend(found.into_iter().map(|fault| format!("{view}: {fault}")));

@@ -14,9 +14,6 @@ use crate::provide;
 use crate::steps::Outcome;
 use crate::workspace::Workspace;
 
-/// A figure's text is legible from about this height on, in CSS pixels of its glyph box.
-const LEGIBLE_PX: f64 = 7.0;
-
 /// Calibrates, fits a log where there is a recording, then opens both reports on each screen in each scheme. The pictures
 /// stay in target/report-screenshots.
 pub fn check(workspace: &Workspace) -> Result<Outcome> {
@@ -77,46 +74,8 @@ fn look<W: std::io::Write>(
     page.open_page()?;
     page.go_to(url, screen, scheme)?;
     page.photograph(picture)?;
-    let mut faults = seen(page, screen)?;
+    let mut faults = faults::shown(page, screen)?;
     // Last, so that what the page did meanwhile counts as well.
     faults.extend(page.events.iter().filter_map(|event| faults::of(event, url)));
     Ok(faults)
 }
-
-/// What is wrong with what a page shows.
-pub fn seen<W: std::io::Write>(page: &mut DevTools<W>, screen: Screen) -> Result<Vec<String>> {
-    let width = screen.1;
-    let mut faults = Vec::new();
-    let wide = page.evaluate("document.documentElement.scrollWidth")?.as_f64().unwrap_or(f64::INFINITY);
-    if wide > f64::from(width) {
-        faults.push(format!("{wide} px wide on a screen of {width} px"));
-    }
-    if let Some(height) = page.evaluate(SMALLEST_TEXT)?.as_f64()
-        && height < LEGIBLE_PX
-    {
-        faults.push(format!("a figure has text {height:.1} px high, legible is {LEGIBLE_PX} px"));
-    }
-    let covering = page.evaluate(COVERING_BUTTONS)?.as_f64().unwrap_or(f64::INFINITY);
-    if covering > 0.0 {
-        faults.push(format!("{covering} buttons cover what is under them"));
-    }
-    Ok(faults)
-}
-
-/// The height in CSS pixels of the lowest text in any figure, as scaled on this screen and whichever way it is turned;
-/// null without figures.
-const SMALLEST_TEXT: &str = "(() => {
-    const heights = [...document.querySelectorAll('svg text')]
-        .map(text => text.getBBox().height * Math.abs(text.getScreenCTM().a || text.getScreenCTM().b))
-        .filter(height => height > 0);
-    return heights.length ? Math.min(...heights) : null;
-})()";
-
-/// How many buttons lie on a text, a table or a figure. What is folded away has a place too, and is not seen.
-const COVERING_BUTTONS: &str = "(() => {
-    const seen = selector => [...document.querySelectorAll(selector)].filter(element => element.checkVisibility());
-    const places = selector => seen(selector).map(element => element.getBoundingClientRect());
-    const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
-    const beneath = places('pre, table, svg');
-    return places('button').filter(button => button.width > 0 && beneath.some(other => meet(button, other))).length;
-})()";
