@@ -75,7 +75,9 @@ fn unpack(workspace: &Workspace, names: &[String]) -> Result<PathBuf> {
     for name in names {
         let folder = format!("{name}-{}", env!("CARGO_PKG_VERSION"));
         let archive = packed.join(format!("{folder}.crate"));
-        provide::succeed(Command::new("tar").arg("-xzf").arg(archive).arg("-C").arg(&place))?;
+        // A packed file is of no time, and cargo would take what was built of the last packing for built of this one: with -m it
+        // is of now.
+        provide::succeed(Command::new("tar").arg("-xmzf").arg(archive).arg("-C").arg(&place))?;
         fs::rename(place.join(folder), place.join(name))?;
         if name != COMMAND {
             patches.insert(name.clone(), Table::from_iter([("path".to_owned(), name.as_str().into())]).into());
