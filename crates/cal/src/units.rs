@@ -22,6 +22,10 @@ pub const MIN_SPAN_COUNTS: f64 = 340.0;
 /// The unit of a time column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeUnit {
+    /// Hours.
+    H,
+    /// Minutes.
+    Min,
     /// Seconds.
     S,
     /// Milliseconds.
@@ -33,12 +37,16 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    const ALL: [Self; 4] = [Self::S, Self::Ms, Self::Us, Self::Ns];
+    const ALL: [Self; 6] = [Self::H, Self::Min, Self::S, Self::Ms, Self::Us, Self::Ns];
+    /// Those in which a clock counts: a column that does not say its unit is in one of them.
+    const COUNTED: [Self; 4] = [Self::S, Self::Ms, Self::Us, Self::Ns];
 
     /// One unit in seconds.
     #[must_use]
     pub fn seconds(self) -> f64 {
         match self {
+            Self::H => 3600.0,
+            Self::Min => 60.0,
             Self::S => 1.0,
             Self::Ms => 1e-3,
             Self::Us => 1e-6,
@@ -46,18 +54,18 @@ impl TimeUnit {
         }
     }
 
-    /// The next larger unit; `None` of seconds.
+    /// The next larger unit in which a clock counts; `None` of seconds.
     #[must_use]
     pub fn larger(self) -> Option<Self> {
-        let place = Self::ALL.iter().position(|unit| *unit == self)?;
-        place.checked_sub(1).map(|larger| Self::ALL[larger])
+        let place = Self::COUNTED.iter().position(|unit| *unit == self)?;
+        place.checked_sub(1).map(|larger| Self::COUNTED[larger])
     }
 
     /// The one unit by which a log lasts from 100 s to 100 000 s (28 h), as a thermal log does: the units lie a factor of
     /// 1000 apart, so at most one fits. `None` where none does.
     #[must_use]
     pub fn by_duration(duration: f64) -> Option<Self> {
-        Self::ALL.into_iter().find(|unit| (100.0..100_000.0).contains(&(duration * unit.seconds())))
+        Self::COUNTED.into_iter().find(|unit| (100.0..100_000.0).contains(&(duration * unit.seconds())))
     }
 }
 
@@ -100,13 +108,15 @@ impl FromStr for TimeUnit {
     type Err = UnitError;
     fn from_str(text: &str) -> Result<Self, UnitError> {
         let known = Self::ALL.into_iter().find(|unit| unit.to_string() == text);
-        known.ok_or_else(|| UnitError { text: text.to_owned(), known: "s, ms, us or ns" })
+        known.ok_or_else(|| UnitError { text: text.to_owned(), known: "h, min, s, ms, us or ns" })
     }
 }
 
 impl fmt::Display for TimeUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::H => "h",
+            Self::Min => "min",
             Self::S => "s",
             Self::Ms => "ms",
             Self::Us => "us",

@@ -36,7 +36,7 @@ pub struct ColumnArguments {
 #[derive(Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Units (as the columns' names say where these are left out)")]
 pub struct UnitArguments {
-    /// The time's unit: s, ms, us or ns
+    /// The time's unit: h, min, s, ms, us or ns
     #[arg(long, value_name = "UNIT")]
     pub time_unit: Option<TimeUnit>,
 

@@ -7,7 +7,10 @@ use crate::units::{TimeUnit, WrittenRate, WrittenTemperature};
 const COUNTS: [&str; 5] = ["count", "counts", "lsb", "adc", "raw"];
 const DEGREES: [&str; 4] = ["deg", "degs", "degree", "degrees"];
 const SECONDS: [&str; 5] = ["s", "sec", "secs", "second", "seconds"];
-const HOURS: [&str; 4] = ["h", "hr", "hour", "hours"];
+const MINUTES: [&str; 4] = ["min", "mins", "minute", "minutes"];
+const HOURS: [&str; 5] = ["h", "hr", "hrs", "hour", "hours"];
+/// Parts of a second, in which no rate is read.
+const PARTS_OF_A_SECOND: [&str; 5] = ["ms", "msec", "us", "usec", "µs"];
 
 /// A name's words in lower case: `imu.gyro.x`, `x_rad_s`, `GyrX`, `gyro_rad[0]`; the sign of degrees is the word `deg`.
 pub(crate) fn words(name: &str) -> Vec<String> {
@@ -123,18 +126,25 @@ pub(super) fn rate_unit(words: &[String]) -> Option<Said> {
     let degrees = has(words, &DEGREES);
     let radians = has(words, &["rad", "rads", "radps"]);
     let per_hour = has(words, &HOURS);
-    let per_minute = has(words, &["min", "minute"]);
+    let per_minute = has(words, &MINUTES);
+    let faster = has(words, &PARTS_OF_A_SECOND);
     Some(match () {
         () if has(words, &["rpm"]) => Said::Other("turns a minute"),
+        () if has(words, &["rps", "rev", "revs", "turns"]) => Said::Other("turns"),
+        () if has(words, &["kdps", "kdeg"]) => Said::Other("thousands of deg/s"),
+        () if has(words, &["krad"]) => Said::Other("thousands of rad/s"),
         () if has(words, &["urad", "µrad"]) => Said::Other("millionths of a radian"),
         () if has(words, &["mdps"]) => Said::Known(MilliDps),
-        () if has(words, &["mdeg"]) && (per_hour || per_minute) => Said::Other("mdeg/h"),
+        () if has(words, &["mdeg"]) && (per_hour || per_minute) => Said::Other("mdeg/h or mdeg/min"),
+        () if degrees && faster => Said::Other("deg for a part of a second"),
+        () if (radians || has(words, &["mrad"])) && faster => Said::Other("rad for a part of a second"),
         () if has(words, &["mdeg"]) => Said::Known(MilliDps),
         () if has(words, &["mrad"]) => Said::Known(MilliRadPerS),
         () if has(words, &["dph"]) => Said::Known(DegPerHour),
         () if degrees && per_hour => Said::Known(DegPerHour),
         () if degrees && per_minute => Said::Other("deg/min"),
-        () if radians && (per_hour || per_minute) => Said::Other("rad/h"),
+        () if radians && per_hour => Said::Other("rad/h"),
+        () if radians && per_minute => Said::Other("rad/min"),
         () if radians => Said::Known(RadPerS),
         () if degrees || has(words, &["dps"]) => Said::Known(Dps),
         () if has(words, &COUNTS) => Said::Known(Counts),
@@ -159,7 +169,10 @@ pub(super) fn time_unit(words: &[String]) -> Option<TimeUnit> {
         "ms" | "msec" => Some(TimeUnit::Ms),
         "us" | "usec" | "µs" | "μs" => Some(TimeUnit::Us),
         "ns" | "nsec" => Some(TimeUnit::Ns),
-        word => SECONDS.contains(&word).then_some(TimeUnit::S),
+        word if SECONDS.contains(&word) => Some(TimeUnit::S),
+        word if MINUTES.contains(&word) => Some(TimeUnit::Min),
+        word if HOURS.contains(&word) => Some(TimeUnit::H),
+        _ => None,
     })
 }
 

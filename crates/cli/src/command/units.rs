@@ -63,7 +63,7 @@ impl Units {
         }
         if units.is_empty() && unreadable.is_empty() {
             let whose = self.serial.as_ref().map(|part| format!(" of a unit with {part} in its serial number"));
-            bail!("{}: no results of `calibrate` lie here{}", self.folder.display(), whose.unwrap_or_default());
+            bail!("{}: no results of a calibration lie here{}", self.folder.display(), whose.unwrap_or_default());
         }
         let outcome = if unreadable.is_empty() { Outcome::Done } else { Outcome::Failed };
         unreadable.iter().for_each(|sentence| screen::note(sentence));

@@ -336,7 +336,7 @@ fn a_model_and_a_unit_that_are_none_are_refused_with_those_there_are() {
     let folder = folder_with("log.csv", "t,temp,gx\n");
     for (option, wrong, right) in [
         ("--model", "poly:9", "poly:1 to poly:5"),
-        ("--time-unit", "h", "s, ms, us or ns"),
+        ("--time-unit", "d", "h, min, s, ms, us or ns"),
         ("--rate-unit", "rpm", "dps, mdps, deg/h, rad/s, mrad/s or counts"),
         ("--temperature-unit", "R", "celsius, fahrenheit, kelvin or counts"),
     ] {

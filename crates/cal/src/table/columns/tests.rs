@@ -86,6 +86,47 @@ fn a_first_column_in_a_unit_of_times_that_never_falls_is_the_time_where_none_is_
     assert_eq!(called.time, Some(1));
 }
 
+/// A name that says minutes or hours is not taken for one that says nothing.
+#[test]
+fn minutes_and_hours_are_read_from_the_names() {
+    for (head, unit) in [
+        ("time_min", TimeUnit::Min),
+        ("time (min)", TimeUnit::Min),
+        ("t_minutes", TimeUnit::Min),
+        ("time_h", TimeUnit::H),
+        ("time [hr]", TimeUnit::H),
+        ("t_hours", TimeUnit::H),
+        ("time_s", TimeUnit::S),
+    ] {
+        let found = resolve(&format!("{head},temp_c,x_dps"), &Columns::default()).unwrap();
+        assert_eq!((found.time, found.time_unit), (Some(0), Some(unit)), "{head}");
+    }
+    assert!((TimeUnit::H.seconds() - 3600.0).abs() < 1e-9 && (TimeUnit::Min.seconds() - 60.0).abs() < 1e-9);
+    // What says nothing is still in what a clock counts.
+    assert_eq!(TimeUnit::by_duration(60.0), None);
+}
+
+/// A unit that is named and not read is told by its name, and never taken for another.
+#[test]
+fn rates_in_units_that_are_not_read_are_refused() {
+    for (head, unit) in [
+        ("gx (rad/ms)", "rad for a part of a second"),
+        ("gx (deg/ms)", "deg for a part of a second"),
+        ("gx [mrad/us]", "rad for a part of a second"),
+        ("gx (rev/s)", "turns"),
+        ("gx (rps)", "turns"),
+        ("gx (turns/s)", "turns"),
+        ("gx (kdps)", "thousands of deg/s"),
+        ("gx (krad/s)", "thousands of rad/s"),
+        ("gx (rad/min)", "rad/min"),
+        ("gx (rad/h)", "rad/h"),
+        ("gx (deg/min)", "deg/min"),
+    ] {
+        let told = resolve(&format!("time_s,temp_c,{head}"), &Columns::default()).unwrap_err().to_string();
+        assert!(told.contains(&format!("'{head}' is in {unit}, by its name")), "{told}");
+    }
+}
+
 #[test]
 fn units_come_from_the_names() {
     let named = resolve("TimeUS,temp_counts,GyrX_dps", &Columns::default()).unwrap();
