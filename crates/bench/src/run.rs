@@ -80,9 +80,9 @@ pub trait Progress {
     /// A group was taken, or time passed; the chamber's air is at `air_c` degrees C.
     fn step(&mut self, air_c: f64);
 
-    /// A group was taken: X's row and Y's, as a recording has them, with the time since the session began.
-    fn group(&mut self, rows: &[GroupRow; 2]) {
-        let _ = rows;
+    /// A group was taken, which ended so many seconds after the session began.
+    fn group(&mut self, taken: &Taken, elapsed_s: f64) {
+        let _ = (taken, elapsed_s);
     }
 
     /// Something that people should know at once.
@@ -244,10 +244,8 @@ impl<'b> Session<'b> {
         self.elapsed = self.elapsed + period;
         let time = period * f64::from(self.taken);
         let taken = Taken { report: group.report, time, phase, jumps, truth };
-        let set_point = self.bench.chamber.set_point();
-        let at = (taken.report.group.0, self.elapsed.0);
-        self.progress.group(&Axis::BOTH.map(|axis| row(&taken, axis, at, set_point, air)));
-        recorder.record(&taken, set_point, air)?;
+        self.progress.group(&taken, self.elapsed.0);
+        recorder.record(&taken, self.bench.chamber.set_point(), air)?;
         Ok(taken)
     }
 }

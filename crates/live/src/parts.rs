@@ -24,7 +24,6 @@ struct State {
     is_closed: bool,
 }
 
-#[derive(Clone)]
 struct Part {
     id: &'static str,
     changed_at: u64,

@@ -16,12 +16,10 @@ use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
 use zerorate_core::units::Axis;
 
 use self::axis::BoardAxis;
-use super::figure::{Ink, Second};
+use super::figure::Second;
 use super::number::{fixed, significant};
 use super::page::{self, Chapter};
-
-/// Seconds in a minute: figures show time in minutes.
-pub(super) const MINUTE_S: f64 = 60.0;
+use super::panels::name_of;
 
 /// A run and its axes, X first.
 struct Board<'a> {
@@ -104,22 +102,6 @@ impl Board<'_> {
     /// Samples averaged to a group, each channel.
     fn group_samples(&self) -> u32 {
         self.run.full_temperature.rows.first().map_or(0, |row| row.sums.n)
-    }
-}
-
-/// The ink of an axis.
-pub(super) fn ink_of(axis: Axis) -> Ink {
-    match axis {
-        Axis::X => Ink::X,
-        Axis::Y => Ink::Y,
-    }
-}
-
-/// An axis's name as it is written, `X` or `Y`.
-pub(super) fn name_of(axis: Axis) -> &'static str {
-    match axis {
-        Axis::X => "X",
-        Axis::Y => "Y",
     }
 }
 

@@ -11,6 +11,7 @@ mod lot;
 mod lot_page;
 pub mod number;
 mod page;
+mod panels;
 mod paper;
 mod ranges;
 mod trend;

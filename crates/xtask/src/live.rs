@@ -67,10 +67,8 @@ impl Server {
         let told = process.stderr.take().context("zerorate has no standard error")?;
         let mut server = Self { process, url: String::new() };
         let mut lines = BufReader::new(told).lines().map_while(std::result::Result::ok);
-        let line = lines.find(|line| line.contains("http://")).context("zerorate live says no address")?;
-        line.split_whitespace()
-            .filter(|word| word.starts_with("http://"))
-            .for_each(|word| word.clone_into(&mut server.url));
+        let url = |line: String| line.split_whitespace().find(|word| word.starts_with("http://")).map(str::to_owned);
+        server.url = lines.find_map(url).context("zerorate live says no address")?;
         Ok(server)
     }
 

@@ -8,8 +8,8 @@ use zerorate_core::drift::Shape;
 use zerorate_core::units::Axis;
 use zerorate_fit::trim::TrimEstimate;
 
-use super::{MINUTE_S, ink_of, name_of};
 use crate::figure::Ink;
+use crate::panels::{MINUTE_S, ink_of, name_of};
 
 /// What stands in a run's files of one axis, and its ramp.
 pub(super) struct BoardAxis<'a> {

@@ -6,11 +6,12 @@ use zerorate_cal::recording::{GroupRow, Phase};
 use zerorate_cal::summary::{Summary, TestResult};
 use zerorate_core::compensate::Mode;
 
+use super::Board;
 use super::reading::Known;
-use super::{Board, MINUTE_S, ink_of, name_of};
 use crate::figure::{Figure, Ink, Mark, Panel, Sample, holding};
 use crate::number::{fixed, fixed_or_none, whole};
 use crate::page::Table;
+use crate::panels::{MINUTE_S, ink_of, name_of};
 
 /// A compensation test with its groups, in order of time: the compensated axis, and the control.
 struct Test<'a> {

@@ -8,6 +8,7 @@ use super::{Board, indexed};
 use crate::candidates;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample};
 use crate::number::{fixed, polynomial, with_error};
+use crate::panels;
 use crate::paper::PaperAxis;
 
 pub(super) fn chapter(board: &Board) -> Markup {
@@ -70,21 +71,11 @@ fn over_time(board: &Board) -> Figure {
 fn over_temperature(board: &Board) -> Figure {
     let residual_range = board.axes.iter().flat_map(BoardAxis::residuals).map(f64::abs).fold(0.0, f64::max);
     let columns = board.axes.iter().map(|axis| {
-        let name = axis.name;
-        let temperature = "temperature reading, counts";
-        let marks = [
-            Mark::Dots(axis.ink, axis.over_temperature(axis.ramp.readings.iter().copied())),
-            Mark::Line(Ink::Curve, axis.curve()),
-        ];
-        let title = format!("{name}: zero-rate output against temperature");
-        let fit = Panel::new(title, temperature, format!("{name}: zero-rate output, counts"), marks);
-        let fit = Panel { second: board.celsius(), ..fit };
-        let residual = [Mark::Dots(axis.ink, axis.over_temperature(axis.residuals())), Mark::Level(Ink::Aim, 0.0)];
-        let (title, up) = (format!("{name}: residual of the fit"), format!("{name}: residual, counts"));
+        let readings = axis.over_temperature(axis.ramp.readings.iter().copied());
+        let fit = panels::over_temperature(axis.axis, readings, Some(axis.curve()), board.celsius());
         let left = Panel {
-            height: Panel::SHORT,
             y_range: (residual_range > 0.0).then_some((-1.1 * residual_range, 1.1 * residual_range)),
-            ..Panel::new(title, temperature, up, residual)
+            ..panels::residual(axis.axis, axis.over_temperature(axis.residuals()), "the fit")
         };
         vec![fit, left]
     });

@@ -3,10 +3,11 @@
 use maud::{Markup, html};
 use zerorate_cal::summary::TestResult;
 
+use super::Board;
 use super::reading::Known;
-use super::{Board, name_of};
 use crate::number::{fixed, fixed_or_none, significant};
 use crate::page::{self, Table};
+use crate::panels::name_of;
 
 /// A bar: class, name, counts, how many times less than before.
 struct Bar {

@@ -5,11 +5,9 @@ use zerorate_core::units::Axis;
 use zerorate_fit::drift_fit::DriftFit;
 
 use super::{LiveRun, RunGroup};
-use crate::board_page::{MINUTE_S, ink_of, name_of};
 use crate::figure::{Figure, Ink, Mark, Panel, Sample};
 use crate::number::counted;
-
-const TEMPERATURE: &str = "temperature reading, counts";
+use crate::panels::{self, MINUTE_S, TEMPERATURE, ink_of, name_of};
 
 /// Both figures; nothing of a step without groups.
 pub(super) fn figures(run: &LiveRun, fits: &[Option<DriftFit>; 2]) -> Markup {
@@ -32,25 +30,16 @@ fn over_temperature(run: &LiveRun, fits: &[Option<DriftFit>; 2]) -> Figure {
     let columns = Axis::BOTH.map(|axis| {
         let groups = run.axes[axis.index()].ramp();
         let readings: Vec<_> = groups.iter().map(|group| (group.temperature_counts, group.reading_counts)).collect();
-        let name = name_of(axis);
-        let mut marks = vec![Mark::Dots(ink_of(axis), readings.clone())];
-        let mut left = None;
-        if let Some(fit) = &fits[axis.index()] {
-            let mut fitted: Vec<_> = fit_at(fit, &groups);
-            let residual = readings.iter().zip(&fitted).map(|((t, reading), (_, fitted))| (*t, reading - fitted));
-            left = Some(residual.collect());
+        let fitted = fits[axis.index()].as_ref().map(|fit| fit_at(fit, &groups));
+        let left = fitted.as_ref().map(|fitted| {
+            readings.iter().zip(fitted).map(|((t, reading), (_, fitted))| (*t, reading - fitted)).collect()
+        });
+        let curve = fitted.map(|mut fitted| {
             fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
-            marks.push(Mark::Line(Ink::Curve, fitted));
-        }
-        let title = format!("{name}: zero-rate output against temperature");
-        let upper = Panel::new(title, TEMPERATURE, format!("{name}: zero-rate output, counts"), marks);
-        let mut column = vec![Panel { second: run.celsius(), ..upper }];
-        if let Some(left) = left {
-            let marks = [Mark::Dots(ink_of(axis), left), Mark::Level(Ink::Aim, 0.0)];
-            let title = format!("{name}: residual of the fit so far");
-            let lower = Panel::new(title, TEMPERATURE, format!("{name}: residual, counts"), marks);
-            column.push(Panel { height: Panel::SHORT, ..lower });
-        }
+            fitted
+        });
+        let mut column = vec![panels::over_temperature(axis, readings, curve, run.celsius())];
+        column.extend(left.map(|left| panels::residual(axis, left, "the fit so far")));
         column
     });
     let is_fitted = fits.iter().any(Option::is_some);

@@ -1,9 +1,9 @@
 //! A run's progress, told to the terminal and to the page of those who look on.
 
+use zerorate_bench::board::{Axis, Mode};
 use zerorate_bench::plan::Plan;
-use zerorate_bench::run::Progress;
+use zerorate_bench::run::{Progress, Taken};
 use zerorate_bench::setup::SetUp;
-use zerorate_cal::recording::GroupRow;
 use zerorate_report::{RunGroup, RunStep, StepState};
 
 use super::{Bar, schedule};
@@ -68,14 +68,20 @@ impl Progress for LookedOn<'_> {
         }
     }
 
-    fn group(&mut self, rows: &[GroupRow; 2]) {
-        if let Some(live) = self.live {
-            let heard_at = clock();
-            live.change(|run| {
-                run.heard_at = heard_at;
-                run.axes.iter_mut().zip(rows).for_each(|(axis, row)| axis.push(RunGroup::from(row)));
-            });
-        }
+    fn group(&mut self, taken: &Taken, elapsed_s: f64) {
+        let Some(live) = self.live else { return };
+        let of = |axis: Axis| RunGroup {
+            time_s: elapsed_s,
+            temperature_counts: taken.temperature(axis).0,
+            reading_counts: taken.corrected(axis).0,
+            is_ramp: taken.phase.is_ramp(),
+            is_compensated: taken.report.axes[axis.index()].mode != Mode::Off,
+        };
+        let (heard_at, groups) = (clock(), Axis::BOTH.map(of));
+        live.change(|run| {
+            run.heard_at = heard_at;
+            run.axes.iter_mut().zip(groups).for_each(|(axis, group)| axis.push(group));
+        });
     }
 
     fn note(&mut self, text: &str) {
