@@ -109,6 +109,25 @@ pub fn missing<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Characteristics)
     missing.into_iter().map(|(sentence, names)| format!("{}: {sentence}", names.join(", "))).collect()
 }
 
+/// Where an Allan curve is a filter's at its short end, a sentence for all axes of one averaging time.
+pub fn filtered<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Allan)>) -> Vec<String> {
+    let mut ends: Vec<(String, Vec<&str>)> = Vec::new();
+    for (name, allan) in axes {
+        let Some(end) = allan.filtered_below_s.map(|end_s| format!("{end_s:.1} s")) else { continue };
+        match ends.iter_mut().find(|(told, _)| *told == end) {
+            Some((_, names)) => names.push(name),
+            None => ends.push((end, vec![name])),
+        }
+    }
+    let sentence = |(end, names): (String, Vec<&str>)| {
+        format!(
+            "{}: at averaging times below {end} samples resemble their neighbours, as behind a filter; N, B and K are read from there on",
+            names.join(", ")
+        )
+    };
+    ends.into_iter().map(sentence).collect()
+}
+
 /// Where hysteresis may be a drift in time, a sentence each.
 pub fn doubtful<'a>(
     axes: impl IntoIterator<Item = (&'a AxisFit, &'a Characteristics)>,

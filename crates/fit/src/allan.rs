@@ -9,6 +9,7 @@
 
 mod coefficients;
 mod confidence;
+mod filter;
 
 use serde::Serialize;
 use thiserror::Error;
@@ -53,7 +54,10 @@ pub struct Allan {
     pub samples: u64,
     /// The curve, shortest averaging time first.
     pub points: Vec<AllanPoint>,
-    /// N, B and K.
+    /// Below this averaging time samples resemble their neighbours, as behind the gyro's own filter, and nothing is read off
+    /// the curve, seconds; none where no filter shows.
+    pub filtered_below_s: Option<f64>,
+    /// N, B and K, by the curve from there on.
     pub coefficients: Coefficients,
 }
 
@@ -169,10 +173,12 @@ impl Allan {
             AllanPoint { tau_s: m as f64 * period_s, deviation, low, high, degrees_of_freedom, noise }
         };
         let first: Vec<AllanPoint> = found.iter().map(|found| point(*found, Noise::AngleRandomWalk)).collect();
-        let points: Vec<AllanPoint> =
-            found.iter().zip(noises(&first)).map(|(found, noise)| point(*found, noise)).collect();
-        let coefficients = Coefficients::of(&points);
-        Ok(Self { period_s, samples: samples as u64, points, coefficients })
+        let filtered = filter::end(&first);
+        let noises = vec![Noise::Filtered; filtered].into_iter().chain(noises(&first[filtered..], filtered > 0));
+        let points: Vec<AllanPoint> = found.iter().zip(noises).map(|(found, noise)| point(*found, noise)).collect();
+        let filtered_below_s = (filtered > 0).then(|| points[filtered].tau_s);
+        let coefficients = Coefficients::of(&points[filtered..], filtered > 0);
+        Ok(Self { period_s, samples: samples as u64, points, filtered_below_s, coefficients })
     }
 
     /// The Allan deviation at a time of a second, where the curve spans it, by interpolation; for comparisons.

@@ -14,7 +14,7 @@ use zerorate_cal::recording::Recording;
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
 use zerorate_cal::units::RateUnit;
-use zerorate_characterise::{AxisNoise, Characteristics, NoiseOf, doubtful, missing, noise};
+use zerorate_characterise::{AxisNoise, Characteristics, NoiseOf, doubtful, filtered, missing, noise};
 use zerorate_fit::allan::{Allan, Coefficient};
 
 use super::Outcome;
@@ -192,6 +192,8 @@ fn noise_page(page: &mut Page, noises: &[AxisNoise]) {
                 ),
             );
         }
+        let allans = noises.iter().filter_map(|axis| Some((axis.name.as_str(), axis.noise.as_ref().ok()?)));
+        filtered(allans).iter().for_each(|sentence| page.sentence("  - ", sentence));
     }
     let mut told: Vec<&str> = Vec::new();
     for axis in noises {

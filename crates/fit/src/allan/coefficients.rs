@@ -3,13 +3,14 @@
 use serde::Serialize;
 
 use super::AllanPoint;
-use super::confidence::{LEVEL, Noise, beyond, interval};
+use super::confidence::{LEVEL, Noise, beyond, bound, interval};
 
 /// Terms of the Allan variance over averaging time (IEEE Std 952-1997, annex C): quantization `3 Q^2 / tau^2`, angle random
 /// walk `N^2 / tau`, bias instability `(2 ln 2 / pi) B^2` (its flat part), rate random walk `K^2 tau / 3`.
 const TERMS: usize = 4;
 
 /// The place of each coefficient among the terms.
+const Q: usize = 0;
 const N: usize = 1;
 const B: usize = 2;
 const K: usize = 3;
@@ -17,12 +18,18 @@ const K: usize = 3;
 /// A term that makes up less than this of the variance at every averaging time is not seen: there is only a bound for it.
 const SEEN: f64 = 0.5;
 
+/// One that makes up more is nearly all that there is.
+const NEARLY_ALL: f64 = 0.98;
+
 /// Nor is one without which the curve is as likely: at every averaging time it is within what chance makes of the best sum of the
 /// other terms. All times together are to be beyond it in so many of the curves that have none of the term.
 const BY_CHANCE: f64 = 1.0 - LEVEL;
 
 /// Rounds of the fit: four terms settle in a few hundred.
 const ROUNDS: usize = 20_000;
+
+/// The model in a denominator is this part of the variance found, at least: what a filter takes leaves more.
+const LEAST_SIZE: f64 = 0.1;
 
 /// Rounds of weighing by the model: it settles in a handful.
 const REWEIGHTED: usize = 12;
@@ -85,21 +92,23 @@ const NOISES: [Noise; TERMS] =
     [Noise::Quantization, Noise::AngleRandomWalk, Noise::BiasInstability, Noise::RateRandomWalk];
 
 impl Coefficients {
-    /// Fits the terms to the variances, each weighed by its degrees of freedom; `points` must not be empty.
-    pub(super) fn of(points: &[AllanPoint]) -> Self {
-        let squares = fitted(points, None);
+    /// Fits the terms to the variances, each weighed by its degrees of freedom; `points` must not be empty. `filtered` are
+    /// those of a gyro behind a filter, at averaging times beyond it.
+    pub(super) fn of(points: &[AllanPoint], filtered: bool) -> Self {
+        let curve = Curve { points, filtered };
+        let squares = curve.fitted(None);
         Self {
-            angle_random_walk: coefficient(points, &squares, N),
-            bias_instability: coefficient(points, &squares, B),
-            rate_random_walk: coefficient(points, &squares, K),
+            angle_random_walk: curve.coefficient(&squares, N),
+            bias_instability: curve.coefficient(&squares, B),
+            rate_random_walk: curve.coefficient(&squares, K),
         }
     }
 }
 
 /// The noise that is the largest part at each point, by a fit: at long averaging times the curve is too rough for its own
 /// slope to tell.
-pub(super) fn noises(points: &[AllanPoint]) -> Vec<Noise> {
-    let squares = fitted(points, None);
+pub(super) fn noises(points: &[AllanPoint], filtered: bool) -> Vec<Noise> {
+    let squares = Curve { points, filtered }.fitted(None);
     let largest = |point: &AllanPoint| {
         let parts = terms(point.tau_s);
         let by_size = |a: &usize, b: &usize| (parts[*a] * squares[*a]).total_cmp(&(parts[*b] * squares[*b]));
@@ -108,88 +117,117 @@ pub(super) fn noises(points: &[AllanPoint]) -> Vec<Noise> {
     points.iter().map(largest).collect()
 }
 
-/// The squares of the coefficients that minimise the sum over points of `w ((variance - model) / model)^2` with none below
-/// zero, `w` the degrees of freedom. The model in the denominator is that of the round before: were it the variance
-/// found, points that came out low by chance would pull the fit down. `without` is a term that is left out.
-fn fitted(points: &[AllanPoint], without: Option<usize>) -> [f64; TERMS] {
-    let mut sizes: Vec<f64> = points.iter().map(|point| point.deviation.powi(2)).collect();
-    let mut squares = [0.0; TERMS];
-    for _ in 0..REWEIGHTED {
-        squares = fitted_by(points, &sizes, without);
-        sizes = points.iter().map(|point| dot(&terms(point.tau_s), &squares)).collect();
-    }
-    squares
-}
-
 fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The same with given denominators: by turns, one coefficient at a time, which a convex sum of squares allows.
-fn fitted_by(points: &[AllanPoint], sizes: &[f64], without: Option<usize>) -> [f64; TERMS] {
-    let rows: Vec<([f64; TERMS], f64, f64)> = points
-        .iter()
-        .zip(sizes)
-        .map(|(point, size)| {
-            (terms(point.tau_s).map(|t| t / size), point.deviation.powi(2) / size, point.degrees_of_freedom)
-        })
-        .collect();
-    // Each term by its greatest row, so that one size of step suits all.
-    let size: [f64; TERMS] = std::array::from_fn(|j| rows.iter().map(|(row, _, _)| row[j]).fold(0.0, f64::max));
-    let mut products = [[0.0; TERMS]; TERMS];
-    let mut targets = [0.0; TERMS];
-    for (row, variance, weight) in &rows {
-        for i in 0..TERMS {
-            targets[i] += weight * variance * row[i] / size[i];
-            for j in 0..TERMS {
-                products[i][j] += weight * row[i] / size[i] * row[j] / size[j];
+/// What the terms are fitted to.
+#[derive(Clone, Copy)]
+struct Curve<'a> {
+    points: &'a [AllanPoint],
+    /// What a filter takes from white noise goes with `1 / tau^2` at times far beyond its own, for whichever filter: it is
+    /// quantization below zero.
+    filtered: bool,
+}
+
+impl Curve<'_> {
+    /// The squares of the coefficients that minimise the sum over points of `w ((variance - model) / model)^2` with none
+    /// below zero, `w` the degrees of freedom. The model in the denominator is that of the round before: were it the
+    /// variance found, points that came out low by chance would pull the fit down. `without` is a term that is left out.
+    fn fitted(self, without: Option<usize>) -> [f64; TERMS] {
+        let mut sizes: Vec<f64> = self.points.iter().map(|point| point.deviation.powi(2)).collect();
+        let mut squares = [0.0; TERMS];
+        for _ in 0..REWEIGHTED {
+            squares = self.fitted_by(&sizes, without);
+            let model = |point: &AllanPoint| {
+                let variance = point.deviation.powi(2);
+                dot(&terms(point.tau_s), &squares).max(LEAST_SIZE * variance)
+            };
+            sizes = self.points.iter().map(model).collect();
+        }
+        squares
+    }
+
+    /// The same with given denominators: by turns, one coefficient at a time, which a convex sum of squares allows.
+    fn fitted_by(self, sizes: &[f64], without: Option<usize>) -> [f64; TERMS] {
+        let rows: Vec<([f64; TERMS], f64, f64)> = self
+            .points
+            .iter()
+            .zip(sizes)
+            .map(|(point, size)| {
+                (terms(point.tau_s).map(|t| t / size), point.deviation.powi(2) / size, point.degrees_of_freedom)
+            })
+            .collect();
+        // Each term by its greatest row, so that one size of step suits all.
+        let size: [f64; TERMS] = std::array::from_fn(|j| rows.iter().map(|(row, _, _)| row[j]).fold(0.0, f64::max));
+        let mut products = [[0.0; TERMS]; TERMS];
+        let mut targets = [0.0; TERMS];
+        for (row, variance, weight) in &rows {
+            for i in 0..TERMS {
+                targets[i] += weight * variance * row[i] / size[i];
+                for j in 0..TERMS {
+                    products[i][j] += weight * row[i] / size[i] * row[j] / size[j];
+                }
             }
         }
+        let mut parts = [0.0_f64; TERMS];
+        for _ in 0..ROUNDS {
+            let mut moved = 0.0_f64;
+            for i in (0..TERMS).filter(|i| Some(*i) != without) {
+                let rest: f64 = (0..TERMS).filter(|j| *j != i).map(|j| products[i][j] * parts[j]).sum();
+                let free = (targets[i] - rest) / products[i][i];
+                let best = if i == Q && self.filtered { free } else { free.max(0.0) };
+                moved = moved.max((best - parts[i]).abs());
+                parts[i] = best;
+            }
+            if moved < 1e-12 {
+                break;
+            }
+        }
+        std::array::from_fn(|j| parts[j] / size[j])
     }
-    let mut parts = [0.0_f64; TERMS];
-    for _ in 0..ROUNDS {
-        let mut moved = 0.0_f64;
-        for i in (0..TERMS).filter(|i| Some(*i) != without) {
-            let rest: f64 = (0..TERMS).filter(|j| *j != i).map(|j| products[i][j] * parts[j]).sum();
-            let best = ((targets[i] - rest) / products[i][i]).max(0.0);
-            moved = moved.max((best - parts[i]).abs());
-            parts[i] = best;
-        }
-        if moved < 1e-12 {
-            break;
+
+    /// Whether it lies above the best sum of the other terms somewhere, by more than chance makes at any of its points.
+    fn is_needed(self, term: usize) -> bool {
+        let others = self.fitted(Some(term));
+        self.points.iter().any(|point| {
+            let ratio = point.deviation.powi(2) / dot(&terms(point.tau_s), &others).max(0.0);
+            beyond(ratio, point.degrees_of_freedom) < self.chance_at_a_point()
+        })
+    }
+
+    fn chance_at_a_point(self) -> f64 {
+        BY_CHANCE / self.points.len() as f64
+    }
+
+    /// One coefficient with its bounds: those of the point at which its term is the largest part.
+    fn coefficient(self, squares: &[f64; TERMS], of: usize) -> Coefficient {
+        let share = |point: &AllanPoint| {
+            let parts = terms(point.tau_s);
+            parts[of] * squares[of] / dot(&parts, &squares.map(f64::abs))
+        };
+        // Of those at which it is nearly all that there is the first, which tells most.
+        let best =
+            self.points.iter().rev().max_by(|a, b| share(a).min(NEARLY_ALL).total_cmp(&share(b).min(NEARLY_ALL)));
+        match best.filter(|point| share(point) >= SEEN && self.is_needed(of)) {
+            Some(point) => {
+                let value = squares[of].sqrt();
+                let (low, high) = interval(value, point.degrees_of_freedom);
+                Coefficient::Seen { value, low, high, tau_s: point.tau_s }
+            }
+            None => Coefficient::Hidden { at_most: self.room(squares, of) },
         }
     }
-    std::array::from_fn(|j| parts[j] / size[j])
-}
 
-/// Whether the curve lies above the best sum of the other terms somewhere, by more than chance makes at any of its points.
-fn is_needed(points: &[AllanPoint], term: usize) -> bool {
-    let others = fitted(points, Some(term));
-    points.iter().any(|point| {
-        let ratio = point.deviation.powi(2) / dot(&terms(point.tau_s), &others);
-        beyond(ratio, point.degrees_of_freedom) < BY_CHANCE / points.len() as f64
-    })
-}
-
-/// One coefficient with its bounds: those of the point at which its term is the largest part.
-fn coefficient(points: &[AllanPoint], squares: &[f64; TERMS], of: usize) -> Coefficient {
-    let share = |point: &AllanPoint| {
-        let parts = terms(point.tau_s);
-        parts[of] * squares[of] / dot(&parts, squares)
-    };
-    let best = points.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
-    match best.filter(|point| share(point) >= SEEN && is_needed(points, of)) {
-        Some(point) => {
-            let value = squares[of].sqrt();
-            let (low, high) = interval(value, point.degrees_of_freedom);
-            Coefficient::Seen { value, low, high, tau_s: point.tau_s }
-        }
-        // As much of it as the curve's upper bounds have room for.
-        None => Coefficient::Hidden {
-            at_most: points
-                .iter()
-                .map(|point| point.high / terms(point.tau_s)[of].sqrt())
-                .fold(f64::INFINITY, f64::min),
-        },
+    /// As much of a term as the curve has room for: at one of its points or another, chance takes more away than at a single
+    /// one. Where a filter takes much there is no telling.
+    fn room(self, squares: &[f64; TERMS], of: usize) -> f64 {
+        let is_taken =
+            |point: &&AllanPoint| -terms(point.tau_s)[Q] * squares[Q] > (1.0 - NEARLY_ALL) * point.deviation.powi(2);
+        let room = |point: &AllanPoint| {
+            let most = bound(point.deviation, point.degrees_of_freedom, self.chance_at_a_point());
+            most / terms(point.tau_s)[of].sqrt()
+        };
+        self.points.iter().skip_while(is_taken).map(room).fold(f64::INFINITY, f64::min)
     }
 }

@@ -18,6 +18,8 @@ pub enum Noise {
     BiasInstability,
     /// Slope +1/2: a walk of the rate.
     RateRandomWalk,
+    /// Whatever it is, through the gyro's own low-pass filter: samples resemble their neighbours.
+    Filtered,
 }
 
 /// Equivalent degrees of freedom of the overlapping Allan variance (NIST SP 1065, 5.4.1, table 5, after Howe, Allan and
@@ -34,7 +36,8 @@ pub(super) fn degrees_of_freedom(noise: Noise, differences: u64, m: usize) -> f6
         }
         Noise::BiasInstability if m < 1.5 => 2.0 * (n - 2.0).powi(2) / (2.3 * n - 4.9),
         Noise::BiasInstability => 5.0 * n * n / (4.0 * m * (n + 3.0 * m)),
-        Noise::RateRandomWalk => {
+        // For less than the filter's length what is filtered goes as a walk does, by steps that know nothing of each other.
+        Noise::RateRandomWalk | Noise::Filtered => {
             (n - 2.0) / m * ((n - 1.0).powi(2) - 3.0 * m * (n - 1.0) + 4.0 * m * m) / (n - 3.0).powi(2)
         }
     };
@@ -44,11 +47,14 @@ pub(super) fn degrees_of_freedom(noise: Noise, differences: u64, m: usize) -> f6
 /// The interval that holds the true deviation with the confidence [`LEVEL`] (NIST SP 1065, 5.3.1): the variance times its
 /// degrees of freedom over the true variance is chi-squared.
 pub(super) fn interval(deviation: f64, degrees_of_freedom: f64) -> (f64, f64) {
-    let Ok(chi_squared) = ChiSquared::new(degrees_of_freedom) else {
-        return (0.0, f64::INFINITY);
-    };
-    let bound = |probability| deviation * (degrees_of_freedom / chi_squared.inverse_cdf(probability)).sqrt();
-    (bound(f64::midpoint(1.0, LEVEL)), bound((1.0 - LEVEL) / 2.0))
+    let aside = (1.0 - LEVEL) / 2.0;
+    (bound(deviation, degrees_of_freedom, 1.0 - aside), bound(deviation, degrees_of_freedom, aside))
+}
+
+/// The true deviation whose records come out lower than this one with so much probability.
+pub(super) fn bound(deviation: f64, degrees_of_freedom: f64, probability: f64) -> f64 {
+    ChiSquared::new(degrees_of_freedom)
+        .map_or(f64::NAN, |chi_squared| deviation * (degrees_of_freedom / chi_squared.inverse_cdf(probability)).sqrt())
 }
 
 /// How likely chance alone makes a variance so many times the true one, or more.

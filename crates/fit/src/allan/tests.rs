@@ -99,6 +99,85 @@ fn a_walk_below_white_noise_is_found_with_both_its_coefficients() {
     assert_eq!(noises[noises.len() - 12], Noise::RateRandomWalk);
 }
 
+/// White noise of N = 0.002 at 10 Hz through a filter of gain 1, from its first samples on.
+fn filtered(seed: u64, samples: usize, mut filter: impl FnMut(&mut Uniform) -> f64) -> Allan {
+    let mut noise = Uniform(seed);
+    (0..1000).for_each(|_| {
+        filter(&mut noise);
+    });
+    let rates: Vec<f64> = (0..samples).map(|_| 0.002 / 0.1_f64.sqrt() * filter(&mut noise)).collect();
+    Allan::of(&rates, 0.1).unwrap()
+}
+
+/// The mean of the newest so many samples.
+fn boxcar(length: usize) -> impl FnMut(&mut Uniform) -> f64 {
+    let mut held = std::collections::VecDeque::from(vec![0.0; length]);
+    move |noise| {
+        held.pop_front();
+        held.push_back(noise.next());
+        held.iter().sum::<f64>() / length as f64
+    }
+}
+
+/// A filter of first order, by the part of a sample that it takes.
+fn pole(part: f64) -> impl FnMut(&mut Uniform) -> f64 {
+    let mut held = 0.0;
+    move |noise| {
+        held += part * (noise.next() - held);
+        held
+    }
+}
+
+/// A filter of 2 s in a log of 2000.
+const SHORT: &str = "a long pole in a short log";
+
+#[test]
+fn a_filtered_gyro_has_the_random_walk_of_the_noise_before_the_filter() {
+    let (mut seen, mut missed) = (0, 0);
+    for seed in 1..=20 {
+        let found = [
+            ("a boxcar of 1 s", filtered(seed * 7001, 72_000, boxcar(10))),
+            ("a boxcar of 0.3 s", filtered(seed * 7002, 72_000, boxcar(3))),
+            ("a pole", filtered(seed * 7003, 72_000, pole(0.2))),
+            (SHORT, filtered(seed * 7004, 20_000, pole(0.05))),
+        ];
+        for (which, allan) in found {
+            match allan.coefficients.angle_random_walk {
+                Coefficient::Seen { value, low, high, .. } => {
+                    seen += 1;
+                    missed += usize::from(low > 0.002 || high < 0.002);
+                    assert!((value / 0.002 - 1.0).abs() < 0.15, "{which}, seed {seed}: {value}");
+                }
+                // A thousand times the filter's own are few averages.
+                Coefficient::Hidden { at_most } => {
+                    assert!(which == SHORT && at_most > 0.002, "{which}, seed {seed}: below {at_most}");
+                }
+            }
+            assert!(allan.filtered_below_s.is_some_and(|end_s| end_s > 0.2 && end_s < 300.0), "{which}, seed {seed}");
+            assert_eq!(allan.points[0].noise, Noise::Filtered);
+            let others = [allan.coefficients.bias_instability, allan.coefficients.rate_random_walk];
+            assert!(others.iter().all(|other| other.value().is_none_or(|value| value < 2e-4)), "{which}: {others:?}");
+        }
+    }
+    assert!(seen >= 60 && missed <= seen / 8, "{seen} of 80 seen, {missed} of them not within the bounds");
+}
+
+#[test]
+fn a_gyro_without_a_filter_shows_none() {
+    let mut noise = Uniform(5);
+    let told = (0..200).filter(|log| {
+        let mut bias = 0.0;
+        let rates: Vec<f64> = (0..5000)
+            .map(|_| {
+                bias += f64::from(log % 4) * 0.01 * noise.next();
+                bias + noise.next()
+            })
+            .collect();
+        Allan::of(&rates, 0.1).unwrap().filtered_below_s.is_some()
+    });
+    assert_eq!(told.count(), 0);
+}
+
 /// Of 200 records, the bounds at an averaging factor of 8 miss the truth about as often as they say: 5 %.
 #[test]
 fn the_bounds_hold_the_truth_as_often_as_they_say() {

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::units::{RateScale, WrittenRate};
-use zerorate_characterise::{Characteristics, doubtful, missing};
+use zerorate_characterise::{Characteristics, doubtful, filtered, missing};
 use zerorate_fit::allan::{Allan, AllanPoint, Coefficient};
 
 use super::degree;
@@ -44,6 +44,9 @@ pub(super) fn chapter(fit: &LogFit, units: Option<WrittenRate>) -> Markup {
         @if !drawn.is_empty() {
             (figure(fit, &drawn).markup())
             (coefficients(&drawn))
+            @for sentence in filtered(drawn.iter().map(|(axis, allan)| (axis.axis.name.as_str(), *allan))) {
+                p.small { (told(&sentence)) "." }
+            }
         }
         @for (axis, found) in &axes {
             @if let Err(why) = &found.residual_noise { p.small { (axis.axis.name) ": no Allan deviation: " (told(why)) "." } }
