@@ -60,10 +60,14 @@ impl Default for Fingerprint {
 }
 
 impl Fingerprint {
-    /// Takes in successive rows: their temperatures, and a column of values an axis.
+    /// Takes in successive rows: their temperatures, and a column of values an axis. A row without any value is none: of a
+    /// temperature alone many are alike.
     pub fn push_rows<A: AsRef<[f64]>>(&mut self, temperatures: &[f64], values: &[A]) {
         self.noise.push_rows(values);
         for (row, temperature) in temperatures.iter().enumerate() {
+            if values.iter().all(|axis| axis.as_ref()[row].is_nan()) {
+                continue;
+            }
             let values = values.iter().map(|axis| axis.as_ref()[row]);
             let row = std::iter::once(*temperature).chain(values).fold(0, |hash, value| mixed(hash ^ value.to_bits()));
             self.marks.push(row);

@@ -21,7 +21,7 @@ const ROWS: &str = "100000000";
 /// Its lints and tests in one build. To lint first, or to make the documentation, cargo would go through the engine once more,
 /// which takes minutes.
 pub fn check(workspace: &Workspace) -> Result<Outcome> {
-    let arguments = ["test", "--release", "--package", "zerorate-lot"];
+    let arguments = ["test", "--profile", "lot", "--package", "zerorate-lot"];
     cargo::run_with(cargo::lint_as_built(&mut cargo::command(workspace)), &arguments)
 }
 

@@ -76,7 +76,7 @@ enum Chore {
         /// Every step, as without options
         #[arg(long, conflicts_with_all = ["fast", "without", "only"])]
         all: bool,
-        /// Leave out this step; `--without lot` saves some twenty minutes, for its query engine is long to build
+        /// Leave out this step; `--without lot` saves some ten minutes, for its query engine is long to build
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
         /// For steps that this command runs beside the others: they end when the standard input does
@@ -302,7 +302,7 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new("report", "look at target/report-screenshots", within(report::check)).skipped_if(fast, "--fast"),
         Step::new("web", "see crates/web/README.md; look at target/web-screenshots", within(web::check))
             .skipped_if(fast, "--fast"),
-        Step::new("lot", "`cargo test --release -p zerorate-lot NAME` runs one", within(lot::check))
+        Step::new("lot", "`cargo test --profile lot -p zerorate-lot NAME` runs one", within(lot::check))
             .skipped_if(fast, "--fast"),
         Step::new("book", "mend the page, or what the command prints", within(book::check)).skipped_if(fast, "--fast"),
     ]

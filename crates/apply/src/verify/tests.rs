@@ -159,7 +159,7 @@ fn temperatures_outside_the_calibrated_range_are_counted_and_warned_of() {
     let [reason] = &verified.reasons[..] else { panic!("{:?}", verified.reasons) };
     assert_eq!(reason.kind, ReasonKind::OutsideRange);
     // 134 of 400 averages.
-    let text = "gyro_x_rad_s, gyro_y_rad_s: 34 % of the log is outside the 0.0 to 40.0 C";
+    let text = "gyro_x_rad_s, gyro_y_rad_s: 34 % of the averages are outside the 0.0 to 40.0 C";
     assert!(reason.text.starts_with(text), "{}", reason.text);
 }
 

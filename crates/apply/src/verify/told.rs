@@ -79,7 +79,7 @@ fn outside(axes: &[VerifiedAxis], unit: TemperatureUnit) -> impl Iterator<Item =
     told.into_iter().map(move |(names, axis)| {
         let [min, max] = axis.calibrated_temperature;
         let text = format!(
-            "{}: {:.0} % of the log is outside the {min:.1} to {max:.1} {} that were measured for the calibration: there the curve goes on as it ends, for a little, and is then held",
+            "{}: {:.0} % of the averages are outside the {min:.1} to {max:.1} {} that were measured for the calibration: there the curve goes on as it ends, for a little, and is then held",
             names.join(", "),
             100.0 * axis.outside,
             unit.name()

@@ -20,7 +20,7 @@ pub(super) fn mark_gaps_within(groups: &[Group], marks: &mut [Option<DropReason>
     let limits = GapLimits::of(groups);
     for (group, mark) in groups.iter().zip(marks) {
         // That its rows scatter as if it were moved comes of it.
-        if group.times_s.1 - group.times_s.0 > limits.of_log(group.log) {
+        if group.widest_s > limits.of_log(group.log) {
             *mark = Some(DropReason::Gap);
         }
     }

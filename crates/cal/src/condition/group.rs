@@ -28,6 +28,10 @@ const MAX_GROUP_ROWS: u64 = 1 << 16;
 /// A time between rows of as many groups, or of as many [`GROUP_S`], is a gap, and ends a group.
 const GAP: f64 = 1.5;
 
+/// Where rows come more often or more rarely than on average a group is shorter or longer by this at most: what looks at
+/// groups as neighbours wants them of about one length.
+const UNEVEN: f64 = 1.5;
+
 /// A temperature spike is also further than this share of the least span from the median: 1 C.
 const TEMPERATURE_SPIKE: f64 = 0.1;
 
@@ -59,9 +63,12 @@ pub struct Group {
     pub time_s: f64,
     /// Its first and last row's time.
     pub times_s: (f64, f64),
-    /// Mean temperature of the rows kept, in the column's unit; NaN without any.
+    /// The longest time from one row to the next; 0 of a single row, and without times.
+    pub widest_s: f64,
+    /// Mean temperature of the rows kept, in the column's unit; NaN without any. Of those that have a rate, if any does: a
+    /// rate is not of a temperature that was read when it was not. So is the mean time.
     pub temperature: f64,
-    /// The least and greatest temperature of the rows kept; NaN without any.
+    /// The least and greatest temperature of the same rows; NaN without any.
     pub temperatures: (f64, f64),
     /// The largest fall (below 0) and rise of the temperature from one row kept to the next, from the group before to this
     /// one among them; across a time that a part may heat in, and across a log's start, there is none.
@@ -102,7 +109,10 @@ impl Length {
     /// Whether a group is less than half as long.
     fn is_short(self, group: &Group) -> bool {
         match self {
-            Self::Rows { rows, .. } => 2 * (group.end_row - group.first_row) < rows,
+            Self::Rows { rows, step_s } => {
+                let is_long = 2.0 * (group.times_s.1 - group.times_s.0) >= rows as f64 * step_s;
+                2 * (group.end_row - group.first_row) < rows && !is_long
+            }
             Self::Seconds(seconds) => 2.0 * (group.times_s.1 - group.times_s.0) < seconds,
         }
     }
@@ -206,16 +216,24 @@ impl Grouping {
     fn room(&self, times: &[f64]) -> usize {
         let open = self.temperatures.len();
         let place = |rows: u64| usize::try_from(rows).unwrap_or(usize::MAX).saturating_sub(open).min(times.len());
-        let (least, most, seconds) = match self.length {
-            Length::Rows { rows, .. } => (place(rows), place(rows), f64::INFINITY),
-            Length::Seconds(seconds) => (place(MIN_GROUP_ROWS), place(MAX_GROUP_ROWS), seconds),
+        // So many rows at most; and as soon as it has so many rows and lasts so long, or if it lasts longer still.
+        let (most, least, seconds, longest_s) = match self.length {
+            Length::Rows { rows, step_s } if step_s > 0.0 => {
+                let seconds = rows as f64 * step_s;
+                (place(MAX_GROUP_ROWS.max(rows)), place(rows), seconds / UNEVEN, UNEVEN * seconds.max(GROUP_S))
+            }
+            Length::Rows { rows, .. } => (place(rows), place(rows), 0.0, f64::INFINITY),
+            Length::Seconds(seconds) => (place(MAX_GROUP_ROWS), place(MIN_GROUP_ROWS), seconds, f64::INFINITY),
         };
         let first = self.times.first().copied().unwrap_or(times[0]);
         let mut last = self.times.last().copied().unwrap_or(times[0]);
         let mut room = 0;
         for time in &times[..most] {
             // Across a gap a group is not filled up.
-            if time - last >= self.length.gap_s() || (room >= least && time - first >= seconds) {
+            let lasts = time - first;
+            // Without a time the rows alone tell.
+            let is_full = (room >= least && (lasts >= seconds || lasts.is_nan())) || lasts >= longest_s;
+            if time - last >= self.length.gap_s() || is_full {
                 break;
             }
             last = *time;
@@ -270,13 +288,19 @@ impl Grouping {
             axes.push(average(kept.map(|(rate, _)| *rate)));
         }
         let leap = self.leap(&usable);
-        let kept = || self.temperatures.iter().zip(&usable).filter(|(_, usable)| **usable).map(|(t, _)| *t);
+        let has_rate: Vec<bool> =
+            (0..rows).map(|row| usable[row] && self.rates.iter().any(|column| column[row].is_finite())).collect();
+        let any_has = has_rate.contains(&true);
+        let counts = |row: &usize| if any_has { has_rate[*row] } else { usable[*row] };
+        let kept = || (0..rows).filter(counts).map(|row| self.temperatures[row]);
+        let timed = || (0..rows).filter(|row| !any_has || has_rate[*row]).map(|row| self.times[row]);
         let group = Group {
             log: self.log + self.part,
             first_row: self.first_row,
             end_row: self.first_row + rows as u64,
-            time_s: mean(self.times.iter().copied().filter(|time| time.is_finite())),
+            time_s: mean(timed().filter(|time| time.is_finite())),
             times_s: (self.times[0], self.times[rows - 1]),
+            widest_s: self.times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max),
             temperature: mean(kept()),
             temperatures: kept().fold((f64::NAN, f64::NAN), |(a, b), t| (a.min(t), b.max(t))),
             leap,
@@ -350,6 +374,7 @@ impl Group {
             _ => other,
         };
         self.time_s = between(self.time_s, next.time_s, share);
+        self.widest_s = self.widest_s.max(next.widest_s).max(next.times_s.0 - self.times_s.1);
         self.times_s.1 = next.times_s.1;
         self.temperature = between(self.temperature, next.temperature, share);
         self.temperatures = all_of(self.temperatures, next.temperatures);

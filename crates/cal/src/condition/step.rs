@@ -75,6 +75,7 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
                 // Beside a turn the rates of heating and of cooling lie on either side of a gap: hysteresis is no step.
                 && (goes_on(jump.before, jump.group) || !turns(&used, &temperatures, jump.group, temperature_margin))
                 && !bends(&used, &temperatures, jump.group, temperature_margin)
+                && is_even(groups, &used, jump.group)
                 && jump.is_confirmed(&used, &temperatures, &rates)
         };
         let largest_with = |between: usize| {
@@ -142,6 +143,23 @@ fn bends(used: &[usize], temperatures: &[f64], group: usize, margin: f64) -> boo
     let parted = (REACH as f64 * (to.slope() - from.slope())).abs();
     let apart = (to.centre() - from.centre()) / REACH as f64;
     parted > (0.5 * margin).max(BENT * apart * from.rms(before).max(to.rms(after)))
+}
+
+/// Averages around a step differ in length by this factor at most: two that were joined, and a bit of a third.
+const UNEVEN: f64 = 2.5;
+
+/// Whether the averages that show a jump to a group are of one length: where a log goes on more slowly the same drift is another
+/// number of averages long, and its lines part.
+fn is_even(groups: &[Group], used: &[usize], group: usize) -> bool {
+    let place = used.partition_point(|other| *other < group);
+    let around = &used[place.saturating_sub(REACH)..(place + REACH).min(used.len())];
+    let goes_on = goes_on(groups);
+    let lengths = around
+        .windows(2)
+        .filter(|pair| pair[1] == pair[0] + 1 && goes_on(pair[0], pair[1]))
+        .map(|pair| groups[pair[1]].times_s.0 - groups[pair[0]].times_s.0);
+    let (shortest, longest) = lengths.fold((f64::INFINITY, 0.0_f64), |(a, b), length| (a.min(length), b.max(length)));
+    longest <= UNEVEN * shortest
 }
 
 /// Two steps in opposite directions whose sizes agree to this share are one interval of another rate.

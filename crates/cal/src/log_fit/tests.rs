@@ -354,3 +354,60 @@ fn rows_that_have_both_and_were_left_out_are_not_told_to_have_none() {
     let none = fit(&temperatures, &rates, &FitOptions::default());
     assert!(none.reasons().any(|text| text == "x_rad_s: no row has both a temperature and a rate"));
 }
+
+/// A logger that saves power writes a row every ten seconds outside 0 to 40 C: its rows are rows.
+#[test]
+fn the_slower_part_of_a_log_is_no_gap() {
+    let mut state = 9_u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24) - 0.5
+    };
+    let of = |t: f64| 0.1 + 1e-3 * t + 1e-5 * t * t;
+    let temperature = |second: i32| 25.0 - 35.0 * (std::f64::consts::TAU * f64::from(second) / 3600.0).cos();
+    let seconds = (0..7200).filter(|second| second % 10 == 0 || (0.0..40.0).contains(&temperature(*second)));
+    let seconds: Vec<i32> = seconds.collect();
+    let lines: Vec<String> = seconds
+        .iter()
+        .map(|second| {
+            let t = temperature(*second);
+            format!("{second},{t},{}\n", of(t) + 0.01 * noise())
+        })
+        .collect();
+    let fit = fit_logs(&[table("slower.csv", &lines)], &FitOptions::default()).unwrap();
+    let [x] = &fit.axes[..] else { panic!() };
+    assert_eq!(used(x), seconds.len() as u64, "{:?}", fit.judgement.reasons);
+    assert!(kinds(&fit).is_empty(), "{:?}", fit.judgement.reasons);
+    let drift = x.calibration.measured_drift();
+    assert!(drift.valid.min() < -9.0 && drift.valid.max() > 59.0, "{:?}", drift.valid);
+    for t in [-9.0, 10.0, 30.0, 50.0, 59.0] {
+        let found = drift.evaluate(t).0;
+        assert!((found - of(t)).abs() < 3e-3, "at {t}: {found}, not {}", of(t));
+    }
+}
+
+/// A temperature at 10 Hz beside a rate that is there for a second of every ten, at 7 C a minute: the bias is of the
+/// temperatures that were read with it, so nothing remembers.
+#[test]
+fn a_rate_is_of_the_temperatures_that_were_read_with_it() {
+    let mut state = 5_u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24) - 0.5
+    };
+    let mut warmest = f64::NEG_INFINITY;
+    let lines: Vec<String> = (0..24_000)
+        .map(|row| {
+            let (second, turn) = (f64::from(row) / 10.0, (f64::from(row) / 12_000.0).fract());
+            let t = -10.0 + 70.0 * (1.0 - (2.0 * turn - 1.0).abs());
+            let rate = (row % 100 < 10).then(|| 0.1 + 0.004 * t + 8e-5 * t * t + 0.02 * noise());
+            warmest = rate.map_or(warmest, |_| warmest.max(t));
+            format!("{second},{t},{}\n", rate.map_or_else(String::new, |rate| rate.to_string()))
+        })
+        .collect();
+    let fit = fit_logs(&[table("sparse.csv", &lines)], &FitOptions::default()).unwrap();
+    let [x] = &fit.axes[..] else { panic!() };
+    let model = &x.calibration.fit.model;
+    assert!(x.calibration.measured_drift().valid.max() <= warmest, "{warmest}");
+    assert!(model.history.is_none(), "{model}");
+}
