@@ -1,5 +1,7 @@
 //! One axis of a calibration, and how it stands in the file.
 
+use std::f64::consts::SQRT_2;
+
 use serde::{Deserialize, Serialize};
 use zerorate_core::drift::{Drift, ValidRange};
 use zerorate_fit::drift_fit::{BandPoint, DriftFit, FitStatistics};
@@ -14,6 +16,10 @@ use crate::units::{RateScale, RateUnit, WrittenRate};
 
 /// More left than uncorrected is told from chance by so many standard errors.
 const SIGMAS: f64 = 2.0;
+
+/// A hysteresis of one cycle is left of each fold twice, for the others have its other side, and its zero is as far off again:
+/// of folds as of a zeroed run, to the curve between the sides, two times the root of two. What leaves more fits noise.
+const RETURNING: f64 = 3.0;
 
 /// Places at which two curves are compared.
 const COMPARED_AT: u32 = 200;
@@ -79,8 +85,13 @@ impl AxisCalibration {
         let deployed = left.rms;
         // So little more may be chance; that it does not help is none.
         let telling = ((TELLING - 1.0) * uncorrected).max(SIGMAS * left.rms_standard_error.unwrap_or(0.0));
+        let in_sample = self.fit.statistics.in_sample.rms;
+        let may_return = deployed < RETURNING * in_sample && SQRT_2 * in_sample < uncorrected;
         let what = match deployed {
             _ if deployed < uncorrected => return None,
+            _ if may_return => {
+                "whether it helps on a next run this log does not tell, for what it leaves may be a hysteresis that returns: fit two runs"
+            }
             _ if deployed <= uncorrected + telling => "it does not help on a log like this one",
             _ => "do not use it",
         };
