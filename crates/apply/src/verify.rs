@@ -166,6 +166,7 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
         axes.push(verified);
     }
     notes.extend(unknown(&fit.axes, &places, &calibrated));
+    notes.extend(told::little_seen(&axes, calibration.temperature_unit));
     let absent = calibrated.iter().zip(&places).filter(|(_, place)| place.is_none());
     let missing: Vec<String> = absent.map(|(own, _)| missing(own, &fit)).collect();
     let is_within = missing.is_empty() && axes.iter().all(|axis| axis.missed.is_empty());

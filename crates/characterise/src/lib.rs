@@ -14,7 +14,7 @@ use zerorate_fit::robust::median;
 
 pub use hysteresis::Hysteresis;
 pub use ramp::RampSensitivity;
-pub use sensitivity::TemperatureSensitivity;
+pub use sensitivity::{TemperatureSensitivity, is_of_a_soak};
 pub use soak::{AxisNoise, NoiseOf, noise};
 use zerorate_cal::log_fit::AxisFit;
 use zerorate_fit::trace::TracePoint;

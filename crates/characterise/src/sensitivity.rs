@@ -4,6 +4,8 @@ use serde::Serialize;
 use zerorate_cal::log_fit::AxisFit;
 use zerorate_core::drift::Shape;
 
+use crate::soak::SOAK;
+
 /// Points at which a curve's slope is looked at.
 const SLOPES: u32 = 400;
 
@@ -47,6 +49,14 @@ impl TemperatureSensitivity {
             steepest_at: at(steepest) + step / 2.0,
         }
     }
+}
+
+/// Whether an axis's temperatures are those of a soak: what they differ by is the thermometer's noise, and a slope over it says
+/// nothing of the gyro.
+#[must_use]
+pub fn is_of_a_soak(axis: &AxisFit) -> bool {
+    let measured = axis.calibration.fit.measured;
+    measured.max() - measured.min() < SOAK * axis.temperature_unit.min_span()
 }
 
 /// What each scaled coefficient, or each knot, of a curve weighs at a temperature.

@@ -14,7 +14,7 @@ use zerorate_cal::units::RateUnit;
 
 /// The temperature of a soak stays within this part of the least span of a calibration: 1 C. At the steepest of common
 /// drifts, 1e-3 rad/s a degree, that is a ramp of 1e-3 rad/s at most: below the flicker of parts that drift so much.
-const SOAK: f64 = 0.1;
+pub(crate) const SOAK: f64 = 0.1;
 
 /// A soak lasts this long, at least: a ramp of a degree a minute does not.
 const LEAST_SOAK_S: f64 = 120.0;

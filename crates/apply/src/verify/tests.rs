@@ -163,6 +163,18 @@ fn temperatures_outside_the_calibrated_range_are_counted_and_warned_of() {
     assert!(reason.text.starts_with(text), "{}", reason.text);
 }
 
+/// Of a calibration of 0 to 40 C, widened by hand to -300 to 300: the log's 60 C are a tenth.
+#[test]
+fn a_run_of_few_of_the_calibrated_temperatures_says_so() {
+    let mut own = calibration();
+    let wide = zerorate_core::drift::ValidRange::new(-300.0, 300.0).unwrap();
+    own.axes.values_mut().for_each(|axis| axis.fit.measured = wide);
+    let verified = second(0.0, 0.0, &Limits::default(), &own).unwrap();
+    let [note] = &verified.notes[..] else { panic!("{:?}", verified.notes) };
+    assert!(note.starts_with("the log has 10 % of the temperatures that were calibrated, "), "{note}");
+    assert!(second(0.0, 0.0, &Limits::default(), &calibration()).unwrap().notes.is_empty());
+}
+
 #[test]
 fn limits_are_read_with_their_units_and_per_axis() {
     let in_rad = |text: &str| text.parse::<Limit>().unwrap().in_unit("x", RateUnit::RadPerS).unwrap();

@@ -10,6 +10,24 @@ use zerorate_fit::folds::TELLING;
 /// that is less.
 const TOLD_OUTSIDE: f64 = 0.02;
 
+/// Of less of the range than this a run says nothing of a calibration but there.
+const MUCH: f64 = 0.5;
+
+/// How much of what was calibrated a run tells of, where that is little; axes of one range are told together.
+pub(super) fn little_seen(axes: &[VerifiedAxis], unit: TemperatureUnit) -> Option<String> {
+    let seen = |axis: &VerifiedAxis| {
+        let ([from, to], [min, max]) = (axis.temperature, axis.calibrated_temperature);
+        (to.min(max) - from.max(min)).max(0.0) / (max - min)
+    };
+    let least = axes.iter().filter(|axis| seen(axis) < MUCH).min_by(|a, b| seen(a).total_cmp(&seen(b)))?;
+    let ([from, to], [min, max]) = (least.temperature, least.calibrated_temperature);
+    Some(format!(
+        "the log has {:.0} % of the temperatures that were calibrated, {from:.1} to {to:.1} of {min:.1} to {max:.1} {}: what is told holds there alone",
+        100.0 * seen(least),
+        unit.name()
+    ))
+}
+
 /// The reasons: what is wrong with the log, then what the calibration does to it.
 pub(super) fn reasons(
     fit: &LogFit,

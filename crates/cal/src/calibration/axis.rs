@@ -1,6 +1,7 @@
 //! One axis of a calibration, and how it stands in the file.
 
 use std::f64::consts::SQRT_2;
+use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use zerorate_core::drift::{Drift, ValidRange};
@@ -18,8 +19,9 @@ use crate::units::{RateScale, RateUnit, WrittenRate};
 const SIGMAS: f64 = 2.0;
 
 /// A hysteresis of one cycle is left of each fold twice, for the others have its other side, and its zero is as far off again:
-/// of folds as of a zeroed run, to the curve between the sides, two times the root of two. What leaves more fits noise.
-const RETURNING: f64 = 3.0;
+/// of folds as of a zeroed run that is two times the root of two of what is left in-sample. Noise alone is left by less, and what
+/// is left by more was fitted to noise.
+const RETURNING: Range<f64> = 2.0..3.5;
 
 /// Places at which two curves are compared.
 const COMPARED_AT: u32 = 200;
@@ -86,7 +88,7 @@ impl AxisCalibration {
         // So little more may be chance; that it does not help is none.
         let telling = ((TELLING - 1.0) * uncorrected).max(SIGMAS * left.rms_standard_error.unwrap_or(0.0));
         let in_sample = self.fit.statistics.in_sample.rms;
-        let may_return = deployed < RETURNING * in_sample && SQRT_2 * in_sample < uncorrected;
+        let may_return = RETURNING.contains(&(deployed / in_sample)) && SQRT_2 * in_sample < uncorrected;
         let what = match deployed {
             _ if deployed < uncorrected => return None,
             _ if may_return => {

@@ -7,7 +7,7 @@ use std::fmt::Display;
 use imu_logs::{Sensor, SensorKind};
 
 use super::words::{
-    Said, ends_in_time, is_bare_axis, is_rate, is_temperature, is_time, names_axis, numbers, rate_unit,
+    Said, ends_in_time, is_bare_axis, is_rate, is_temperature, is_time, names_axis, numbers, other_unit, rate_unit,
     temperature_unit, time_unit, words,
 };
 use super::{Table, TableError, TableFault};
@@ -343,7 +343,17 @@ impl<'a> Names<'a> {
                 let (name, row) = (name.to_string(), row.to_string());
                 Err(self.table.source().faulty(TableFault::TwoUnits { column, name, row, what }))
             }
-            _ => Ok(unit_of(&self.with_units[column])),
+            _ => match other_unit(&self.with_units[column]) {
+                Some(other) => {
+                    let read = match what {
+                        "time_unit" => "seconds",
+                        "temperature_unit" => "degrees C",
+                        _ => "dps or rad/s",
+                    };
+                    Err(self.other_unit(column, other.to_owned(), format!("{read}, or say its unit (`{what}`)")))
+                }
+                None => Ok(unit_of(&self.with_units[column])),
+            },
         }
     }
 

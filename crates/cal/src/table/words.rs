@@ -163,6 +163,24 @@ pub(super) fn temperature_unit(words: &[String]) -> Option<WrittenTemperature> {
     })
 }
 
+/// A unit of neither times nor rates nor temperatures that are read, as a name says it: what is in it must not be taken for
+/// what has no unit.
+pub(super) fn other_unit(words: &[String]) -> Option<&'static str> {
+    let other = |word: &String| match word.as_str() {
+        "v" | "volt" | "volts" | "mv" | "uv" | "µv" => Some("volts"),
+        "hz" | "khz" | "mhz" => Some("hertz"),
+        "ohm" | "ohms" | "kohm" | "kohms" => Some("ohms"),
+        "day" | "days" => Some("days"),
+        // Ticks of a clock: `100ns`. That a rate is a mean over 10 s is no unit.
+        word if is_time(words) => {
+            let unit = word.trim_start_matches(|letter: char| letter.is_ascii_digit());
+            (unit.len() < word.len() && time_unit(&[unit.to_owned()]).is_some()).then_some("several of a unit")
+        }
+        _ => None,
+    };
+    words.iter().find_map(other)
+}
+
 /// The unit of times that a name says, if it says one.
 pub(super) fn time_unit(words: &[String]) -> Option<TimeUnit> {
     words.iter().rev().find_map(|word| match word.as_str() {

@@ -14,7 +14,7 @@ use zerorate_cal::recording::Recording;
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
 use zerorate_cal::units::RateUnit;
-use zerorate_characterise::{AxisNoise, Characteristics, NoiseOf, doubtful, filtered, missing, noise};
+use zerorate_characterise::{AxisNoise, Characteristics, NoiseOf, doubtful, filtered, is_of_a_soak, missing, noise};
 use zerorate_fit::allan::{Allan, Coefficient};
 
 use super::Outcome;
@@ -96,11 +96,16 @@ impl Characterise {
         // A log of one temperature has no sensitivities, and its fit says why.
         let options = FitOptions { columns, sensor: self.sensor, allow_narrow: true, ..FitOptions::default() };
         let fit = fit(&[log], &options)?;
+        let warmed = || fit.axes.iter().filter(|axis| !is_of_a_soak(axis));
         let sensitivities: Vec<(&AxisFit, Characteristics)> =
-            fit.axes.iter().map(|axis| (axis, Characteristics::of(axis, None))).collect();
+            warmed().map(|axis| (axis, Characteristics::of(axis, None))).collect();
         drop(busy);
-        // That a soak spans little is no fault of one.
-        let is_told = |reason: &&Reason| fit.axes.is_empty() || reason.kind != ReasonKind::NarrowSpan;
+        // That a soak spans little is no fault of one, but why there are no sensitivities.
+        let is_told = |reason: &&Reason| match reason.kind {
+            ReasonKind::NarrowSpan => sensitivities.is_empty(),
+            ReasonKind::WorseThanUncorrected => !sensitivities.is_empty(),
+            _ => true,
+        };
         let reasons: Vec<&Reason> = fit.judgement.reasons.iter().filter(is_told).collect();
         let told = !sensitivities.is_empty() || noises.iter().any(|axis| axis.noise.is_ok());
         if self.json {
@@ -120,13 +125,19 @@ impl Characterise {
             );
             if !reasons.is_empty() {
                 page.heading(if sensitivities.is_empty() { "Sensitivities" } else { "To look at in the log" });
-                reasons.iter().for_each(|reason| page.sentence("  - ", &reason.text));
+                let is_soak = |reason: &Reason| reason.kind == ReasonKind::NarrowSpan && !fit.axes.is_empty();
+                for reason in &reasons {
+                    page.sentence("  - ", if is_soak(reason) { OF_A_SOAK } else { &reason.text });
+                }
             }
             page.print()?;
         }
         Ok(if told { Outcome::Done } else { Outcome::Rejected })
     }
 }
+
+const OF_A_SOAK: &str =
+    "none are told: the temperature differs by no more than in a soak; let it warm and cool by 10 C or more";
 
 /// Units that people compare gyros in: degrees and hours; of others the log's own.
 struct Usual {

@@ -11,6 +11,7 @@ use serde::Serialize;
 use zerorate_apply::verify::{Limit, Limits, Verified, VerifyOptions, known_columns, verify};
 use zerorate_cal::calibration::{Calibration, Kind, Origin};
 use zerorate_cal::log::SensorChoice;
+use zerorate_cal::quality::ReasonKind;
 use zerorate_cal::source::{Source, in_quotes};
 
 use super::Outcome;
@@ -126,10 +127,13 @@ impl Verify {
         Ok(if verified.passed == Some(false) { Outcome::Rejected } else { Outcome::Done })
     }
 
-    /// The command that fits this run and those of the calibration as one, where they are logs of the same axes.
+    /// The command that fits this run and those of the calibration as one, where they are logs of the same axes that seem to be
+    /// of the same unit: of another the two would be nobody's.
     fn join(&self, calibration: &Calibration, verified: &Verified) -> Option<String> {
         let same = verified.axes.iter().all(|axis| axis.name == axis.log_axis) && verified.missing.is_empty();
-        if !same || verified.in_sample || calibration.kind != Kind::Log {
+        let is_worse = verified.reasons.iter().any(|reason| reason.kind == ReasonKind::WorseThanUncorrected);
+        let is_other = is_worse || verified.passed == Some(false);
+        if !same || is_other || verified.in_sample || calibration.kind != Kind::Log {
             return None;
         }
         // A calibration knows its logs by name; most lie beside it.

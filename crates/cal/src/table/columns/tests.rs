@@ -128,6 +128,27 @@ fn rates_in_units_that_are_not_read_are_refused() {
 }
 
 #[test]
+fn what_is_no_unit_of_its_column_is_refused() {
+    for (heads, column, unit, instead) in [
+        ("time_s,temp_c,gx (Hz)", "gx (Hz)", "hertz", "dps or rad/s, or say its unit (`rate_unit`)"),
+        ("time_s,temp_c,gyro_x_mV", "gyro_x_mV", "volts", "dps or rad/s"),
+        ("time_s,temp_mV,gx_dps", "temp_mV", "volts", "degrees C, or say its unit (`temperature_unit`)"),
+        ("time_s,temp [kOhm],gx_dps", "temp [kOhm]", "ohms", "degrees C"),
+        ("time_days,temp_c,gx_dps", "time_days", "days", "seconds, or say its unit (`time_unit`)"),
+        ("time [100ns],temp_c,gx_dps", "time [100ns]", "several of a unit", "seconds"),
+    ] {
+        let told = resolve(heads, &Columns::default()).unwrap_err().to_string();
+        let expected =
+            format!("column '{column}' is in {unit}, by its name, and that unit is not read: convert it to {instead}");
+        assert!(told.contains(&expected), "{told}");
+    }
+    // Said, they are read.
+    let rate_unit = Some(WrittenRate::Counts);
+    assert!(resolve("time_s,temp_c,gx (V)", &Columns { rate_unit, ..Columns::default() }).is_ok());
+    assert!(resolve("time_s,temp_c_mean_10s,gx_dps", &Columns::default()).is_ok());
+}
+
+#[test]
 fn units_come_from_the_names() {
     let named = resolve("TimeUS,temp_counts,GyrX_dps", &Columns::default()).unwrap();
     assert_eq!(named.time_unit, Some(TimeUnit::Us));

@@ -84,7 +84,10 @@ fn rejected_axes(page: &mut Page, fit: &LogFit) {
 
 fn verdict(page: &mut Page, fit: &LogFit) {
     let (colour, meaning) = match fit.judgement.verdict {
-        Verdict::Good => (Style::new().green(), "fitted, nothing speaks against it"),
+        Verdict::Good if fit.judgement.reasons.is_empty() => {
+            (Style::new().green(), "fitted, nothing speaks against it")
+        }
+        Verdict::Good => (Style::new().green(), "fitted; nothing speaks against it but what was assumed"),
         Verdict::Warning => (Style::new().yellow(), "fitted, with something to look at"),
         Verdict::Rejected => (Style::new().red(), "no calibration comes of this log, and nothing was written"),
     };
