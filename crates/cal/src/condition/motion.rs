@@ -56,17 +56,11 @@ pub(super) fn mark_moved(
         let scatter = groups[place.group].axes[axis].scatter;
         if place.deviation.abs() > limit || turned {
             marks[place.group] = Some(DropReason::Rotation);
-        } else if scatter > scatter_limit(typical, place) && scatter > margin && marks[place.group].is_none() {
+        } else if scatter > MOVED_SCATTER * typical && scatter > margin && marks[place.group].is_none() {
             let jumps = scatter < JUMP_SCATTER * place.jump;
             marks[place.group] = Some(if jumps { DropReason::Step } else { DropReason::Rotation });
         }
     }
-}
-
-/// What a group scatters by that was moved: by so much more than is typical, and by more than all that a drift as steep as the
-/// one around it changes the rate by, for in a long group it does.
-fn scatter_limit(typical: f64, place: &Place) -> f64 {
-    (MOVED_SCATTER * typical).hypot(place.slope)
 }
 
 /// A group among its neighbours.
