@@ -151,6 +151,9 @@ pub enum InstrumentError {
     /// A remote instrument has not answered just now, and is let alone for some seconds.
     #[error("the {0} does not answer")]
     Away(&'static str),
+    /// An instrument is needed by another board just now.
+    #[error("the {0} is in use by another board")]
+    InUse(&'static str),
     /// An instrument could not be left so that it may be left alone.
     #[error("{what} could not be brought to rest: {fault}. GO THERE AND SWITCH IT OFF BY HAND")]
     NotAtRest {
@@ -174,12 +177,12 @@ pub enum InstrumentError {
 }
 
 impl InstrumentError {
-    /// Whether it may do it later: it does not answer.
+    /// Whether it may do it later: it does not answer, or is in use.
     #[must_use]
     pub const fn may_pass(&self) -> bool {
         match self {
             Self::Remote { fault, .. } => fault.may_pass(),
-            Self::Away(_) => true,
+            Self::Away(_) | Self::InUse(_) => true,
             _ => false,
         }
     }

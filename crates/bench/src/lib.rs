@@ -29,6 +29,7 @@ pub mod run;
 #[cfg(feature = "boards")]
 pub mod scan_line;
 pub mod setup;
+pub mod shared;
 pub mod simulated;
 pub mod soak_comparison;
 pub mod stepped;

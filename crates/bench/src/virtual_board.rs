@@ -11,11 +11,11 @@ mod scpi;
 mod socket;
 
 use std::io;
-use std::sync::mpsc::{Receiver, TryRecvError};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
 use zerorate_core::record::UnitSerial;
-use zerorate_core::units::{Axis, Seconds};
+use zerorate_core::units::{Axis, Celsius, Seconds};
 use zerorate_device::port::PortAcquisition;
 use zerorate_sim::{Plant, PortSpi, SharedPlant};
 
@@ -49,6 +49,8 @@ pub struct VirtualBoard {
     /// The second line, and the bytes on their way to who listens there.
     scans: Option<(Socket, Vec<u8>)>,
     remote: Vec<Remote>,
+    /// The orders of boards in the same chamber, and where that was sent when they were last told.
+    beside: (Vec<Sender<String>>, Celsius),
     damage: Damage,
     acquiring: bool,
 }
@@ -84,7 +86,7 @@ impl VirtualBoard {
     /// When it cannot listen there.
     pub fn new(plant: Plant, setup: &SetUp, unit: &UnitSerial, on: &ListenOn, speed: f64) -> io::Result<Self> {
         let device = NativeDevice::of_plant(plant, setup, unit);
-        let due = device.plant().borrow().time();
+        let (due, sent_to) = (device.plant().borrow().time(), device.plant().borrow().chamber_sent_to());
         let socket = Socket::open(on)?;
         let damage = Damage { rate: 0.0, state: 0x9E37_79B9_7F4A_7C15 };
         let (looked, pending) = (Instant::now(), Vec::new());
@@ -97,6 +99,7 @@ impl VirtualBoard {
             pending,
             scans: None,
             remote: Vec::new(),
+            beside: (Vec::new(), sent_to),
             damage,
             acquiring: false,
         })
@@ -132,6 +135,20 @@ impl VirtualBoard {
     pub fn remote_supply(&mut self, on: &ListenOn) -> io::Result<String> {
         let place = self.remote(on, Instrument::Supply(FineSupply::new()))?;
         Ok(format!("scpi:{place}"))
+    }
+
+    /// Has other boards stand in its chamber: they get the order when it is sent anywhere.
+    pub fn share_chamber(&mut self, orders: Vec<Sender<String>>) {
+        self.beside.0 = orders;
+    }
+
+    fn tell_those_beside(&mut self) {
+        let sent_to = self.device.plant().borrow().chamber_sent_to();
+        let (beside, told) = &mut self.beside;
+        if sent_to != std::mem::replace(told, sent_to) {
+            // One that has ended does not mind.
+            beside.retain(|orders| orders.send(format!("chamber {}", sent_to.0)).is_ok());
+        }
     }
 
     fn remote(&mut self, on: &ListenOn, instrument: Instrument) -> io::Result<String> {
@@ -179,6 +196,7 @@ impl VirtualBoard {
             for remote in &mut self.remote {
                 remote.exchange(self.device.plant())?;
             }
+            self.tell_those_beside();
             self.pass_time();
             let said = self.device.said();
             let most = MOST_PENDING * self.speed.max(1.0);

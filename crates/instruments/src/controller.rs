@@ -32,7 +32,7 @@ const LOOKS: u32 = 3;
 const LOOK_AGAIN: Duration = Duration::from_millis(250);
 
 /// How a controller is spoken to, in its own degrees.
-trait Speech {
+trait Speech: Send {
     fn actual(&mut self) -> Result<f64, Fault>;
     fn set_point(&mut self) -> Result<f64, Fault>;
     fn send(&mut self, value: f64) -> Result<(), Fault>;

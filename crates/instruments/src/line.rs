@@ -7,7 +7,7 @@ use std::io;
 use std::time::Duration;
 
 /// A line to an instrument.
-pub trait Line {
+pub trait Line: Send {
     /// Sends bytes; opens the line where it is not open.
     ///
     /// # Errors

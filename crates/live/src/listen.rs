@@ -24,6 +24,20 @@ impl Listen {
         Self { host: self.host.clone(), port: 0 }
     }
 
+    /// The same address at the port so many after it; a port 0 stays any free one.
+    ///
+    /// # Errors
+    /// When there is no such port.
+    pub fn after(&self, ports: usize) -> Result<Self, UnknownListen> {
+        let next = u16::try_from(ports).ok().and_then(|ports| self.port.checked_add(ports));
+        let port = if self.port == 0 {
+            0
+        } else {
+            next.ok_or_else(|| UnknownListen(format!("{self} and the ports after it")))?
+        };
+        Ok(Self { host: self.host.clone(), port })
+    }
+
     /// The name by which a browser may ask for it, where it was given by one.
     pub(crate) fn name(&self) -> Option<&str> {
         self.host.parse::<IpAddr>().is_err().then_some(self.host.as_str())

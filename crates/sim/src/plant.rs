@@ -262,6 +262,12 @@ impl Plant {
         self.chamber.set_point(set_point)
     }
 
+    /// Where the chamber was sent.
+    #[must_use]
+    pub fn chamber_sent_to(&self) -> Celsius {
+        Celsius(self.chamber.set_point_c())
+    }
+
     /// The chamber's air.
     #[must_use]
     pub fn chamber_air(&self) -> Celsius {

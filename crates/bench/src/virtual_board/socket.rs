@@ -24,6 +24,17 @@ pub enum ListenOn {
 #[error("'{0}' is no place to listen: give tcp:ADDRESS:PORT (port 0: any free one), pty, or pty:NAME")]
 pub struct UnknownPlace(String);
 
+impl ListenOn {
+    /// The same kind of place, any that is free.
+    #[must_use]
+    pub fn at_any_port(&self) -> Self {
+        match self {
+            Self::Tcp(address) => Self::Tcp(format!("{}:0", address.rsplit_once(':').map_or("", |(host, _)| host))),
+            Self::Pty(_) => Self::Pty(None),
+        }
+    }
+}
+
 impl FromStr for ListenOn {
     type Err = UnknownPlace;
 

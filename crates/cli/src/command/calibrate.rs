@@ -4,17 +4,18 @@ mod acquisition;
 mod dry_run;
 mod instrument;
 mod looked_on;
+mod many;
 mod notify;
 mod operator;
 mod page;
 mod real;
 mod schedule;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use zerorate_bench::board::emulated_bench;
 use zerorate_bench::calibrate::calibrate;
 use zerorate_bench::calibrated::Unit;
@@ -28,6 +29,7 @@ use zerorate_bench::results;
 use zerorate_bench::run::Progress;
 use zerorate_bench::setup::SetUp;
 use zerorate_cal::quality::Verdict;
+use zerorate_cal::summary::Summary;
 use zerorate_live::Listen;
 use zerorate_words::sentence;
 
@@ -68,18 +70,21 @@ pub struct Calibrate {
     force: bool,
 
     /// The board: native (the application in this program), emulated (the firmware in QEMU; the results are the same to
-    /// the last bit), serial:PATH or tcp:HOST:PORT
-    #[arg(long, value_name = "DEVICE", default_value_t = DeviceChoice::Native)]
-    device: DeviceChoice,
+    /// the last bit), serial:PATH or tcp:HOST:PORT. Given several times: real boards in one chamber, which goes on when all are
+    /// done where it is; the results of each are in a folder of its serial number in --out, and one that fails leaves the others
+    /// running
+    #[arg(long = "device", value_name = "DEVICE", default_values_t = [DeviceChoice::Native])]
+    devices: Vec<DeviceChoice>,
 
     /// The chamber: manual (a person is told), modbus-tcp:HOST:PORT, modbus-rtu:PATH, scpi:HOST:PORT or scpi:PATH, with the
     /// controller in the set-up; without it simulated with a simulated board, manual with a real one
     #[arg(long, value_name = "INSTRUMENT")]
     chamber: Option<Instrument>,
 
-    /// The fine supply and the voltmeter: manual, scpi:HOST:PORT or scpi:PATH; without it as the chamber is without
-    #[arg(long, value_name = "INSTRUMENT")]
-    supply: Option<Instrument>,
+    /// The fine supply and the voltmeter: manual, scpi:HOST:PORT or scpi:PATH; without it as the chamber is without. Of several
+    /// boards one for each, in their order, or one that is wired to all and used by one after the other
+    #[arg(long = "supply", value_name = "INSTRUMENT")]
+    supplies: Vec<Instrument>,
 
     /// Say the plan - steps, how long each takes, how fast the ramps are, when it ends - and what the instruments answer, and do
     /// nothing
@@ -92,7 +97,7 @@ pub struct Calibrate {
     notify: Option<String>,
 
     /// Serve a page that shows the run as it goes: at 127.0.0.1:5495, or ADDRESS:PORT of this machine (port 0: any free one).
-    /// Beyond this machine its address has a token in it, which it prints
+    /// Beyond this machine its address has a token in it, which it prints. Of several boards each has a page, at the ports after it
     #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = looking_on::HERE)]
     live: Option<Listen>,
 
@@ -143,6 +148,9 @@ Examples:
   zerorate calibrate --device serial:/dev/ttyUSB0 --chamber modbus-tcp:10.0.0.7:502 --supply scpi:10.0.0.8:5025 \\
       --setup bench.toml --dry-run
       the plan of a night, and whether chamber and supply answer; without --dry-run it begins
+  zerorate calibrate --device serial:/dev/ttyUSB0 --device serial:/dev/ttyUSB1 --chamber modbus-tcp:10.0.0.7:502 \\
+      --supply scpi:10.0.0.8:5025 --setup bench.toml --out lot-7
+      two boards in one chamber; lot-7 has a folder for each serial number
   zerorate calibrate ... --live 0.0.0.0:5495
       the run as it goes, on a telephone in the same network: open the address that it prints
   zerorate calibrate ... --notify 'curl -d \"$ZERORATE_MESSAGE\" https://ntfy.sh/my-bench'
@@ -153,9 +161,18 @@ impl Calibrate {
     pub fn run(&self) -> Result<Outcome> {
         let outcome = self.carry_through();
         if let Some(command) = self.notify.as_ref().filter(|_| !self.dry_run) {
+            let one = self.devices.len() == 1;
+            let (passed, rejected) = match one {
+                true => ("the unit passed; the report is in", "the unit was rejected; the report is in"),
+                false => ("all units passed; the reports are in", "not all units passed; the reports are in"),
+            };
             let (result, message) = match &outcome {
-                Ok(Outcome::Done) => ("passed", format!("the unit passed; the report is in {}", self.out.display())),
-                Ok(_) => ("rejected", format!("the unit was rejected; the report is in {}", self.out.display())),
+                Ok(Outcome::Done) => ("passed", format!("{passed} {}", self.out.display())),
+                Ok(Outcome::Rejected) => ("rejected", format!("{rejected} {}", self.out.display())),
+                Ok(Outcome::Failed) => {
+                    let result = if interrupt::was_asked_for() { "stopped" } else { "failed" };
+                    (result, format!("not all runs came to their end; what there is is in {}", self.out.display()))
+                }
                 Err(error) if interrupt::was_asked_for() => ("stopped", sentence(error.as_ref())),
                 Err(error) => ("failed", sentence(error.as_ref())),
             };
@@ -172,11 +189,15 @@ impl Calibrate {
             Some(file) => SetUp::read(file)?,
             None => kind.setup(),
         };
-        if self.device.is_real() {
-            return self.run_real(&setup);
+        let device = match &self.devices[..] {
+            [one] => one,
+            several => return self.run_many(several, &setup),
+        };
+        if device.is_real() {
+            return self.run_real(device, &setup);
         }
         ensure!(!self.resume, "--resume is for a real board: a simulated run is over in seconds, run it again");
-        let others = [&self.chamber, &self.supply].into_iter().flatten().any(|own| *own != Instrument::Simulated);
+        let others = self.chamber.iter().chain(&self.supplies).any(|own| *own != Instrument::Simulated);
         ensure!(
             !others,
             "without --device the board is simulated, and its chamber and supply are: name the board by --device, or leave --chamber and --supply out"
@@ -186,15 +207,18 @@ impl Calibrate {
             return Ok(Outcome::Done);
         }
         let unit = Unit::new(self.serial.as_deref().unwrap_or("ZR-0001"), Some((kind, self.seed)))?;
-        let mut bench = self.bench(kind, &setup, &unit)?;
-        self.carry_out(&mut bench, &setup, unit, Bar::new(&setup), Keep::Nothing)
+        let mut bench = self.bench(device, kind, &setup, &unit)?;
+        let run = Run { setup: &setup, out: &self.out, live: self.live.clone(), keep: Keep::Nothing };
+        self.end_with(&self.carry_out(&mut bench, run, unit, Bar::new(&setup))?)
     }
 
     /// A real board, and a person or instruments about it.
-    fn run_real(&self, setup: &SetUp) -> Result<Outcome> {
-        let [chamber, supply] = [&self.chamber, &self.supply].map(|own| own.as_ref().unwrap_or(&Instrument::Manual));
+    fn run_real(&self, choice: &DeviceChoice, setup: &SetUp) -> Result<Outcome> {
+        let [chamber, supply] =
+            [self.chamber.as_ref(), self.supplies.first()].map(|own| own.unwrap_or(&Instrument::Manual));
+        ensure!(self.supplies.len() < 2, "--supply was given more often than --device: a board has one");
         let mut instruments = Instruments::open(chamber, supply, setup)?;
-        let mut device = self.device.open()?.context("a real board has a line")?;
+        let mut device = choice.open()?.context("a real board has a line")?;
         let identity = device.identify()?;
         let own = identity.unit.as_str();
         let serial = match (&self.serial, own) {
@@ -207,7 +231,7 @@ impl Calibrate {
         };
         let unit = Unit::new(serial, None)?;
         if self.dry_run {
-            instruments.found.push(format!("the board at {} is {serial}", self.device));
+            instruments.found.push(format!("the board at {choice} is {serial}"));
             dry_run::print(setup, &instruments.found, self.json)?;
             return Ok(Outcome::Done);
         }
@@ -216,22 +240,27 @@ impl Calibrate {
         let mut bar = Bar::without_end();
         instruments.found.iter().for_each(|found| bar.note(found));
         let mut bench = instruments.bench(device, || AtTerminal::new(bar.bar.clone()))?;
-        let keep = if self.resume { Keep::Resume } else { Keep::Anew };
-        self.carry_out(&mut bench, setup, unit, bar, keep)
+        let run = Run { setup, out: &self.out, live: self.live.clone(), keep: self.keep() };
+        self.end_with(&self.carry_out(&mut bench, run, unit, bar)?)
     }
 
-    fn carry_out(&self, bench: &mut Bench, setup: &SetUp, unit: Unit, mut bar: Bar, keep: Keep) -> Result<Outcome> {
-        results::refuse_others(&self.out, &unit, self.force)?;
+    fn keep(&self) -> Keep {
+        if self.resume { Keep::Resume } else { Keep::Anew }
+    }
+
+    fn carry_out(&self, bench: &mut Bench, run: Run, unit: Unit, mut bar: Bar) -> Result<Summary> {
+        let Run { setup, out, live, keep } = run;
+        results::refuse_others(out, &unit, self.force)?;
         setup.unreachable().iter().for_each(|sentence| bar.note(sentence));
         let title = format!("Calibration of {}", unit.serial);
-        let live = self.live.as_ref().map(|listen| LookingOn::open(listen, &title, setup));
+        let live = live.as_ref().map(|listen| LookingOn::open(listen, &title, setup));
         let live = live.transpose()?;
         if let Some(live) = &live {
             bar.note(&live.told());
         }
-        let result = calibrate(bench, setup, unit, &self.out, &mut LookedOn::new(&mut bar, setup, live.as_ref()), keep);
+        let result = calibrate(bench, setup, unit, out, &mut LookedOn::new(&mut bar, setup, live.as_ref()), keep);
         bar.finish();
-        let result = result.map_err(|error| self.with_what_is_left(error));
+        let result = result.map_err(|error| with_what_is_left(error, out, keep));
         if let Some(live) = live {
             live.end(match &result {
                 Ok(summary) if summary.verdict == Verdict::Rejected => {
@@ -241,17 +270,20 @@ impl Calibrate {
                 Err(error) => format!("It ended before it was done: {}.", sentence(error.as_ref())),
             });
         }
-        let summary = result?;
+        result
+    }
+
+    fn end_with(&self, summary: &Summary) -> Result<Outcome> {
         if self.json {
-            screen::print_json(&summary)?;
+            screen::print_json(summary)?;
         } else {
-            page::page(&summary, &self.out).print()?;
+            page::page(summary, &self.out).print()?;
         }
         Ok(if summary.verdict == Verdict::Rejected { Outcome::Rejected } else { Outcome::Done })
     }
 
-    fn bench(&self, kind: PlantKind, setup: &SetUp, unit: &Unit) -> Result<Bench> {
-        match &self.device {
+    fn bench(&self, device: &DeviceChoice, kind: PlantKind, setup: &SetUp, unit: &Unit) -> Result<Bench> {
+        match device {
             DeviceChoice::Native => self.acquisition.bench(kind, self.seed, setup, unit),
             DeviceChoice::Emulated if self.acquisition != Acquisition::Port => {
                 bail!("the emulated board has an acquisition port: leave --acquisition out")
@@ -262,30 +294,40 @@ impl Calibrate {
             other => bail!("{other} cannot stand on the simulated bench: give native or emulated"),
         }
     }
+}
 
-    fn with_what_is_left(&self, error: BenchError) -> anyhow::Error {
-        if matches!(error, BenchError::Unfinished { .. } | BenchError::OtherRun { .. }) {
-            // It says itself what there is, and from when.
-            return error.into();
-        }
-        let kept = self.out.join(zerorate_bench::output::IN_PROGRESS);
-        let left = if kept.is_dir() {
-            let go_on = match self.device.is_real() {
-                true if error.is_interrupted() => "; the same with --resume goes on after what was finished",
-                true => "; once the cause is mended, the same with --resume goes on with the step that failed",
-                false => "",
-            };
-            format!("the run stopped; what it had recorded is in {}{go_on}", kept.display())
-        } else {
-            "the run could not begin".into()
-        };
-        anyhow::Error::from(error).context(left)
+/// One unit's run.
+struct Run<'a> {
+    setup: &'a SetUp,
+    out: &'a Path,
+    live: Option<Listen>,
+    keep: Keep,
+}
+
+fn with_what_is_left(error: BenchError, out: &Path, keep: Keep) -> anyhow::Error {
+    if matches!(error, BenchError::Unfinished { .. } | BenchError::OtherRun { .. }) {
+        // It says itself what there is, and from when.
+        return error.into();
     }
+    let kept = out.join(zerorate_bench::output::IN_PROGRESS);
+    let left = if kept.is_dir() {
+        let go_on = match keep {
+            Keep::Nothing => "",
+            _ if error.is_interrupted() => "; the same with --resume goes on after what was finished",
+            _ => "; once the cause is mended, the same with --resume goes on with the step that failed",
+        };
+        format!("the run stopped; what it had recorded is in {}{go_on}", kept.display())
+    } else {
+        "the run could not begin".into()
+    };
+    anyhow::Error::from(error).context(left)
 }
 
 /// Step, phase, temperature, elapsed and remaining time on a terminal.
 struct Bar {
     bar: ProgressBar,
+    /// As `ZR-0001: `, of one among several.
+    unit: String,
     /// As `step 2 of 7: `.
     step: String,
     phase: String,
@@ -309,7 +351,7 @@ impl Bar {
     }
 
     fn on(bar: ProgressBar, takes_its_time: bool) -> Self {
-        Self { bar, step: String::new(), phase: String::new(), takes_its_time, end: String::new() }
+        Self { bar, unit: String::new(), step: String::new(), phase: String::new(), takes_its_time, end: String::new() }
     }
 
     /// Nobody knows how long a person takes.
@@ -322,8 +364,14 @@ impl Bar {
         Self::on(bar, true)
     }
 
+    /// One among several.
+    fn one_of(bars: &MultiProgress, serial: &str) -> Self {
+        let own = Self::without_end();
+        Self { bar: bars.add(own.bar), unit: format!("{serial}: "), ..own }
+    }
+
     fn show(&self, at: &str) {
-        self.bar.set_message(format!("{}{}{at}{}", self.step, self.phase, self.end));
+        self.bar.set_message(format!("{}{}{}{at}{}", self.unit, self.step, self.phase, self.end));
     }
 
     fn finish(&self) {
@@ -360,7 +408,7 @@ impl Progress for Bar {
     }
 
     fn note(&mut self, text: &str) {
-        self.bar.suspend(|| screen::note(text));
+        self.bar.suspend(|| screen::note(&format!("{}{text}", self.unit)));
     }
 
     fn is_interrupted(&self) -> bool {

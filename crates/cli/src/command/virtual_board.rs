@@ -2,7 +2,8 @@
 
 use std::io::{BufRead, stdin};
 use std::path::PathBuf;
-use std::sync::mpsc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread;
 
 use anyhow::{Context, Result, ensure};
@@ -60,6 +61,11 @@ pub struct Serve {
     /// The unit's serial number, up to 32 bytes
     #[arg(long, value_name = "S", default_value = "ZR-0001")]
     serial: String,
+
+    /// So many boards in one chamber, the first one's: each is a unit of its own (the seed and those after it, the serial with -1, -2
+    /// and so on), has a supply of its own, and listens on a port of its own, which is told
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
+    boards: u16,
 }
 
 const EXAMPLES: &str = "\
@@ -75,6 +81,9 @@ Examples:
       --setup night.toml
       nobody at the bench; [chamber.controller] preset = \"watlow-f4t\" is in night.toml";
 
+/// What is told of a board that listens: a line each.
+type Listening = Result<Vec<String>>;
+
 impl Serve {
     pub fn run(&self) -> Result<Outcome> {
         ensure!(
@@ -82,25 +91,13 @@ impl Serve {
             "--speed {}: give a number from 0.01 to 100000",
             self.speed
         );
+        ensure!(
+            self.boards == 1 || self.scans_on.is_none() && matches!(self.on, ListenOn::Tcp(_)),
+            "--boards {}: each listens by TCP, and none has a second line",
+            self.boards
+        );
         let kind = self.plant.kind();
         let setup = self.setup.as_deref().map_or_else(|| Ok(kind.setup()), SetUp::read)?;
-        let unit = Unit::new(&self.serial, None)?;
-        let mut board = VirtualBoard::new(kind.build(self.seed), &setup, &unit.serial, &self.on, self.speed)
-            .with_context(|| format!("--on {}: cannot listen there", self.on))?;
-        let scans = self
-            .scans_on
-            .as_ref()
-            .map(|on| board.send_scans(on).with_context(|| format!("--scans-on {on}: cannot listen there")));
-        let scans = scans.transpose()?;
-        let chamber = self
-            .chamber_on
-            .as_ref()
-            .map(|on| board.remote_chamber(on).with_context(|| format!("--chamber-on {on}: cannot listen there")));
-        let supply = self
-            .supply_on
-            .as_ref()
-            .map(|on| board.remote_supply(on).with_context(|| format!("--supply-on {on}: cannot listen there")));
-        let (chamber, supply) = (chamber.transpose()?, supply.transpose()?);
         interrupt::watch()?;
         let (tell, orders) = mpsc::channel();
         thread::spawn(move || {
@@ -110,20 +107,79 @@ impl Serve {
                 }
             }
         });
-        screen::print(&format!("board {} listens on {}\n", self.serial, board.address()))?;
-        if let Some(scans) = scans {
-            screen::print(&format!("its scans go out on {scans}\n"))?;
-        }
-        for (what, place) in [("chamber", chamber), ("supply", supply)] {
-            if let Some(place) = place {
-                screen::print(&format!("its {what} hears {place}\n"))?;
+        let is_over = AtomicBool::new(false);
+        thread::scope(|scope| {
+            let mut beside = Vec::new();
+            let mut listening = Vec::new();
+            for number in 1..self.boards {
+                let ((tell, orders), (say, said)) = (mpsc::channel(), mpsc::channel());
+                beside.push(tell);
+                listening.push(said);
+                let (setup, is_over) = (&setup, &is_over);
+                scope.spawn(move || {
+                    let go_on = || !is_over.load(Ordering::Relaxed) && !interrupt::was_asked_for();
+                    match self.board(number, setup) {
+                        Ok((mut board, told)) => {
+                            let _ = say.send(Ok(told));
+                            let _ = board.serve(&orders, |_| (), go_on);
+                        }
+                        Err(error) => drop(say.send(Err(error))),
+                    }
+                });
             }
+            let result = self.first(&setup, &orders, beside, &listening);
+            is_over.store(true, Ordering::Relaxed);
+            result
+        })?;
+        Ok(Outcome::Done)
+    }
+
+    /// The board to which orders are given, and in whose chamber the others stand.
+    fn first(
+        &self,
+        setup: &SetUp,
+        orders: &Receiver<String>,
+        beside: Vec<Sender<String>>,
+        listening: &[Receiver<Listening>],
+    ) -> Result<()> {
+        let (mut board, told) = self.board(0, setup)?;
+        board.share_chamber(beside);
+        let mut told = told;
+        for said in listening {
+            told.extend(said.recv().context("a board has ended before it began")??);
         }
+        told.iter().try_for_each(|line| screen::print(&format!("{line}\n")))?;
         let answer = |text: &str| {
             // Whoever closed the pipe does not want to know.
             let _ = screen::print(&format!("{text}\n"));
         };
-        board.serve(&orders, answer, || !interrupt::was_asked_for()).context("the socket failed")?;
-        Ok(Outcome::Done)
+        board.serve(orders, answer, || !interrupt::was_asked_for()).context("the socket failed")
+    }
+
+    /// A board that listens, by its number; what is told of it.
+    fn board(&self, number: u16, setup: &SetUp) -> Result<(VirtualBoard, Vec<String>)> {
+        let serial = if self.boards > 1 { format!("{}-{}", self.serial, number + 1) } else { self.serial.clone() };
+        let unit = Unit::new(&serial, None)?;
+        let on = |on: &ListenOn| if number == 0 { on.clone() } else { on.at_any_port() };
+        let plant = self.plant.kind().build(self.seed + u64::from(number));
+        let mut board = VirtualBoard::new(plant, setup, &unit.serial, &on(&self.on), self.speed)
+            .with_context(|| format!("--on {}: cannot listen there", self.on))?;
+        let mut told = vec![format!("board {serial} listens on {}", board.address())];
+        if let Some(on) = &self.scans_on {
+            let place = board.send_scans(on).with_context(|| format!("--scans-on {on}: cannot listen there"))?;
+            told.push(format!("its scans go out on {place}"));
+        }
+        // All stand in the first one's chamber.
+        if let Some(on) = self.chamber_on.as_ref().filter(|_| number == 0) {
+            let place = board.remote_chamber(on).with_context(|| format!("--chamber-on {on}: cannot listen there"))?;
+            told.push(format!("its chamber hears {place}"));
+        }
+        if let Some(place) = &self.supply_on {
+            let place = on(place);
+            let place =
+                board.remote_supply(&place).with_context(|| format!("--supply-on {place}: cannot listen there"))?;
+            told.push(format!("its supply hears {place}"));
+        }
+        Ok((board, told))
     }
 }

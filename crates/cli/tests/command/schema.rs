@@ -9,8 +9,11 @@ use serde_json::Value;
 /// Holds JSON against a form, as `fit.json`.
 #[track_caller]
 pub fn hold(form: &str, json: &Value) {
-    let registry =
-        Registry::new().add("zerorate:/schemas/common.json", read("common.json")).unwrap().prepare().unwrap();
+    let shared = ["common.json", "summary.json"].into_iter();
+    let registry = shared
+        .fold(Registry::new(), |registry, form| registry.add(format!("zerorate:/schemas/{form}"), read(form)).unwrap())
+        .prepare()
+        .unwrap();
     let validator = jsonschema::options().with_registry(&registry).build(&read(form)).unwrap();
     let wrong: Vec<String> =
         validator.iter_errors(json).map(|error| format!("{}: {error}", error.instance_path())).collect();

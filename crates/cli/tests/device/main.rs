@@ -20,5 +20,6 @@ mod schema;
 mod self_test;
 #[path = "../../../instruments/tests/servers/server.rs"]
 mod server;
+mod together;
 mod unplugged;
 mod verbs;

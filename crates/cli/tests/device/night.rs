@@ -16,7 +16,7 @@ use crate::schema;
 use crate::server::Server;
 
 /// Three hours of chamber time, over 30 K.
-const NIGHT: &str = "\
+pub const NIGHT: &str = "\
 [chamber]
 cold_c = 10.0
 hot_c = 40.0

@@ -1,5 +1,4 @@
-use std::cell::RefCell;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 
 use super::*;
 
@@ -15,19 +14,19 @@ struct Fake {
     is_gone: bool,
 }
 
-struct Behind(Rc<RefCell<Fake>>);
+struct Behind(Arc<Mutex<Fake>>);
 
 impl Speech for Behind {
     fn actual(&mut self) -> Result<f64, Fault> {
-        Ok(self.0.borrow().actual)
+        Ok(self.0.lock().unwrap().actual)
     }
 
     fn set_point(&mut self) -> Result<f64, Fault> {
-        Ok(self.0.borrow().set_point)
+        Ok(self.0.lock().unwrap().set_point)
     }
 
     fn send(&mut self, value: f64) -> Result<(), Fault> {
-        let mut fake = self.0.borrow_mut();
+        let mut fake = self.0.lock().unwrap();
         if fake.is_gone {
             return Err(Fault::Silent { asked: "write".into(), heard: "nothing came" });
         }
@@ -40,12 +39,12 @@ impl Speech for Behind {
     }
 
     fn run(&mut self) -> Result<(), Fault> {
-        self.0.borrow_mut().stopped = false;
+        self.0.lock().unwrap().stopped = false;
         Ok(())
     }
 
     fn stop(&mut self) -> Result<(), Fault> {
-        self.0.borrow_mut().stopped = true;
+        self.0.lock().unwrap().stopped = true;
         Ok(())
     }
 
@@ -58,9 +57,9 @@ impl Speech for Behind {
     }
 }
 
-fn controller(degrees: Degrees) -> (Controller, Rc<RefCell<Fake>>) {
-    let fake = Rc::new(RefCell::new(Fake::default()));
-    let speech = Box::new(Behind(Rc::clone(&fake)));
+fn controller(degrees: Degrees) -> (Controller, Arc<Mutex<Fake>>) {
+    let fake = Arc::new(Mutex::new(Fake::default()));
+    let speech = Box::new(Behind(Arc::clone(&fake)));
     let limits = [Celsius(-40.0), Celsius(80.0)];
     (Controller { speech, degrees, limits, safe: Celsius(25.0) }, fake)
 }
@@ -72,15 +71,15 @@ fn nothing_is_sent_that_is_outside_the_limits_or_no_number() {
         let told = controller.send(Celsius(wrong)).unwrap_err().to_string();
         assert!(told.contains("outside -40 to 80, chamber.limits_c of the set-up: nothing was sent"), "{told}");
     }
-    assert!(fake.borrow().sent.is_empty());
+    assert!(fake.lock().unwrap().sent.is_empty());
     controller.send(Celsius(-40.0)).unwrap();
 }
 
 #[test]
 fn a_set_point_that_is_not_taken_is_told_with_what_is_read_back() {
     let (mut controller, fake) = controller(Degrees::C);
-    fake.borrow_mut().ignores = true;
-    fake.borrow_mut().set_point = 23.0;
+    fake.lock().unwrap().ignores = true;
+    fake.lock().unwrap().set_point = 23.0;
     let told = controller.send(Celsius(60.0)).unwrap_err().to_string();
     assert!(told.contains("60 was sent, and 23 is read back"), "{told}");
 }
@@ -89,18 +88,18 @@ fn a_set_point_that_is_not_taken_is_told_with_what_is_read_back() {
 fn tenths_of_a_controller_are_rounding_and_no_refusal() {
     let (mut controller, fake) = controller(Degrees::F);
     controller.send(Celsius(-17.77)).unwrap();
-    assert!((fake.borrow().sent[0] - 0.014).abs() < 1e-9, "in Fahrenheit");
+    assert!((fake.lock().unwrap().sent[0] - 0.014).abs() < 1e-9, "in Fahrenheit");
 }
 
 #[test]
 fn what_no_sensor_gives_is_refused() {
     let (mut controller, fake) = controller(Degrees::C);
     for wrong in [f64::NAN, 3276.7, -3276.8, f64::INFINITY, 1e30] {
-        fake.borrow_mut().actual = wrong;
+        fake.lock().unwrap().actual = wrong;
         let told = controller.actual().unwrap_err();
         assert!(!told.may_pass() && told.to_string().contains("the air's temperature reads"), "{told}");
     }
-    fake.borrow_mut().actual = -39.5;
+    fake.lock().unwrap().actual = -39.5;
     assert!((controller.actual().unwrap().0 + 39.5).abs() < 1e-9);
 }
 
@@ -108,8 +107,8 @@ fn what_no_sensor_gives_is_refused() {
 fn at_rest_it_is_stopped_at_its_safe_set_point_and_stopped_though_that_is_not_taken() {
     let (mut controller, fake) = controller(Degrees::C);
     controller.rest().unwrap();
-    assert!(fake.borrow().stopped && fake.borrow().sent == [25.0]);
-    fake.borrow_mut().stopped = false;
-    fake.borrow_mut().is_gone = true;
-    assert!(controller.rest().is_err() && fake.borrow().stopped);
+    assert!(fake.lock().unwrap().stopped && fake.lock().unwrap().sent == [25.0]);
+    fake.lock().unwrap().stopped = false;
+    fake.lock().unwrap().is_gone = true;
+    assert!(controller.rest().is_err() && fake.lock().unwrap().stopped);
 }

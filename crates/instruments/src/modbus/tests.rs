@@ -1,7 +1,6 @@
-use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::io;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 
 use super::*;
 
@@ -13,11 +12,11 @@ struct Script {
     renewed: usize,
 }
 
-struct Scripted(Rc<RefCell<Script>>, Vec<u8>);
+struct Scripted(Arc<Mutex<Script>>, Vec<u8>);
 
 impl Line for Scripted {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let mut script = self.0.borrow_mut();
+        let mut script = self.0.lock().unwrap();
         script.sent.push(bytes.to_vec());
         self.1.extend(script.answers.pop_front().unwrap_or_default());
         Ok(())
@@ -36,17 +35,17 @@ impl Line for Scripted {
     }
 
     fn renew(&mut self, _: Duration) {
-        self.0.borrow_mut().renewed += 1;
+        self.0.lock().unwrap().renewed += 1;
         self.1.clear();
     }
 }
 
-fn with(protocol: Protocol, answers: &[&[u8]]) -> (Modbus, Rc<RefCell<Script>>) {
-    let script = Rc::new(RefCell::new(Script {
+fn with(protocol: Protocol, answers: &[&[u8]]) -> (Modbus, Arc<Mutex<Script>>) {
+    let script = Arc::new(Mutex::new(Script {
         answers: answers.iter().map(|answer| answer.to_vec()).collect(),
         ..Script::default()
     }));
-    let line = Box::new(Scripted(Rc::clone(&script), Vec::new()));
+    let line = Box::new(Scripted(Arc::clone(&script), Vec::new()));
     (Modbus::new(line, protocol, 1, Duration::from_millis(20)), script)
 }
 
@@ -59,14 +58,14 @@ fn an_answer_of_before_is_passed_over_and_the_right_one_taken() {
     let late = [tcp(0, 1, [3, 2, 0, 99]).as_slice(), &tcp(1, 1, [3, 2, 0, 250])].concat();
     let (mut modbus, script) = with(Protocol::ModbusTcp, &[&late]);
     assert_eq!(modbus.read(1, 1).unwrap(), [250]);
-    assert_eq!(script.borrow().sent, [vec![0, 1, 0, 0, 0, 6, 1, 3, 0, 1, 0, 1]]);
+    assert_eq!(script.lock().unwrap().sent, [vec![0, 1, 0, 0, 0, 6, 1, 3, 0, 1, 0, 1]]);
 }
 
 #[test]
 fn after_a_time_out_the_line_is_renewed_before_anything_is_asked_again() {
     let (mut modbus, script) = with(Protocol::ModbusTcp, &[&[], &tcp(2, 1, [3, 2, 0, 7])]);
     assert_eq!(modbus.read(1, 1).unwrap(), [7]);
-    assert_eq!((script.borrow().renewed, script.borrow().sent.len()), (1, 2));
+    assert_eq!((script.lock().unwrap().renewed, script.lock().unwrap().sent.len()), (1, 2));
 }
 
 #[test]
@@ -74,7 +73,7 @@ fn a_refusal_is_told_with_its_meaning_and_not_asked_again() {
     let (mut modbus, script) = with(Protocol::ModbusTcp, &[&[0, 1, 0, 0, 0, 3, 1, 0x83, 2]]);
     let told = modbus.read(2782, 2).unwrap_err().to_string();
     assert!(told.contains("refuses to read register 2782: it has no such register (exception 2)"), "{told}");
-    assert_eq!(script.borrow().sent.len(), 1);
+    assert_eq!(script.lock().unwrap().sent.len(), 1);
 }
 
 #[test]
@@ -108,7 +107,7 @@ fn an_answer_of_another_length_or_register_is_none() {
     let one = Framing::Rtu.frame(0, 1, &[3, 2, 0, 250]);
     let (mut modbus, script) = with(Protocol::ModbusRtu, &[&one, &floats]);
     assert_eq!(modbus.read(1, 2).unwrap(), [0, 0x41C8]);
-    assert_eq!(script.borrow().renewed, 1);
+    assert_eq!(script.lock().unwrap().renewed, 1);
     let elsewhere = Framing::Rtu.frame(0, 1, &[6, 0, 3, 0, 250]);
     let (mut modbus, _) = with(Protocol::ModbusRtu, &[&elsewhere, &elsewhere, &elsewhere]);
     assert!(modbus.write(2, &[250]).unwrap_err().to_string().contains("the answer is to another question"));
@@ -122,5 +121,5 @@ fn one_register_is_written_by_function_6_and_two_by_16() {
     );
     modbus.write(2, &[400]).unwrap();
     modbus.write(9, &[0, 0x4220]).unwrap();
-    assert_eq!(script.borrow().sent[1][..11], [1, 16, 0, 9, 0, 2, 4, 0, 0, 0x42, 0x20]);
+    assert_eq!(script.lock().unwrap().sent[1][..11], [1, 16, 0, 9, 0, 2, 4, 0, 0, 0x42, 0x20]);
 }

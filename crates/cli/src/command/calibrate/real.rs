@@ -3,12 +3,13 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 use zerorate_bench::client::DeviceClient;
 use zerorate_bench::instruments::{Bench, Chamber, Power, Supply};
 use zerorate_bench::manual::{self, Person};
 use zerorate_bench::remote::{Found, LeftOn, RemoteChamber, RemoteSupply};
 use zerorate_bench::setup::SetUp;
+use zerorate_bench::shared::{self, SharedChamber};
 
 use super::instrument::Instrument;
 use super::operator::AtTerminal;
@@ -55,11 +56,7 @@ impl Instruments {
     /// The set-up with the instruments among its labels, so that every record says by which it was made; what the set-up says of
     /// them itself stays.
     pub fn named_in(&self, setup: &SetUp) -> SetUp {
-        let mut setup = setup.clone();
-        for (what, label) in &self.labels {
-            setup.labels.entry((*what).to_owned()).or_insert_with(|| label.clone());
-        }
-        setup
+        named_in(setup, &self.labels)
     }
 
     /// The bench. Who is there for one of them turns the board's switch too; where nobody is, it stays on.
@@ -79,5 +76,65 @@ impl Instruments {
                 }
             };
         Ok(Bench { device, chamber, supply, power, clock: None, witness: None })
+    }
+}
+
+fn named_in(setup: &SetUp, labels: &[(&'static str, String)]) -> SetUp {
+    let mut setup = setup.clone();
+    for (what, label) in labels {
+        setup.labels.entry((*what).to_owned()).or_insert_with(|| label.clone());
+    }
+    setup
+}
+
+/// What stands about several boards: a chamber for all, and a supply for each or one for one after the other. All obey by
+/// themselves: a person who is asked by sixteen runs at once does not know what for.
+pub struct SharedInstruments {
+    chamber: (RemoteChamber, String),
+    supplies: Vec<(RemoteSupply, String)>,
+    boards: usize,
+    /// A sentence each.
+    pub found: Vec<String>,
+}
+
+impl SharedInstruments {
+    /// Asks them who they are. Nothing is moved or fed.
+    pub fn open(chamber: Option<&Instrument>, supplies: &[Instrument], boards: usize, setup: &SetUp) -> Result<Self> {
+        let Some(Instrument::Remote(chamber)) = chamber else {
+            bail!("several boards at once need a chamber that obeys by itself: give its address (--chamber)");
+        };
+        ensure!(
+            supplies.len() == 1 || supplies.len() == boards,
+            "{} supplies for {boards} boards: give one for each, or one for all (--supply)",
+            supplies.len()
+        );
+        let (chamber, Found { told, label }) = RemoteChamber::open(chamber, setup)?;
+        let (chamber, mut found) = ((chamber, label), vec![told]);
+        let supplies = supplies.iter().map(|supply| match supply {
+            Instrument::Remote(address) => {
+                let (supply, Found { told, label }) = RemoteSupply::open(address, setup)?;
+                found.push(told);
+                Ok((supply, label))
+            }
+            _ => bail!("several boards at once need supplies that obey by themselves: give their addresses (--supply)"),
+        });
+        let supplies = supplies.collect::<Result<_>>()?;
+        Ok(Self { chamber, supplies, boards, found })
+    }
+
+    /// Each board's part of them, and the set-up with their names among its labels.
+    pub fn each(self, setup: &SetUp) -> impl Iterator<Item = (SharedChamber, Box<dyn Supply + Send>, SetUp)> {
+        let ((chamber, chamber_label), boards) = (self.chamber, self.boards);
+        let supplies: Vec<(Box<dyn Supply + Send>, String)> = match <[_; 1]>::try_from(self.supplies) {
+            Ok([(supply, label)]) => {
+                let turns = shared::supply(Box::new(supply), boards).into_iter();
+                turns.map(|turn| (Box::new(turn) as Box<dyn Supply + Send>, label.clone())).collect()
+            }
+            Err(own) => own.into_iter().map(|(supply, label)| (Box::new(supply) as _, label)).collect(),
+        };
+        let seats = shared::chamber(Box::new(chamber), boards);
+        seats.into_iter().zip(supplies).map(move |(seat, (supply, label))| {
+            (seat, supply, named_in(setup, &[("chamber", chamber_label.clone()), ("supply", label)]))
+        })
     }
 }

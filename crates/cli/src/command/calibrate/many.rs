@@ -1,0 +1,185 @@
+//! Several boards in one chamber: a run each, with results of its own, and one that fails leaves the others running.
+
+use std::path::PathBuf;
+use std::thread;
+
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use indicatif::MultiProgress;
+use serde::Serialize;
+use zerorate_bench::calibrated::Unit;
+use zerorate_bench::choice::DeviceChoice;
+use zerorate_bench::instruments::{Bench, Supply};
+use zerorate_bench::output::IN_PROGRESS;
+use zerorate_bench::remote::LeftOn;
+use zerorate_bench::setup::SetUp;
+use zerorate_bench::shared::SharedChamber;
+use zerorate_cal::board_run::SUMMARY;
+use zerorate_cal::quality::Verdict;
+use zerorate_cal::summary::Summary;
+use zerorate_live::Listen;
+use zerorate_words::sentence;
+
+use super::real::SharedInstruments;
+use super::{Bar, Calibrate, Run, dry_run};
+use crate::command::Outcome;
+use crate::interrupt;
+use crate::screen::{self, Grid, Page};
+
+/// A board with its place.
+struct Board<'a> {
+    device: &'a DeviceChoice,
+    serial: String,
+    out: PathBuf,
+    live: Option<Listen>,
+}
+
+impl Board<'_> {
+    fn is_done(&self) -> bool {
+        self.out.join(SUMMARY).is_file() && !self.out.join(IN_PROGRESS).is_dir()
+    }
+}
+
+/// How the run of a board ended, as JSON has it.
+#[derive(Serialize)]
+struct Ended {
+    serial: String,
+    out: String,
+    result: &'static str,
+    /// What went wrong, where something did.
+    message: Option<String>,
+    summary: Option<Summary>,
+}
+
+#[derive(Serialize)]
+struct AllEnded {
+    schema: u32,
+    units: Vec<Ended>,
+}
+
+impl Calibrate {
+    pub(super) fn run_many(&self, devices: &[DeviceChoice], setup: &SetUp) -> Result<Outcome> {
+        if let Some(simulated) = devices.iter().find(|device| !device.is_real()) {
+            bail!(
+                "--device {simulated}: several boards at once are real ones; simulated units are for `zerorate study`"
+            );
+        }
+        ensure!(self.serial.is_none(), "--serial: several boards say themselves who they are");
+        let mut boards = self.boards(devices)?;
+        let mut instruments = SharedInstruments::open(self.chamber.as_ref(), &self.supplies, boards.len(), setup)?;
+        if self.dry_run {
+            let found = boards.iter().map(|board| format!("the board at {} is {}", board.device, board.serial));
+            instruments.found.extend(found);
+            dry_run::print(setup, &instruments.found, self.json)?;
+            return Ok(Outcome::Done);
+        }
+        interrupt::watch()?;
+        instruments.found.iter().for_each(|found| screen::note(found));
+        let mut places: Vec<_> = boards.drain(..).zip(instruments.each(setup)).collect();
+        // What was finished before is not run again, and the others do not wait for it.
+        for (board, _) in places.extract_if(.., |(board, _)| self.resume && board.is_done()) {
+            screen::note(&format!("{}: was done before; its results are in {}", board.serial, board.out.display()));
+        }
+        ensure!(!places.is_empty(), "all boards were done before: there is nothing to go on with");
+        let bars = MultiProgress::new();
+        let ended = thread::scope(|scope| {
+            let runs = places.into_iter().map(|(board, (chamber, supply, setup))| {
+                let bar = Bar::one_of(&bars, &board.serial);
+                scope.spawn(move || {
+                    let result = self.run_one(&board, &setup, chamber, supply, bar);
+                    ended(board, result)
+                })
+            });
+            let runs: Vec<_> = runs.collect();
+            runs.into_iter()
+                .map(|run| run.join().map_err(|_| anyhow!("a run has panicked")))
+                .collect::<Result<Vec<_>>>()
+        })?;
+        self.told(ended)
+    }
+
+    /// The boards, asked who they are.
+    fn boards<'a>(&self, devices: &'a [DeviceChoice]) -> Result<Vec<Board<'a>>> {
+        let mut boards: Vec<Board> = Vec::new();
+        for (place, device) in devices.iter().enumerate() {
+            let open = || device.open()?.context("a real board has a line")?.identify().map_err(anyhow::Error::from);
+            let identity = open().with_context(|| format!("--device {device}"))?;
+            let serial = identity.unit.as_str().to_owned();
+            ensure!(
+                !serial.is_empty(),
+                "the board at {device} has no serial number: give it one first (zerorate device first-time)"
+            );
+            if let Some(other) = boards.iter().find(|board| board.serial == serial) {
+                bail!("the boards at {} and {device} both say that they are {serial}", other.device);
+            }
+            let is_plain = |letter: char| letter.is_alphanumeric() || "-_.".contains(letter);
+            let folder: String = serial.chars().map(|letter| if is_plain(letter) { letter } else { '_' }).collect();
+            let out = self.out.join(folder.trim_start_matches('.'));
+            ensure!(
+                out != self.out,
+                "the board at {device} says that it is {serial}, and no folder can have that name"
+            );
+            let live = self.live.as_ref().map(|listen| listen.after(place)).transpose()?;
+            boards.push(Board { device, serial, out, live });
+        }
+        Ok(boards)
+    }
+
+    fn run_one(
+        &self,
+        board: &Board,
+        setup: &SetUp,
+        chamber: SharedChamber,
+        supply: Box<dyn Supply + Send>,
+        bar: Bar,
+    ) -> Result<Summary> {
+        let device = board.device.open()?.context("a real board has a line")?;
+        let (chamber, power) = (Box::new(chamber), Box::new(LeftOn));
+        let mut bench = Bench { device, chamber, supply, power, clock: None, witness: None };
+        let run = Run { setup, out: &board.out, live: board.live.clone(), keep: self.keep() };
+        self.carry_out(&mut bench, run, Unit::new(&board.serial, None)?, bar)
+    }
+
+    fn told(&self, ended: Vec<Ended>) -> Result<Outcome> {
+        let failed = ended.iter().any(|unit| unit.summary.is_none());
+        let rejected = ended.iter().any(|unit| unit.result == "rejected");
+        if self.json {
+            screen::print_json(&AllEnded { schema: 1, units: ended })?;
+        } else {
+            page(&ended).print()?;
+        }
+        Ok(match (failed, rejected) {
+            (true, _) => Outcome::Failed,
+            (_, true) => Outcome::Rejected,
+            _ => Outcome::Done,
+        })
+    }
+}
+
+fn ended(board: Board, result: Result<Summary>) -> Ended {
+    let (serial, out) = (board.serial, board.out.display().to_string());
+    match result {
+        Ok(summary) => {
+            let result = if summary.verdict == Verdict::Rejected { "rejected" } else { "passed" };
+            Ended { serial, out, result, message: None, summary: Some(summary) }
+        }
+        Err(error) => {
+            let result = if interrupt::was_asked_for() { "stopped" } else { "failed" };
+            Ended { serial, out, result, message: Some(sentence(error.as_ref())), summary: None }
+        }
+    }
+}
+
+fn page(ended: &[Ended]) -> Page {
+    let mut page = Page::default();
+    let mut grid = Grid::new("lll");
+    grid.head(["unit", "result", "report"]);
+    for unit in ended {
+        let report = if unit.summary.is_some() { format!("{}/report.html", unit.out) } else { "-".to_owned() };
+        grid.row([unit.serial.as_str(), unit.result, &report]);
+    }
+    page.grid(&grid);
+    for (unit, message) in ended.iter().filter_map(|unit| Some((unit, unit.message.as_ref()?))) {
+        page.sentence("  - ", &format!("{}: {message}", unit.serial));
+    }
+    page
+}
