@@ -65,7 +65,8 @@ fn an_answer_of_before_is_passed_over_and_the_right_one_taken() {
 fn after_a_time_out_the_line_is_renewed_before_anything_is_asked_again() {
     let (mut modbus, script) = with(Protocol::ModbusTcp, &[&[], &tcp(2, 1, [3, 2, 0, 7])]);
     assert_eq!(modbus.read(1, 1).unwrap(), [7]);
-    assert_eq!((script.lock().unwrap().renewed, script.lock().unwrap().sent.len()), (1, 2));
+    let script = script.lock().unwrap();
+    assert_eq!((script.renewed, script.sent.len()), (1, 2));
 }
 
 #[test]
