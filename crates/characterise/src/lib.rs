@@ -95,37 +95,34 @@ fn level(points: &[TracePoint]) -> Vec<TracePoint> {
 
 /// What the log does not hold, and why, a sentence each: `x, y: thermal hysteresis cannot be told: the log holds one direction ...`.
 pub fn missing<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Characteristics)>) -> Vec<String> {
-    let mut missing: Vec<(String, Vec<&str>)> = Vec::new();
-    for (name, found) in axes {
+    together(axes.into_iter().flat_map(|(name, found)| {
         let [hysteresis, ramp] = [found.hysteresis.as_ref().err(), found.ramp_sensitivity.as_ref().err()];
-        for (what, why) in [("thermal hysteresis", hysteresis), ("ramp sensitivity", ramp)] {
-            let Some(sentence) = why.map(|why| format!("{what} cannot be told: {why}")) else { continue };
-            match missing.iter_mut().find(|(told, _)| *told == sentence) {
-                Some((_, names)) => names.push(name),
-                None => missing.push((sentence, vec![name])),
-            }
+        let of_each = [("thermal hysteresis", hysteresis), ("ramp sensitivity", ramp)].into_iter();
+        of_each.filter_map(move |(what, why)| Some((name, format!("{what} cannot be told: {}", why?))))
+    }))
+}
+
+/// What is to be told of axes, once for all of which it is the same.
+fn together<'a>(told: impl IntoIterator<Item = (&'a str, String)>) -> Vec<String> {
+    let mut sentences: Vec<(String, Vec<&str>)> = Vec::new();
+    for (name, sentence) in told {
+        match sentences.iter_mut().find(|(told, _)| *told == sentence) {
+            Some((_, names)) => names.push(name),
+            None => sentences.push((sentence, vec![name])),
         }
     }
-    missing.into_iter().map(|(sentence, names)| format!("{}: {sentence}", names.join(", "))).collect()
+    sentences.into_iter().map(|(sentence, names)| format!("{}: {sentence}", names.join(", "))).collect()
 }
 
 /// Where an Allan curve is a filter's at its short end, a sentence for all axes of one averaging time.
 pub fn filtered<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Allan)>) -> Vec<String> {
-    let mut ends: Vec<(String, Vec<&str>)> = Vec::new();
-    for (name, allan) in axes {
-        let Some(end) = allan.filtered_below_s.map(|end_s| format!("{end_s:.1} s")) else { continue };
-        match ends.iter_mut().find(|(told, _)| *told == end) {
-            Some((_, names)) => names.push(name),
-            None => ends.push((end, vec![name])),
-        }
-    }
-    let sentence = |(end, names): (String, Vec<&str>)| {
-        format!(
-            "{}: at averaging times below {end} samples resemble their neighbours, as behind a filter; N, B and K are read from there on",
-            names.join(", ")
-        )
-    };
-    ends.into_iter().map(sentence).collect()
+    together(axes.into_iter().filter_map(|(name, allan)| {
+        let sentence = format!(
+            "at averaging times below {:.1} s samples resemble their neighbours, as behind a filter; N, B and K are read from there on",
+            allan.filtered_below_s?
+        );
+        Some((name, sentence))
+    }))
 }
 
 /// Where hysteresis may be a drift in time, a sentence each.

@@ -13,7 +13,7 @@ const TOLD_OUTSIDE: f64 = 0.02;
 /// Of less of the range than this a run says nothing of a calibration but there.
 const MUCH: f64 = 0.5;
 
-/// How much of what was calibrated a run tells of, where that is little; axes of one range are told together.
+/// How much of what was calibrated a run tells of, where that is little: by the axis of which it is least.
 pub(super) fn little_seen(axes: &[VerifiedAxis], unit: TemperatureUnit) -> Option<String> {
     let seen = |axis: &VerifiedAxis| {
         let ([from, to], [min, max]) = (axis.temperature, axis.calibrated_temperature);

@@ -50,13 +50,18 @@ fn table(name: &str, lines: &[String]) -> Source {
     Source::bytes(name, format!("time_s,temperature_c,gyro_x_rad_s\n{}", lines.concat()).into_bytes())
 }
 
-/// The lines of half an hour, two a second.
-fn lines(seed: u32, write: impl Fn(f64, f64) -> String) -> Vec<String> {
+/// Noise that is alike from -0.5 to 0.5, by a linear congruential generator.
+fn noise(seed: u32) -> impl FnMut() -> f64 {
     let mut state = seed;
-    let mut noise = || {
+    move || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         f64::from(state >> 8) / f64::from(1 << 24) - 0.5
-    };
+    }
+}
+
+/// The lines of half an hour, two a second.
+fn lines(seed: u32, write: impl Fn(f64, f64) -> String) -> Vec<String> {
+    let mut noise = noise(seed);
     let line = |row: i32| {
         let t = 20.0 + 30.0 * (f64::from(row) / 573.0).sin();
         format!("{},{}\n", 0.5 * f64::from(row), write(t, 0.1 + 1e-3 * t + 0.05 * noise()))
@@ -358,11 +363,7 @@ fn rows_that_have_both_and_were_left_out_are_not_told_to_have_none() {
 /// A logger that saves power writes a row every ten seconds outside 0 to 40 C: its rows are rows.
 #[test]
 fn the_slower_part_of_a_log_is_no_gap() {
-    let mut state = 9_u32;
-    let mut noise = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(state >> 8) / f64::from(1 << 24) - 0.5
-    };
+    let mut noise = noise(9);
     let of = |t: f64| 0.1 + 1e-3 * t + 1e-5 * t * t;
     let temperature = |second: i32| 25.0 - 35.0 * (std::f64::consts::TAU * f64::from(second) / 3600.0).cos();
     let seconds = (0..7200).filter(|second| second % 10 == 0 || (0.0..40.0).contains(&temperature(*second)));
@@ -390,11 +391,7 @@ fn the_slower_part_of_a_log_is_no_gap() {
 /// temperatures that were read with it, so nothing remembers.
 #[test]
 fn a_rate_is_of_the_temperatures_that_were_read_with_it() {
-    let mut state = 5_u32;
-    let mut noise = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(state >> 8) / f64::from(1 << 24) - 0.5
-    };
+    let mut noise = noise(5);
     let mut warmest = f64::NEG_INFINITY;
     let lines: Vec<String> = (0..24_000)
         .map(|row| {
@@ -427,15 +424,11 @@ fn of_a_hysteresis_of_one_cycle_it_is_not_said_that_a_fit_does_not_help() {
 
 /// Half an hour up and half an hour down between -10 and 60 C, with noise; `rate` has the temperature and 1 or -1.
 fn lines_of_a_cycle(rate: impl Fn(f64, f64) -> f64) -> Vec<String> {
-    let mut state = 11_u32;
-    let mut noise = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        0.05 * (f64::from(state >> 8) / f64::from(1 << 24) - 0.5)
-    };
+    let mut noise = noise(11);
     let line = |row: i32| {
         let (part, side) = if row < 3600 { (f64::from(row), 1.0) } else { (f64::from(7200 - row), -1.0) };
         let t = -10.0 + 70.0 * part / 3600.0;
-        format!("{},{t},{}\n", 0.5 * f64::from(row), rate(t, side) + noise())
+        format!("{},{t},{}\n", 0.5 * f64::from(row), rate(t, side) + 0.05 * noise())
     };
     (0..7200).map(line).collect()
 }

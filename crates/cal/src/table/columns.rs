@@ -323,9 +323,7 @@ impl<'a> Names<'a> {
             }
             (Some(given), _) => Ok(Some(given)),
             (None, Some(Said::Known(said))) => Ok(Some(said)),
-            (None, Some(Said::Other(unit))) => {
-                Err(self.other_unit(column, unit.to_owned(), "dps or rad/s, or say its unit (`rate_unit`)".to_owned()))
-            }
+            (None, Some(Said::Other(unit))) => Err(self.unread(column, unit, "rate_unit")),
             (None, None) => Ok(None),
         }
     }
@@ -344,17 +342,20 @@ impl<'a> Names<'a> {
                 Err(self.table.source().faulty(TableFault::TwoUnits { column, name, row, what }))
             }
             _ => match other_unit(&self.with_units[column]) {
-                Some(other) => {
-                    let read = match what {
-                        "time_unit" => "seconds",
-                        "temperature_unit" => "degrees C",
-                        _ => "dps or rad/s",
-                    };
-                    Err(self.other_unit(column, other.to_owned(), format!("{read}, or say its unit (`{what}`)")))
-                }
+                Some(other) => Err(self.unread(column, other, what)),
                 None => Ok(unit_of(&self.with_units[column])),
             },
         }
+    }
+
+    /// A unit that is named and not read, and the parameter that says otherwise.
+    fn unread(&self, column: usize, unit: &str, what: &'static str) -> TableError {
+        let read = match what {
+            "time_unit" => "seconds",
+            "temperature_unit" => "degrees C",
+            _ => "dps or rad/s",
+        };
+        self.other_unit(column, unit.to_owned(), format!("{read}, or say its unit (`{what}`)"))
     }
 
     fn other_unit(&self, column: usize, unit: String, instead: String) -> TableError {

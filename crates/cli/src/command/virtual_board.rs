@@ -142,9 +142,8 @@ impl Serve {
         beside: Vec<Sender<String>>,
         listening: &[Receiver<Listening>],
     ) -> Result<()> {
-        let (mut board, told) = self.board(0, setup)?;
+        let (mut board, mut told) = self.board(0, setup)?;
         board.share_chamber(beside);
-        let mut told = told;
         for said in listening {
             told.extend(said.recv().context("a board has ended before it began")??);
         }

@@ -64,7 +64,7 @@ impl Calibrate {
             );
         }
         ensure!(self.serial.is_none(), "--serial: several boards say themselves who they are");
-        let mut boards = self.boards(devices)?;
+        let boards = self.boards(devices)?;
         let mut instruments = SharedInstruments::open(self.chamber.as_ref(), &self.supplies, boards.len(), setup)?;
         if self.dry_run {
             let found = boards.iter().map(|board| format!("the board at {} is {}", board.device, board.serial));
@@ -74,7 +74,7 @@ impl Calibrate {
         }
         interrupt::watch()?;
         instruments.found.iter().for_each(|found| screen::note(found));
-        let mut places: Vec<_> = boards.drain(..).zip(instruments.each(setup)).collect();
+        let mut places: Vec<_> = boards.into_iter().zip(instruments.each(setup)).collect();
         // What was finished before is not run again, and the others do not wait for it.
         for (board, _) in places.extract_if(.., |(board, _)| self.resume && board.is_done()) {
             screen::note(&format!("{}: was done before; its results are in {}", board.serial, board.out.display()));
