@@ -11,7 +11,7 @@ pub use warnings::Warnings;
 pub use zerorate_cal::recording::Phase;
 use zerorate_cal::recording::{GroupRow, RecordingWriter, status};
 use zerorate_core::drift::Coverage;
-use zerorate_core::units::{Axis, Celsius, Counts, Kelvins, Seconds};
+use zerorate_core::units::{Axis, Celsius, Counts, Seconds};
 use zerorate_core::wire::{GroupReport, Request, SampleWindow, TemperatureCheck};
 use zerorate_sim::Truth;
 
@@ -22,9 +22,6 @@ use crate::manual::watch::ReadingScale;
 use crate::plan::{Part, Plan};
 use crate::setup::SetUp;
 use crate::steps::StepWatch;
-
-/// A chamber is where it was sent when its air is this close.
-pub(crate) const AT_SET_POINT: Kelvins = Kelvins(0.5);
 
 /// A group with what was about it.
 #[derive(Debug, Clone, Serialize, Deserialize)]

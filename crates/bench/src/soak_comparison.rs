@@ -9,8 +9,8 @@ use zerorate_core::units::{Axis, Celsius, Counts};
 use crate::evaluate::extremes;
 use crate::measure::Measured;
 use crate::procedure::soaks::Soak;
-use crate::run::AT_SET_POINT;
 use crate::setup::{Limits, SetUp};
+use crate::soaking::AT_SET_POINT;
 
 /// The comparison; `None` where no soak was made. The ramp saves the time of the soaks that it is compared with.
 #[must_use]

@@ -9,8 +9,9 @@ use crate::error::BenchError;
 use crate::evaluate::evaluate;
 use crate::measure::Measured;
 use crate::procedure::compensation_test::{self, Extent, TestRun};
-use crate::run::{AT_SET_POINT, Recorder, Session};
+use crate::run::{Recorder, Session};
 use crate::setup::{Limits, SetUp};
+use crate::soaking::AT_SET_POINT;
 
 /// One compensation test with its results.
 #[derive(Debug, Clone)]

@@ -5,6 +5,7 @@
 //! version 2: readers take the versions they know, 1 too, and refuse others; a column is never removed, renamed or given
 //! another meaning within a version.
 
+mod chamber;
 mod columns;
 mod error;
 mod header;
@@ -12,6 +13,7 @@ mod phase;
 mod reader;
 mod schema;
 pub mod status;
+mod streamed;
 mod writer;
 
 use std::collections::BTreeMap;
@@ -21,6 +23,7 @@ use zerorate_core::compensate::Mode;
 use zerorate_core::group::GroupSums;
 use zerorate_core::units::Axis;
 
+pub use chamber::{ChamberInfo, ChamberMoment, ChamberRecording, ChamberWriter};
 pub use columns::name_in_version_1;
 pub use error::{RecordingError, RecordingFault, WriteError};
 pub use phase::Phase;

@@ -11,7 +11,12 @@ pub(super) struct Column {
     pub description: &'static str,
 }
 
-const fn column(name: &'static str, kind: DataType, unit: &'static str, description: &'static str) -> Column {
+pub(super) const fn column(
+    name: &'static str,
+    kind: DataType,
+    unit: &'static str,
+    description: &'static str,
+) -> Column {
     Column { name, kind, unit, description }
 }
 

@@ -19,6 +19,15 @@ pub enum RecordingFault {
     /// The file is something else.
     #[error("not a recording: neither Parquet nor an Arrow stream with a recording's columns")]
     NotARecording,
+    /// The file is something else than was asked for.
+    #[error("not a chamber's recording: `zerorate chamber` makes one")]
+    NotAChambers,
+    /// A chamber's recording of another version.
+    #[error("a chamber's recording of schema version {found}; this program reads version 1: use a later one")]
+    UnknownChamberVersion {
+        /// The version in the file.
+        found: String,
+    },
     /// The recording was cut off so early that no header is whole.
     #[error("cut off before its header was whole: nothing can be recovered; record again")]
     NothingWhole,
@@ -57,25 +66,29 @@ pub enum WriteError {
         /// What the system said.
         reason: String,
     },
-    /// A group cannot be written.
-    #[error("{}: the recording cannot go on: {reason}: what was recorded before it is kept there (groups: {groups})", path.display())]
+    /// A group, or a chamber's moment, cannot be written.
+    #[error("{}: the recording cannot go on: {reason}: what was recorded before it is kept there ({of}: {batches})", path.display())]
     Write {
         /// The stream.
         path: PathBuf,
-        /// Whole groups in it.
-        groups: u64,
+        /// What is written one after the other.
+        of: &'static str,
+        /// How many are whole.
+        batches: u64,
         /// What the system said.
         reason: String,
     },
     /// The stream cannot be turned into Parquet.
-    #[error("{}: cannot be finished: {reason}: all of it is kept in {} (groups: {groups})", path.display(), stream.display())]
+    #[error("{}: cannot be finished: {reason}: all of it is kept in {} ({of}: {batches})", path.display(), stream.display())]
     Finish {
         /// The Parquet file.
         path: PathBuf,
         /// The stream.
         stream: PathBuf,
-        /// Whole groups in it.
-        groups: u64,
+        /// What is written one after the other.
+        of: &'static str,
+        /// How many are whole.
+        batches: u64,
         /// What the system said.
         reason: String,
     },

@@ -1,25 +1,13 @@
 //! Reading: either form, by content; a cut stream up to its last whole group.
 
-use std::io::Read;
-use std::panic::catch_unwind;
-
-use arrow_array::RecordBatch;
-use arrow_buffer::Buffer;
-use arrow_ipc::reader::StreamDecoder;
-use arrow_schema::{ArrowError, Schema};
+use arrow_schema::Schema;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
-use super::{GroupRow, RecordingError, RecordingFault, RecordingInfo};
-use super::{header, schema};
+use super::streamed::{self, CONTINUATION};
+use super::{GroupRow, RecordingError, RecordingFault, RecordingInfo, schema};
 use crate::parquet_source::ParquetSource;
 use crate::source::Source;
 use crate::table::PARQUET_MAGIC;
-
-/// What every message of an Arrow stream starts with (Arrow columnar format, "Encapsulated message format").
-const CONTINUATION: &[u8] = &[0xFF; 4];
-
-/// The end of an Arrow stream that was finished: a continuation and a length of 0.
-const END_OF_STREAM: &[u8] = &[0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0];
 
 /// A recording that was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,23 +52,8 @@ impl Recording {
     /// When the source cannot be read, is no recording or one of another schema version, is damaged, or was cut off before
     /// its header.
     pub fn read(source: &Source) -> Result<Self, RecordingError> {
-        Self::read_either(source).map_err(|fault| source.faulty(fault))
-    }
-
-    fn read_either(source: &Source) -> Result<Self, RecordingFault> {
-        // Somebody's log may be large: only a stream, which is the bench's own form, is read whole.
-        let start = source.start(CONTINUATION.len() as u64)?;
-        if start == PARQUET_MAGIC {
-            read_parquet(source)
-        } else if start == CONTINUATION {
-            let mut bytes = Vec::new();
-            source.open()?.read_to_end(&mut bytes)?;
-            read_stream(bytes)
-        } else if CONTINUATION.starts_with(&start) {
-            Err(RecordingFault::NothingWhole)
-        } else {
-            Err(RecordingFault::NotARecording)
-        }
+        let (info, rows, cut) = streamed::read(source, check, schema::rows).map_err(|fault| source.faulty(fault))?;
+        Ok(Self { info, rows, cut })
     }
 
     /// The number of whole groups.
@@ -88,38 +61,6 @@ impl Recording {
     pub fn groups(&self) -> usize {
         self.rows.chunk_by(|a, b| a.group == b.group).count()
     }
-}
-
-fn read_parquet(source: &Source) -> Result<Recording, RecordingFault> {
-    let file = ParquetSource::new(source)?;
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(RecordingFault::damaged)?;
-    let info = check(builder.schema())?;
-    let mut rows = Vec::new();
-    for batch in builder.build().map_err(RecordingFault::damaged)? {
-        rows.extend(schema::rows(&batch.map_err(RecordingFault::damaged)?).map_err(RecordingFault::damaged)?);
-    }
-    Ok(Recording { info, rows, cut: false })
-}
-
-fn read_stream(bytes: Vec<u8>) -> Result<Recording, RecordingFault> {
-    let cut = !bytes.ends_with(END_OF_STREAM);
-    let info = check(&header::read(&bytes)?)?;
-    // Arrow's decoder panics on some of the messages that a damaged file can hold.
-    let batches = catch_unwind(|| decode(bytes))
-        .map_err(|_| RecordingFault::damaged("a message contradicts itself"))?
-        .map_err(RecordingFault::damaged)?;
-    let mut rows = Vec::new();
-    for batch in batches {
-        rows.extend(schema::rows(&batch).map_err(RecordingFault::damaged)?);
-    }
-    Ok(Recording { info, rows, cut })
-}
-
-/// Every whole batch. What the decoder keeps for want of its end is the group that was cut.
-fn decode(bytes: Vec<u8>) -> Result<Vec<RecordBatch>, ArrowError> {
-    let mut buffer = Buffer::from_vec(bytes);
-    let mut decoder = StreamDecoder::new();
-    std::iter::from_fn(|| decoder.decode(&mut buffer).transpose()).collect()
 }
 
 impl RecordingInfo {

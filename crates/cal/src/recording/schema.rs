@@ -31,7 +31,7 @@ const PROCEDURE_KEY: &str = "zerorate.procedure";
 const SET_UP_KEY: &str = "zerorate.set_up";
 const FIRMWARE_KEY: &str = "zerorate.firmware";
 const SEED_KEY: &str = "zerorate.seed";
-const STARTED_KEY: &str = "zerorate.started";
+pub(super) const STARTED_KEY: &str = "zerorate.started";
 /// Where the units and meanings of all columns stand.
 pub const COLUMNS_KEY: &str = "zerorate.columns";
 const STATUS_BITS_KEY: &str = "zerorate.status_bits";
@@ -44,9 +44,6 @@ const DESCRIPTION_KEY: &str = "description";
 
 /// The schema of a recording with its metadata.
 pub(super) fn schema(info: &RecordingInfo) -> Arc<Schema> {
-    let field = |column: &Column| {
-        described(Field::new(column.name, column.kind.clone(), false), column.unit, column.description)
-    };
     let fields: Vec<Field> = COLUMNS.iter().map(field).collect();
     let mut metadata = HashMap::from([
         (VERSION_KEY.to_owned(), SCHEMA_VERSION.to_string()),
@@ -60,8 +57,13 @@ pub(super) fn schema(info: &RecordingInfo) -> Arc<Schema> {
     let started = info.started.map(rfc3339);
     metadata.extend(started.map(|started| (STARTED_KEY.to_owned(), started)));
     metadata.extend(info.seed.map(|seed| (SEED_KEY.to_owned(), seed.to_string())));
-    metadata.extend(info.labels.iter().map(|(name, value)| (format!("{LABEL_KEY}{name}"), value.clone())));
+    metadata.extend(of_labels(&info.labels));
     Arc::new(Schema::new_with_metadata(fields, metadata))
+}
+
+/// A column as a field that says its unit and what it is.
+pub(super) fn field(column: &Column) -> Field {
+    described(Field::new(column.name, column.kind.clone(), false), column.unit, column.description)
 }
 
 /// A field that says its unit and what it is.
@@ -127,7 +129,13 @@ pub(super) fn info(schema: &Schema) -> RecordingInfo {
     }
 }
 
-fn labels(metadata: &HashMap<String, String>) -> BTreeMap<String, String> {
+/// Labels as entries of the metadata.
+pub(super) fn of_labels(labels: &BTreeMap<String, String>) -> impl Iterator<Item = (String, String)> {
+    labels.iter().map(|(name, value)| (format!("{LABEL_KEY}{name}"), value.clone()))
+}
+
+/// The labels among the metadata.
+pub(super) fn labels(metadata: &HashMap<String, String>) -> BTreeMap<String, String> {
     let label = |(key, value): (&String, &String)| Some((key.strip_prefix(LABEL_KEY)?.to_owned(), value.clone()));
     metadata.iter().filter_map(label).collect()
 }
@@ -213,12 +221,17 @@ pub(super) fn rows(batch: &RecordBatch) -> Result<Vec<GroupRow>, String> {
         .collect()
 }
 
-fn numbers<'a, T: ArrowPrimitiveType>(batch: &'a RecordBatch, name: &str) -> Result<&'a PrimitiveArray<T>, String> {
+/// A column of numbers by its name.
+pub(super) fn numbers<'a, T: ArrowPrimitiveType>(
+    batch: &'a RecordBatch,
+    name: &str,
+) -> Result<&'a PrimitiveArray<T>, String> {
     let column = column(batch, name)?;
     column.as_primitive_opt::<T>().ok_or_else(|| format!("column '{name}' is of type {}", column.data_type()))
 }
 
-fn texts<'a>(batch: &'a RecordBatch, name: &str) -> Result<&'a StringArray, String> {
+/// A column of words by its name.
+pub(super) fn texts<'a>(batch: &'a RecordBatch, name: &str) -> Result<&'a StringArray, String> {
     let column = column(batch, name)?;
     column.as_string_opt::<i32>().ok_or_else(|| format!("column '{name}' is of type {}", column.data_type()))
 }
