@@ -6,7 +6,9 @@ use std::fmt;
 use std::path::Path;
 
 use serde::Deserialize;
-use zerorate_core::units::{Celsius, Seconds};
+use zerorate_core::units::Celsius;
+// What its times are of, for who plans with them.
+pub use zerorate_core::units::Seconds;
 
 pub use drive::{Pace, Watcher, drive};
 

@@ -2,6 +2,7 @@
 
 mod apply;
 mod calibrate;
+mod chamber;
 mod characterise;
 mod completions;
 mod device;
@@ -64,6 +65,7 @@ enum Command {
     Study(study::Study),
     Lot(lot::Lot),
     Device(device::Device),
+    Chamber(chamber::Chamber),
     Setup(setup::Setup),
     VirtualBoard(virtual_board::Serve),
     Completions(completions::Completions),
@@ -127,6 +129,7 @@ impl Cli {
             Command::Lot(lot) => lot.run(),
             Command::Setup(setup) => setup.run(),
             Command::Device(device) => device.run(),
+            Command::Chamber(chamber) => chamber.run(),
             Command::VirtualBoard(board) => board.run(),
             Command::Completions(completions) => completions.run(),
         };

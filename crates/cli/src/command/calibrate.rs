@@ -5,7 +5,6 @@ mod dry_run;
 mod instrument;
 mod looked_on;
 mod many;
-mod notify;
 mod operator;
 mod page;
 mod real;
@@ -41,6 +40,7 @@ use self::real::Instruments;
 use super::Outcome;
 use crate::interrupt;
 use crate::looking_on::{self, LookingOn};
+use crate::notify;
 use crate::plant::Plant;
 use crate::screen;
 
@@ -176,9 +176,7 @@ impl Calibrate {
                 Err(error) if interrupt::was_asked_for() => ("stopped", sentence(error.as_ref())),
                 Err(error) => ("failed", sentence(error.as_ref())),
             };
-            if let Err(error) = notify::run(command, result, &message, &self.out) {
-                screen::note(&format!("`notify`: {error:#}: {command}"));
-            }
+            notify::tell(command, result, &message, &self.out);
         }
         outcome
     }

@@ -93,6 +93,11 @@ impl Force {
         })
     }
 
+    /// Refuses the place of anything: a recording that is there was recorded once.
+    pub fn recording(self, option: &str, path: &Path) -> Result<()> {
+        self.keep(option, path, || There::Other("what was recorded before".into()))
+    }
+
     /// Refuses the place of what is no corrected log, before one is made for it.
     pub fn corrected_log(self, option: &str, path: &Path) -> Result<()> {
         self.keep(option, path, || {

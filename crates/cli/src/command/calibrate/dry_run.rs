@@ -6,6 +6,7 @@ use zerorate_bench::plan::Plan;
 use zerorate_bench::setup::SetUp;
 
 use super::schedule;
+use crate::clock;
 use crate::screen::{self, Grid, Page};
 
 /// The plan as JSON has it.
@@ -40,7 +41,7 @@ pub fn print(setup: &SetUp, instruments: &[String], json: bool) -> Result<()> {
             schema: 1,
             steps: steps.collect(),
             duration_s,
-            ends: schedule::stamp(duration_s),
+            ends: clock::stamp(duration_s),
             ramp_k_per_min: setup.ramp_rate(),
             instruments,
         });
@@ -53,7 +54,7 @@ pub fn print(setup: &SetUp, instruments: &[String], json: bool) -> Result<()> {
     for (place, (part, time)) in plan.parts.iter().enumerate() {
         let step = format!("{}. {part}", place + 1);
         let ends = duration_s - plan.time_from(place + 1).0;
-        grid.row([&step, &schedule::time(time.0), &schedule::from_now(ends), &part.chamber(setup)]);
+        grid.row([&step, &clock::time(time.0), &clock::from_now(ends), &part.chamber(setup)]);
     }
     page.grid(&grid);
     if !instruments.is_empty() {

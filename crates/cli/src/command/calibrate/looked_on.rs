@@ -7,6 +7,7 @@ use zerorate_bench::setup::SetUp;
 use zerorate_report::{RunGroup, RunStep, StepState};
 
 use super::{Bar, schedule};
+use crate::clock::time;
 use crate::looking_on::{LookingOn, clock};
 
 /// Notes that are kept for the page.
@@ -32,7 +33,7 @@ impl Progress for LookedOn<'_> {
         let steps = plan.parts.iter().map(|(part, took)| RunStep {
             name: part.to_string(),
             chamber: part.chamber(self.setup),
-            takes: if took.0 > 0.0 { schedule::time(took.0) } else { "done before".to_owned() },
+            takes: if took.0 > 0.0 { time(took.0) } else { "done before".to_owned() },
             state: if took.0 > 0.0 { StepState::ToCome } else { StepState::Done },
         });
         let (steps, ends) = (steps.collect(), self.bar.takes_its_time.then(|| schedule::end(plan, 0)));

@@ -1,19 +1,28 @@
 //! A command of the user's at the end of a run: a message to a telephone, say.
 
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 
+use crate::screen;
+
 /// A command that takes longer is left to itself: the run has ended.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// How often it is looked after.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// Runs the command by the shell. `ZERORATE_RESULT` is passed, rejected, stopped or failed, `ZERORATE_MESSAGE` a sentence,
-/// `ZERORATE_OUT` the folder.
-pub fn run(command: &str, result: &str, message: &str, out: &std::path::Path) -> Result<()> {
+/// Runs the command by the shell. `ZERORATE_RESULT` is a word, `ZERORATE_MESSAGE` a sentence, `ZERORATE_OUT` what was written.
+/// A command that fails is told, and fails nothing else.
+pub fn tell(command: &str, result: &str, message: &str, out: &Path) {
+    if let Err(error) = run(command, result, message, out) {
+        screen::note(&format!("`notify`: {error:#}: {command}"));
+    }
+}
+
+fn run(command: &str, result: &str, message: &str, out: &Path) -> Result<()> {
     let (shell, flag) = if cfg!(windows) { ("cmd", "/C") } else { ("sh", "-c") };
     let mut child = Command::new(shell)
         .args([flag, command])
