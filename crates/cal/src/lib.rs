@@ -6,6 +6,7 @@ pub mod compose;
 pub mod condition;
 pub mod device_record;
 pub mod fit;
+pub mod in_chamber;
 pub mod log;
 pub mod log_fit;
 pub mod matching;

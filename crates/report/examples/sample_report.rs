@@ -22,6 +22,7 @@ fn main() -> io::Result<()> {
                 units: None,
                 serial: Some("ZR-0007"),
                 labels: &[("operator".to_owned(), "A. N.".to_owned())].into(),
+                chamber: None,
                 sources: &[],
                 next_command: Some("zerorate apply"),
                 export_command: None,

@@ -1,6 +1,7 @@
 //! The page of a log's fit.
 
 pub(super) mod axis;
+mod chamber;
 mod headline;
 mod noise;
 mod parameters;
@@ -10,6 +11,7 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 use zerorate_cal::calibration::{CREATED_BY, Origin};
 use zerorate_cal::condition::{Excluded, Rejected};
+use zerorate_cal::in_chamber::InChamber;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::units::{RateScale, TemperatureUnit, WrittenRate};
 use zerorate_core::drift::{Drift, Shape};
@@ -34,6 +36,8 @@ pub struct LogPage<'a> {
     pub serial: Option<&'a str>,
     /// What the line knows of the calibration, by name, as `operator`.
     pub labels: &'a BTreeMap<String, String>,
+    /// The chamber in which the unit lay, if it was recorded.
+    pub chamber: Option<&'a InChamber>,
     /// The logs with their SHA-256, where they are known.
     pub sources: &'a [Origin],
     /// The command to type next, if there is one.
@@ -53,6 +57,9 @@ impl LogPage<'_> {
         let mut chapters: Vec<Chapter> = Vec::new();
         if !fit.axes.is_empty() {
             chapters.push(("axes", "Before and after", self.before_and_after()));
+        }
+        if let Some(chamber) = self.chamber {
+            chapters.push(("chamber", "In the chamber", chamber::chapter(fit, chamber, self.units)));
         }
         if !fit.excluded.is_empty() || fit.axes.iter().any(|axis| !axis.samples_rejected.is_empty()) {
             chapters.push(("excluded", "What was excluded", excluded(fit)));

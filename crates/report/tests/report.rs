@@ -26,7 +26,8 @@ fn log_page(fit: &LogFit) -> String {
 fn log_page_in(fit: &LogFit, units: Option<WrittenRate>) -> String {
     let labels = [("operator".to_owned(), "A. N.".to_owned())].into();
     let (serial, next_command) = (Some("ZR-0007"), Some("zerorate apply"));
-    LogPage { fit, units, serial, labels: &labels, sources: &[], next_command, export_command: None }.to_html()
+    LogPage { fit, units, serial, labels: &labels, sources: &[], chamber: None, next_command, export_command: None }
+        .to_html()
 }
 
 /// The texts between `start` and `end`, in order.

@@ -69,6 +69,7 @@ fn fitted(asked: &Asked, sources: &[Source]) -> Result<Fitted, Box<dyn Error>> {
         units,
         serial,
         labels: &labels,
+        chamber: None,
         sources: &origins,
         next_command: None,
         export_command: None,

@@ -1,5 +1,6 @@
 //! `zerorate fit`.
 
+mod beside;
 mod models;
 mod summary;
 
@@ -11,6 +12,7 @@ use clap::Args;
 use zerorate_bench::recorded;
 use zerorate_cal::calibration::{Calibration, Origin};
 use zerorate_cal::fit::fit;
+use zerorate_cal::in_chamber::InChamber;
 use zerorate_cal::log_fit::{FitOptions, LogFit};
 use zerorate_cal::source::Source;
 use zerorate_cal::units::WrittenRate;
@@ -18,6 +20,7 @@ use zerorate_export::Format;
 use zerorate_report::LogPage;
 use zerorate_words::as_options;
 
+use self::beside::Beside;
 use super::{Outcome, Typed};
 use crate::log_arguments::{LogArguments, ShownUnits};
 use crate::progress::Busy;
@@ -65,6 +68,9 @@ pub struct Fit {
     explain: bool,
 
     #[command(flatten)]
+    chamber: Beside,
+
+    #[command(flatten)]
     units: ShownUnits,
 
     /// Print JSON on standard output, and nothing else there
@@ -89,6 +95,8 @@ Examples:
       packed, and in another unit than its names say
   zerorate fit log.csv --units deg/h --serial G-0007 --label operator=\"A. N.\"
       what is told, in another unit; of which unit, and by whom
+  zerorate fit flight.ulg --chamber night.parquet
+      the chamber's air beside the board's own temperature, and what the rate was at the end of each soak
   zerorate fit log.csv --explain
       every model that was compared
   zerorate fit log.parquet --model poly:3 --plain --json
@@ -106,15 +114,22 @@ impl Fit {
         let busy = Busy::reading(logs[0]);
         let options = FitOptions { told_in: self.units.asked(), ..self.log.options() };
         let fit = fitted(&self.log.sources(), &options)?;
+        let chamber = self.chamber.joined(&fit)?;
         let units = self.units.of(fit.axes.iter().map(|axis| axis.calibration.rate_unit))?;
-        let written = if fit.judgement.rejected() { Vec::new() } else { self.write(&fit, &places, units)? };
+        let written =
+            if fit.judgement.rejected() { Vec::new() } else { self.write(&fit, chamber.as_ref(), &places, units)? };
         drop(busy);
         if self.json {
             fit.notes.iter().for_each(|note| screen::note(note));
-            screen::print_json(&fit)?;
+            screen::print_json(&beside::Fitted { fit: &fit, chamber: chamber.as_ref() })?;
         } else {
-            summary::page(&fit, units, self.log.over(), &written, &self.next(&fit, &places, typed), self.explain)
-                .print()?;
+            let about = summary::About {
+                asked: units,
+                over: self.log.over(),
+                explained: self.explain,
+                chamber: chamber.as_ref(),
+            };
+            summary::page(&fit, &about, &written, &self.next(&fit, &places, typed)).print()?;
         }
         Ok(if fit.judgement.rejected() { Outcome::Rejected } else { Outcome::Done })
     }
@@ -134,7 +149,13 @@ impl Fit {
     }
 
     /// Writes the results and says what was written. The calibration comes last: where it is, all is.
-    fn write(&self, fit: &LogFit, places: &Places, units: Option<WrittenRate>) -> Result<Vec<PathBuf>> {
+    fn write(
+        &self,
+        fit: &LogFit,
+        chamber: Option<&InChamber>,
+        places: &Places,
+        units: Option<WrittenRate>,
+    ) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
         if places.out.is_none() && places.report.is_none() && self.record.is_none() {
             return Ok(written);
@@ -154,7 +175,8 @@ impl Fit {
         }
         if let Some(path) = &places.report {
             let next = places.out.as_ref().map(|out| self.use_command(fit, out).1);
-            let about = About { serial: calibration.unit_serial.as_deref(), labels: &calibration.labels, units };
+            let about =
+                About { serial: calibration.unit_serial.as_deref(), labels: &calibration.labels, units, chamber };
             output::write(path, &page(fit, about, origins, next.as_deref(), places.out.as_deref()))?;
             written.push(path.clone());
         }
@@ -212,8 +234,9 @@ pub(super) fn page(
 ) -> String {
     let name = output::argument(calibration.unwrap_or(Path::new("calibration.json")));
     let export = |format: Format| format!("zerorate export {name} --format {format} --out {}", format.file_name());
-    let About { serial, labels, units } = about;
-    LogPage { fit, units, serial, labels, sources: origins, next_command, export_command: Some(&export) }.to_html()
+    let About { serial, labels, units, chamber } = about;
+    LogPage { fit, units, serial, labels, chamber, sources: origins, next_command, export_command: Some(&export) }
+        .to_html()
 }
 
 /// Fits logs. The fit's sentences name the command's options, where the library names its parameters, on the page and in the
@@ -231,6 +254,7 @@ pub(super) struct About<'a> {
     pub serial: Option<&'a str>,
     pub labels: &'a BTreeMap<String, String>,
     pub units: Option<WrittenRate>,
+    pub chamber: Option<&'a InChamber>,
 }
 
 /// A label as it is typed.

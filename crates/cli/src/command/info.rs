@@ -1,6 +1,7 @@
 //! `zerorate info`.
 
 mod calibration;
+mod chamber;
 mod flight;
 mod log;
 mod record;
@@ -13,7 +14,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use zerorate_cal::recording::{Recording, RecordingFault};
+use zerorate_bench::profile::Profile;
+use zerorate_cal::recording::{ChamberRecording, Recording, RecordingFault};
 use zerorate_cal::source::packed::unpacked;
 use zerorate_words::sentence;
 
@@ -51,6 +53,7 @@ Examples:
 #[serde(tag = "kind", rename_all = "kebab-case")]
 enum Content {
     Recording(recording::Facts),
+    ChamberRecording(chamber::Facts),
     Calibration(calibration::Facts),
     DeviceRecord(record::Facts),
     Log(log::Facts),
@@ -111,6 +114,7 @@ fn show(file: &Path, content: &Content, another: bool) -> Result<()> {
     let name = file.display().to_string();
     match content {
         Content::Recording(facts) => facts.show(&name, &mut page),
+        Content::ChamberRecording(facts) => facts.show(&name, &mut page),
         Content::Calibration(facts) => facts.show(&name, &mut page),
         Content::DeviceRecord(facts) => facts.show(&name, &mut page),
         Content::Log(facts) => facts.show(&name, &mut page),
@@ -154,6 +158,11 @@ fn content(file: &Path) -> Result<Content> {
     if start.starts_with(b"<!DOCTYPE html") {
         return Ok(Content::Other { what: "a report: open it in a browser" });
     }
+    if ends_with("toml") && Profile::read(file, [f64::NEG_INFINITY, f64::INFINITY]).is_ok() {
+        return Ok(Content::Other {
+            what: "a chamber's profile: zerorate chamber runs it, and says the plan with --dry-run",
+        });
+    }
     if ends_with("toml") {
         return Ok(Content::Other { what: "a set-up file: zerorate setup --check says whether it is sound" });
     }
@@ -164,6 +173,9 @@ fn content(file: &Path) -> Result<Content> {
         return calibration::Facts::read(file).map(Content::Calibration);
     }
     if start.starts_with(b"PAR1") || start.starts_with(&[0xFF; 4]) || ends_with("arrows") {
+        if let Ok(recording) = ChamberRecording::read(&file.into()) {
+            return Ok(Content::ChamberRecording(chamber::Facts::of(&recording)));
+        }
         match Recording::read(&file.into()) {
             // Parquet that the bench did not write is somebody's log.
             Err(error) if matches!(error.fault, RecordingFault::NotARecording) && start.starts_with(b"PAR1") => {}

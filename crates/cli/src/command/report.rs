@@ -110,7 +110,8 @@ impl Report {
         in_the_same_units(log, &fit, &calibration)?;
         self.force.text("--out", &out, &calibration.sources, None)?;
         let units = self.shown.of(fit.axes.iter().map(|axis| axis.calibration.rate_unit))?.or(calibration.told_in);
-        let about = About { serial: calibration.unit_serial.as_deref(), labels: &calibration.labels, units };
+        let about =
+            About { serial: calibration.unit_serial.as_deref(), labels: &calibration.labels, units, chamber: None };
         output::write(&out, &super::fit::page(&fit, about, &calibration.sources, None, Some(&path)))?;
         self.tell(&out, Some(log), &fit.source(), &fit.notes)
     }

@@ -14,6 +14,7 @@ mod board;
 mod fault_line;
 mod manual;
 mod night;
+mod profile;
 #[allow(dead_code)] // Nor every helper.
 #[path = "../command/schema.rs"]
 mod schema;

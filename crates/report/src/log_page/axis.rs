@@ -13,7 +13,7 @@ use crate::figure::{Figure, Ink, Mark, Panel, Sample, holding};
 use crate::number::significant;
 
 /// Time in the unit that suits its span: its name and the seconds in it.
-fn time_unit(span_s: f64) -> (&'static str, f64) {
+pub(super) fn time_unit(span_s: f64) -> (&'static str, f64) {
     match span_s {
         span if span < 300.0 => ("s", 1.0),
         span if span < 4.0 * 3600.0 => ("min", 60.0),

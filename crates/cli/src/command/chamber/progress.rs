@@ -10,6 +10,9 @@ use zerorate_cal::recording::{ChamberMoment, ChamberWriter, WriteError};
 use crate::clock::{from_now, time};
 use crate::screen;
 
+/// Of a profile of more steps the plan has a line for these alone.
+const MOST_LINES: usize = 40;
+
 /// The plan: a line for all of it and one for each step.
 pub fn plan(profile: &Profile, times: &[Seconds]) -> Vec<String> {
     let whole: f64 = times.iter().map(|time| time.0).sum();
@@ -18,7 +21,9 @@ pub fn plan(profile: &Profile, times: &[Seconds]) -> Vec<String> {
     let head = format!("the plan: {steps}, about {}; without delay it ends {}", time(whole), from_now(whole));
     let steps = profile.steps.iter().zip(times).enumerate();
     let lines = steps.map(|(place, (step, took))| format!("{}. {step}: about {}", place + 1, time(took.0)));
-    std::iter::once(head).chain(lines).collect()
+    let more = count.saturating_sub(MOST_LINES);
+    let more = (more > 0).then(|| format!("and {more} more"));
+    std::iter::once(head).chain(lines.take(MOST_LINES)).chain(more).collect()
 }
 
 /// The recording and the terminal.

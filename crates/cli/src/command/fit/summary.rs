@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use console::Style;
 use zerorate_cal::condition::Rejected;
+use zerorate_cal::in_chamber::InChamber;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
@@ -11,18 +12,24 @@ use zerorate_fit::drift_fit::{FitStatistics, LogLeft, ResidualOver};
 use zerorate_fit::residual::ResidualStatistics;
 use zerorate_report::{advice, believed_temperatures, by_log_sentence, measured_temperatures, trend_sentences};
 
-use super::models;
+use super::{beside, models};
 use crate::screen::{Grid, Page, aligned, style, thousands};
 
+/// What is to be told of a fit.
+pub struct About<'a> {
+    /// The unit in which rates are to be told, if one was asked for.
+    pub asked: Option<WrittenRate>,
+    /// What the residuals are of.
+    pub over: ResidualOver,
+    /// Whether every model is to be told.
+    pub explained: bool,
+    /// What stood about the log.
+    pub chamber: Option<&'a InChamber>,
+}
+
 /// The page: verdict, curves, what was left out, what was guessed, what to do next.
-pub fn page(
-    fit: &LogFit,
-    asked: Option<WrittenRate>,
-    over: ResidualOver,
-    written: &[PathBuf],
-    next: &Option<(&'static str, String)>,
-    explained: bool,
-) -> Page {
+pub fn page(fit: &LogFit, about: &About, written: &[PathBuf], next: &Option<(&'static str, String)>) -> Page {
+    let &About { asked, over, explained, chamber } = about;
     let mut page = Page::default();
     verdict(&mut page, fit);
     rejected_axes(&mut page, fit);
@@ -47,6 +54,9 @@ pub fn page(
             models::explain(&mut page, fit, asked);
         }
         left_out(&mut page, fit);
+        if let Some(chamber) = chamber {
+            beside::soaks(&mut page, fit, chamber, asked);
+        }
     }
     let advice = advice(&fit.judgement);
     if fit.judgement.rejected() && !advice.is_empty() {

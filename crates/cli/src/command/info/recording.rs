@@ -144,7 +144,7 @@ fn parts(rows: &[GroupRow]) -> Vec<Part> {
 }
 
 /// The least and the greatest number; NaN where there is none.
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+pub(super) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::NAN; 2], |[min, max], value| [min.min(value), max.max(value)])
 }
 

@@ -1,0 +1,147 @@
+//! A chamber without a board: `zerorate chamber`, against the virtual board's chamber, which hears Modbus.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use zerorate_cal::recording::{ChamberMoment, ChamberRecording, Phase};
+
+use crate::board::{Board, await_end, send};
+use crate::schema;
+
+const SET_UP: &str = "\
+[chamber]
+limits_c = [-20.0, 70.0]
+[chamber.controller]
+preset = \"watlow-f4t\"
+";
+
+/// Three seconds at each end, in a chamber whose minutes are a third of a second.
+const PROFILE: &str = "\
+steps = [
+    { soak_c = 22, minutes = 0.05 },
+    { ramp_c = 30, k_per_min = 120 },
+    { soak_c = 30, minutes = 0.05 },
+]
+";
+
+struct Alone {
+    _board: Board,
+    chamber: String,
+    folder: tempfile::TempDir,
+}
+
+impl Alone {
+    fn start() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("bench.toml"), SET_UP).unwrap();
+        fs::write(folder.path().join("night.toml"), PROFILE).unwrap();
+        let mut board =
+            Board::start("tcp:127.0.0.1:0", &["--chamber-on", "tcp:127.0.0.1:0", "--speed", "180"], folder.path());
+        let chamber = board.said().rsplit(' ').next().unwrap().to_owned();
+        Self { _board: board, chamber, folder }
+    }
+
+    fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    fn command(&self, more: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_zerorate"));
+        command.args(["chamber", "night.toml", "--chamber", &self.chamber, "--setup", "bench.toml"]).args(more);
+        command.current_dir(self.path()).stdin(Stdio::null());
+        command
+    }
+
+    fn recording(&self, name: &str) -> ChamberRecording {
+        ChamberRecording::read(&(&self.path().join(name)).into()).unwrap()
+    }
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn is_of(step: u32, phase: Phase) -> impl Fn(&&ChamberMoment) -> bool {
+    move |moment| (moment.step, moment.phase) == (step, phase)
+}
+
+#[test]
+fn a_profile_is_run_and_recorded_and_the_chamber_is_left_at_rest() {
+    let alone = Alone::start();
+    let dry = alone.command(&["--dry-run"]).output().unwrap();
+    let plan = String::from_utf8_lossy(&dry.stdout).into_owned();
+    assert!(dry.status.success() && plan.contains("the plan: 3 steps") && plan.contains("Nothing was moved"), "{plan}");
+    assert!(!alone.path().join("night.parquet").exists());
+
+    let notify = "echo \"$ZERORATE_RESULT: $ZERORATE_MESSAGE\" > said";
+    let output = alone.command(&["--notify", notify]).output().unwrap();
+    assert!(output.status.success(), "{}", told(&output));
+    assert!(told(&output).contains("the chamber is at rest"), "{}", told(&output));
+    let said = fs::read_to_string(alone.path().join("said")).unwrap();
+    assert!(said.starts_with("done: the profile is done"), "{said}");
+
+    let recording = alone.recording("night.parquet");
+    assert!(!recording.cut && recording.info.profile == PROFILE && recording.info.labels.contains_key("chamber"));
+    let soaked = |step, at: f64| {
+        let moments: Vec<_> = recording.moments.iter().filter(is_of(step, Phase::Soak)).collect();
+        assert!((2..=5).contains(&moments.len()), "{moments:?}");
+        assert!(moments.iter().all(|moment| (moment.air_c - at).abs() < 2.0 && moment.set_c == at), "{moments:?}");
+    };
+    soaked(1, 22.0);
+    soaked(3, 30.0);
+    let ramp: Vec<f64> = recording.moments.iter().filter(is_of(2, Phase::Heating)).map(|moment| moment.set_c).collect();
+    assert!(ramp.len() >= 4 && ramp.is_sorted() && ramp.last() == Some(&30.0), "{ramp:?}");
+
+    // What was recorded is not written over.
+    let again = alone.command(&[]).output().unwrap();
+    assert!(again.status.code() == Some(2) && told(&again).contains("--force"), "{}", told(&again));
+    assert_eq!(alone.recording("night.parquet"), recording);
+
+    let info = Command::new(env!("CARGO_BIN_EXE_zerorate"))
+        .args(["info", "night.parquet", "--json"])
+        .current_dir(alone.path())
+        .output()
+        .unwrap();
+    let info: Value = serde_json::from_slice(&info.stdout).unwrap();
+    schema::hold("info.json", &info);
+    assert_eq!(info["files"][0]["kind"], "chamber-recording");
+    assert_eq!(info["files"][0]["moments"], recording.moments.len());
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_what_was_recorded_and_a_chamber_at_rest() {
+    let alone = Alone::start();
+    fs::write(alone.path().join("night.toml"), "steps = [{ soak_c = 24, minutes = 600 }]").unwrap();
+    let mut child = alone.command(&["--out", "cut.parquet"]).stderr(Stdio::piped()).spawn().unwrap();
+    let stream = alone.path().join("cut.arrows");
+    let began = Instant::now();
+    while !ChamberRecording::read(&(&stream).into()).is_ok_and(|recording| recording.moments.len() > 2) {
+        assert!(began.elapsed() < Duration::from_secs(60), "nothing is recorded");
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    send(&child, "INT");
+    await_end(&mut child, Duration::from_secs(60));
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{}", told(&output));
+    assert!(told(&output).contains("what was recorded is in cut.parquet"), "{}", told(&output));
+    let recording = alone.recording("cut.parquet");
+    assert!(!recording.cut && recording.moments.len() > 2 && !stream.exists());
+}
+
+#[test]
+fn a_profile_beyond_the_chambers_limits_moves_nothing() {
+    let alone = Alone::start();
+    fs::write(alone.path().join("night.toml"), "steps = [{ soak_c = 80, minutes = 1 }]").unwrap();
+    let output = alone.command(&[]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        told(&output).contains("step 1: 80 C is outside of the chamber's limits, -20 to 70 C"),
+        "{}",
+        told(&output)
+    );
+    assert!(!alone.path().join("night.arrows").exists());
+}
