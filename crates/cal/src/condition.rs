@@ -11,6 +11,7 @@ mod level;
 mod motion;
 mod settle;
 mod step;
+mod stopped;
 mod temperature;
 
 use serde::Serialize;
@@ -18,6 +19,7 @@ use serde::Serialize;
 pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUPS, weigh};
 pub(crate) use group::{all_of, typical_scatter};
 pub use level::{Levels, leave_out_times, level};
+pub use stopped::{End, Stopped, leave_out_stopped};
 pub(crate) use temperature::dropout_margin;
 pub use temperature::{dequantise, extend_to_the_start, leave_out_untrue_temperatures};
 
@@ -43,6 +45,8 @@ pub enum DropReason {
     Gap,
     /// In an interval in which the temperature stood still, and then jumped; or in which a noisy one stood still.
     FrozenTemperature,
+    /// In an interval in which the rate was one number although it has noise.
+    StoppedRate,
 }
 
 impl DropReason {
@@ -59,6 +63,7 @@ impl DropReason {
             Self::Step => "the rate stepped",
             Self::Gap => "nothing was logged for a while",
             Self::FrozenTemperature => "the temperature stood still",
+            Self::StoppedRate => "the rate was one number, without its noise",
         }
     }
 }

@@ -95,6 +95,8 @@ pub enum ReasonKind {
     Gap,
     /// Warning: the temperature stood still for a while though it has noise, or then jumped.
     FrozenTemperature,
+    /// Warning: for a while the rate was one number, without its noise.
+    StoppedReading,
     /// Warning: the temperature jumped faster than a part can heat, and stayed there.
     TemperatureJump,
     /// Warning: the temperature comes in coarse steps.
@@ -150,6 +152,7 @@ impl ReasonKind {
             | Self::StartUp
             | Self::Gap
             | Self::FrozenTemperature
+            | Self::StoppedReading
             | Self::TemperatureJump
             | Self::CoarseTemperature
             | Self::CoarseRate

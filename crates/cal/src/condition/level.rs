@@ -6,7 +6,7 @@ use super::motion::mark_moved;
 use super::settle::mark_settling;
 use super::step::{are_opposite, take_out_steps};
 use super::temperature::mark_frozen;
-use super::{DropReason, Excluded, Group, Step, Tally};
+use super::{DropReason, Excluded, Group, Step, Stopped, Tally};
 use crate::units::TemperatureUnit;
 
 /// A jump of the temperature of more than this share of the least span, 0.5 C, explains a jump of the rate.
@@ -21,6 +21,8 @@ pub struct Levels {
     pub steps: Vec<Step>,
     /// Steps too small for that, which were left in.
     pub left_in: Vec<Step>,
+    /// Where an axis read one number: left out of that axis alone.
+    pub stopped: Vec<Stopped>,
 }
 
 impl Levels {
@@ -79,7 +81,7 @@ pub fn level(
     let mut excluded = excluded(groups, &marks);
     excluded.extend(gaps(groups));
     excluded.sort_by_key(|interval| interval.rows);
-    Levels { excluded, steps, left_in }
+    Levels { excluded, steps, left_in, stopped: Vec::new() }
 }
 
 /// Leaves out the groups of one sensor at times at which another of the same unit was moved. Gives what was left out

@@ -75,6 +75,10 @@ fn condition(sensor: &mut Gathered) -> Levels {
         // It is no measure of how the others move.
         sensor.groups.iter_mut().for_each(|group| group.axes[axis].rows = 0);
     }
+    let mut stopped = Vec::new();
+    for (axis, (tally, step)) in sensor.tallies.iter_mut().zip(&sensor.rate_steps).enumerate() {
+        stopped.extend(leave_out_stopped(&mut sensor.groups, tally, axis, *step));
+    }
     let (unit, step) = (sensor.stream.temperature_unit, sensor.temperature_step);
     let untrue = leave_out_untrue_temperatures(&mut sensor.groups, &mut sensor.tallies, unit, step);
     if words::is_coarse(sensor) {
@@ -87,6 +91,7 @@ fn condition(sensor: &mut Gathered) -> Levels {
             RateUnit::Counts | RateUnit::MetresPerS2 => f64::INFINITY,
         };
     let mut levels = level(&mut sensor.groups, &mut sensor.tallies, unit, rotation_threshold, &sensor.rate_steps);
+    levels.stopped = stopped;
     levels.excluded.extend(untrue);
     levels.excluded.sort_by_key(|interval| interval.rows);
     extend_to_the_start(&mut sensor.groups);

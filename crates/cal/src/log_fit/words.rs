@@ -8,7 +8,9 @@ use zerorate_fit::still::Still;
 
 use super::FitOptions;
 use super::gather::Gathered;
-use crate::condition::{DropReason, Excluded, Group, Levels, Step, all_of, dropout_margin, typical_scatter};
+use crate::condition::{
+    DropReason, End, Excluded, Group, Levels, Step, Stopped, all_of, dropout_margin, typical_scatter,
+};
 use crate::log::Stream;
 use crate::quality::{Judgement, Reason, ReasonKind};
 use crate::units::{RateScale, TemperatureUnit};
@@ -56,6 +58,9 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
         if let Some(reason) = of_excluded(&part.interval(interval), stream.temperature_unit) {
             judgement.add(part.reason(reason));
         }
+    }
+    for stopped in levels.stopped.iter().filter(|stopped| stopped.axis == axis) {
+        judgement.add(of_stopped(stopped, name, sensor));
     }
     let then = match options.keep_steps {
         true => "it stands in what is left",
@@ -265,6 +270,26 @@ pub(super) fn of_still(still: &Still, name: &str, sensor: &Gathered) -> Reason {
         stream.unit
     );
     Reason::new(ReasonKind::StuckReading, text)
+}
+
+/// An axis that read one number for a while.
+fn of_stopped(stopped: &Stopped, name: &str, sensor: &Gathered) -> Reason {
+    let (part, stream) = (sensor.part(stopped.interval.rows.0), &sensor.stream);
+    let interval = part.interval(&stopped.interval);
+    let why = match stopped.end {
+        Some(End::Least) => "no other is below it: that is the end of what the sensor or its converter can show",
+        Some(End::Greatest) => "no other is above it: that is the end of what the sensor or its converter can show",
+        None => "the sensor, or the line to it, had stopped",
+    };
+    let text = format!(
+        "{}: the {} is {} {} and nothing else {}, without the noise that it has elsewhere, and was left out there; {why}",
+        part.axis(name),
+        stream.unit.quantity(),
+        stopped.rate,
+        stream.unit,
+        place(interval.time_s, interval.rows, interval.temperature, stream.temperature_unit.name())
+    );
+    Reason::new(ReasonKind::StoppedReading, text)
 }
 
 /// What to think of a time without rows. A unit that stood for hours without rows seldom has the same temperature again to a

@@ -3,16 +3,18 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use zerorate_cal::recording::{ChamberMoment, ChamberRecording, Phase};
 
-use crate::board::{Board, await_end, send};
+use crate::board::{Board, await_end, await_that, send};
 use crate::schema;
 
 const SET_UP: &str = "\
 [chamber]
+cold_c = -20.0
+hot_c = 60.0
+soaks_c = []
 limits_c = [-20.0, 70.0]
 [chamber.controller]
 preset = \"watlow-f4t\"
@@ -118,13 +120,11 @@ fn ctrl_c_leaves_what_was_recorded_and_a_chamber_at_rest() {
     fs::write(alone.path().join("night.toml"), "steps = [{ soak_c = 24, minutes = 600 }]").unwrap();
     let mut child = alone.command(&["--out", "cut.parquet"]).stderr(Stdio::piped()).spawn().unwrap();
     let stream = alone.path().join("cut.arrows");
-    let began = Instant::now();
-    while !ChamberRecording::read(&(&stream).into()).is_ok_and(|recording| recording.moments.len() > 2) {
-        assert!(began.elapsed() < Duration::from_secs(60), "nothing is recorded");
-        std::thread::sleep(Duration::from_millis(100));
-    }
-    send(&child, "INT");
-    await_end(&mut child, Duration::from_secs(60));
+    await_that("something is recorded", || {
+        ChamberRecording::read(&(&stream).into()).is_ok_and(|recording| recording.moments.len() > 2)
+    });
+    send("INT", child.id());
+    await_end(&mut child);
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(2), "{}", told(&output));
     assert!(told(&output).contains("what was recorded is in cut.parquet"), "{}", told(&output));
