@@ -52,6 +52,9 @@ fn on(kind: ReasonKind) -> &'static str {
         ReasonKind::FrozenTemperature => {
             "Look for why the temperature stood still: a sensor that is read too seldom, or a bus that hangs."
         }
+        ReasonKind::StoppedReading => {
+            "Look for why the rate was one number: a full scale or an offset that leaves no room, or a bus that hangs."
+        }
         ReasonKind::TemperatureJump => {
             "Look for what changed when the temperature jumped: a sensor, a connector, a scale; a curve needs one that is true \
                  throughout."

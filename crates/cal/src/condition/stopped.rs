@@ -81,6 +81,8 @@ pub fn leave_out_stopped(groups: &mut [Group], tally: &mut Tally, axis: usize, r
             time_s: (run[0].times_s.0, run[run.len() - 1].times_s.1),
             temperature: run.iter().map(|group| group.temperatures).reduce(all_of).unwrap_or((f64::NAN, f64::NAN)),
         };
+        // A mean of equal numbers is that number but for its last digits.
+        let rate = format!("{rate:.8e}").parse().unwrap_or(rate);
         found.push(Stopped { axis, rate, end, interval });
         for part in groups[from..to].iter_mut().map(|group| &mut group.axes[axis]) {
             tally.add(DropReason::StoppedRate, u64::from(part.rows));
@@ -116,7 +118,7 @@ mod tests {
             })
             .collect();
         let mut grouping = Grouping::new(1, Length::Rows { rows: 100, step_s: 0.1 }, TemperatureUnit::C, 0);
-        let values: Vec<&[f64]> = vec![&rates];
+        let values = [rates];
         grouping.push_rows(&Rows {
             sensor: 0,
             part: 0,
@@ -125,8 +127,9 @@ mod tests {
             temperature: &temperature,
             values: &values,
         });
+        let step = grouping.rate_steps()[0];
         let (mut groups, mut tallies) = grouping.finish();
-        let found = leave_out_stopped(&mut groups, &mut tallies[0], 0, 0.001);
+        let found = leave_out_stopped(&mut groups, &mut tallies[0], 0, step);
         (found, groups, tallies.remove(0))
     }
 

@@ -10,7 +10,7 @@ use super::gather::{Gathered, gather, is_accelerometer};
 use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, one_way, words};
 use crate::calibration::AxisCalibration;
 use crate::condition::{
-    DropReason, Excluded, Group, Levels, dequantise, extend_to_the_start, leave_out_times,
+    DropReason, Excluded, Group, Levels, dequantise, extend_to_the_start, leave_out_stopped, leave_out_times,
     leave_out_untrue_temperatures, level, weigh,
 };
 use crate::quality::{Judgement, Reason, ReasonKind};
