@@ -123,14 +123,17 @@ pub enum NoTest {
 }
 
 /// The columns of a log as far as its calibration tells them: where rates were not named and the log is a table that has
-/// all of the calibration's axes, those; and the calibration's unit where no name says one.
+/// all of the calibration's axes, those, in the calibration's unit where no name says one. Of other columns that unit is
+/// likely, and a guess that is told.
 #[must_use]
 pub fn known_columns(log: &Source, calibration: &Calibration, asked: Columns) -> Columns {
-    let else_rate_unit = calibration.axes.values().find_map(|axis| WrittenRate::of(axis.rate_unit));
+    let own_unit = calibration.axes.values().find_map(|axis| WrittenRate::of(axis.rate_unit));
     let names: Vec<String> = calibration.axes.keys().cloned().collect();
     let has_all = || Table::open(log).is_ok_and(|table| names.iter().all(|name| table.names().contains(name)));
-    let rates = if asked.rates.is_empty() && has_all() { names } else { asked.rates };
-    Columns { rates, else_rate_unit, ..asked }
+    match asked.rates.is_empty() && has_all() {
+        true => Columns { rates: names, else_rate_unit: own_unit, ..asked },
+        false => Columns { likely_rate_unit: own_unit, ..asked },
+    }
 }
 
 /// Applies a calibration to a log and holds what is left against limits.

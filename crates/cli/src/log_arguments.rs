@@ -90,6 +90,7 @@ impl ColumnArguments {
             temperature_unit: self.units.temperature_unit,
             rate_unit: self.units.rate_unit,
             else_rate_unit: None,
+            likely_rate_unit: None,
         }
     }
 }

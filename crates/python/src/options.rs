@@ -33,6 +33,7 @@ impl Columns {
             temperature_unit: parsed(self.temperature_unit.as_deref())?,
             rate_unit: parsed(self.rate_unit.as_deref())?,
             else_rate_unit: None,
+            likely_rate_unit: None,
         })
     }
 }

@@ -64,6 +64,7 @@ impl Asked {
             temperature_unit: read("temperature_unit", &self.temperature_unit)?,
             rate_unit: read("rate_unit", &self.rate_unit)?,
             else_rate_unit: None,
+            likely_rate_unit: None,
         };
         Ok(FitOptions {
             columns,

@@ -10,6 +10,9 @@ use zerorate_fit::folds::TELLING;
 /// that is less.
 const TOLD_OUTSIDE: f64 = 0.02;
 
+/// Averages that are outside by less than this part of the range are at its end.
+const AT_THE_END: f64 = 0.01;
+
 /// Of less of the range than this a run says nothing of a calibration but there.
 const MUCH: f64 = 0.5;
 
@@ -83,7 +86,11 @@ fn left_of_rates(unit: RateUnit, [left, of]: [f64; 2], told_in: Option<WrittenRa
 fn outside(axes: &[VerifiedAxis], unit: TemperatureUnit) -> impl Iterator<Item = Reason> {
     let range = |axis: &VerifiedAxis| axis.calibrated_temperature.map(f64::to_bits);
     let mut told: Vec<(Vec<&str>, &VerifiedAxis)> = Vec::new();
-    for axis in axes.iter().filter(|axis| axis.outside > TOLD_OUTSIDE) {
+    let is_beyond = |axis: &&VerifiedAxis| {
+        let ([from, to], [min, max]) = (axis.temperature, axis.calibrated_temperature);
+        (min - from).max(to - max) > AT_THE_END * (max - min)
+    };
+    for axis in axes.iter().filter(|axis| axis.outside > TOLD_OUTSIDE).filter(is_beyond) {
         match told.iter_mut().find(|(_, first)| range(first) == range(axis)) {
             Some((names, first)) => {
                 names.push(&axis.name);

@@ -86,7 +86,7 @@ pub enum LogFault {
     },
     /// Rates whose unit was guessed, and that speak against the guess.
     #[error(
-        "column '{column}' names no unit, and as {guessed} the gyro would never rest: say its unit (`rate_unit` dps, or rad/s if it did move all the time)"
+        "column '{column}' names no unit, and as {guessed} the gyro would never rest: say its unit (`rate_unit` dps, mdps or rad/s; {guessed} if it did move all the time)"
     )]
     DoubtfulRate {
         /// The rate column's name.

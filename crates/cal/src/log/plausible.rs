@@ -46,7 +46,11 @@ impl Plausible {
             self.hot += u64::from(read > HOTTEST_GUESSED_C);
             (self.min, self.max) = (self.min.min(written), self.max.max(written));
         }
-        self.rates.iter_mut().zip(rates).for_each(|(spread, rates)| spread.take(rates));
+        if let Some(one) = sensor.rate_unit.in_unit(RateUnit::RadPerS) {
+            for ((spread, rate), written) in self.rates.iter_mut().zip(&sensor.rates).zip(rates) {
+                spread.take(&written.iter().map(|written| rate.factor * one * written).collect::<Vec<_>>());
+            }
+        }
     }
 
     /// What speaks against the units.
@@ -62,7 +66,7 @@ impl Plausible {
             });
         }
         let place = self.rates.iter().position(Spread::never_rests)?;
-        Some(LogFault::DoubtfulRate { column: sensor.rates[place].name.clone(), guessed: RateUnit::RadPerS })
+        Some(LogFault::DoubtfulRate { column: sensor.rates[place].name.clone(), guessed: sensor.rate_unit })
     }
 
     /// What makes a unit that was guessed doubtful.

@@ -277,8 +277,12 @@ fn of_stopped(stopped: &Stopped, name: &str, sensor: &Gathered) -> Reason {
     let (part, stream) = (sensor.part(stopped.interval.rows.0), &sensor.stream);
     let interval = part.interval(&stopped.interval);
     let why = match stopped.end {
-        Some(End::Least) => "no other is below it: that is the end of what the sensor or its converter can show",
-        Some(End::Greatest) => "no other is above it: that is the end of what the sensor or its converter can show",
+        Some(End::Least) => {
+            "no average is below it: it is the end of what the sensor or its converter can show, or the sensor had stopped"
+        }
+        Some(End::Greatest) => {
+            "no average is above it: it is the end of what the sensor or its converter can show, or the sensor had stopped"
+        }
         None => "the sensor, or the line to it, had stopped",
     };
     let text = format!(
@@ -327,7 +331,7 @@ fn of_step(step: &Step, what_does: &str, scale: RateScale, unit: &str) -> String
 
 /// A log without a sensor that is wanted.
 pub(super) fn no_sensor(seen: &[String], of_autopilot: bool) -> String {
-    if !of_autopilot {
+    if !of_autopilot && seen.is_empty() {
         "the table has no row of numbers".into()
     } else if seen.is_empty() {
         "the log has no row of a gyro or an accelerometer with a temperature: switch on the logging of raw sensors"

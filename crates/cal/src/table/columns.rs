@@ -30,8 +30,10 @@ pub struct Columns {
     pub temperature_unit: Option<WrittenTemperature>,
     /// The rate columns' unit, whatever their names say.
     pub rate_unit: Option<WrittenRate>,
-    /// The rate columns' unit where no name says one.
+    /// The rate columns' unit where no name says one, and it is known all the same.
     pub else_rate_unit: Option<WrittenRate>,
+    /// The unit to guess where nobody knows it, in place of rad/s.
+    pub likely_rate_unit: Option<WrittenRate>,
 }
 
 /// Which column is which.
@@ -86,7 +88,16 @@ pub struct ResolvedRate {
 impl Columns {
     /// Whether something was asked for that only a table has.
     pub(crate) fn is_of_a_table(&self) -> bool {
-        let Self { time, temperature, rates, time_unit, temperature_unit, rate_unit, else_rate_unit: _ } = self;
+        let Self {
+            time,
+            temperature,
+            rates,
+            time_unit,
+            temperature_unit,
+            rate_unit,
+            else_rate_unit: _,
+            likely_rate_unit: _,
+        } = self;
         let is_named = time.is_some() || temperature.is_some() || !rates.is_empty();
         is_named || time_unit.is_some() || temperature_unit.is_some() || rate_unit.is_some()
     }
@@ -272,13 +283,18 @@ impl<'a> Names<'a> {
         let written: Vec<Option<WrittenRate>> =
             gyro.columns.iter().map(|&column| self.written(column, asked, resolved)).collect::<Result<_, _>>()?;
         let by_name = written.iter().flatten().next().copied();
-        let of_rest = by_name.or(asked.else_rate_unit).unwrap_or(WrittenRate::RadPerS);
+        let likely = asked.likely_rate_unit.unwrap_or(WrittenRate::RadPerS);
+        let of_rest = by_name.or(asked.else_rate_unit).unwrap_or(likely);
         let is_rate_guessed = by_name.is_none() && asked.else_rate_unit.is_none();
         if let Some(place) = written.iter().position(Option::is_none)
             && (is_rate_guessed || by_name.is_some())
         {
             let name = &self.table.names()[gyro.columns[place]];
-            let why = if is_rate_guessed { "" } else { ", as the columns beside it" };
+            let why = match (is_rate_guessed, asked.likely_rate_unit) {
+                (true, Some(_)) => ", as the calibration has it",
+                (true, None) => "",
+                (false, _) => ", as the columns beside it",
+            };
             let text = format!("'{name}' {TAKEN_AS} {of_rest}{why} (`rate_unit` says otherwise)");
             resolved.guesses.push(Reason::new(ReasonKind::GuessedUnit, text));
         }

@@ -209,7 +209,8 @@ impl Apply {
         let mut page = Page::default();
         let (rows, columns) = (thousands(applied.rows), columns.join(", "));
         page.sentence("", &format!("Wrote {}: {rows} rows, {columns} corrected.", self.out.display()));
-        if applied.unmeasured > 0 {
+        // Where the curve is believed no further than it was measured, one sentence says both.
+        if applied.unmeasured > applied.outside {
             let (rows, [coldest, hottest]) = (thousands(applied.unmeasured), measured_temperature);
             let text = format!(
                 "{rows} rows are outside {coldest:.1} to {hottest:.1} {unit}, the coldest and the warmest average that was fitted: there the curve goes on as it ends"

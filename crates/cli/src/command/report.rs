@@ -182,6 +182,7 @@ impl Report {
                 temperature_unit: self.units.temperature_unit,
                 rate_unit: self.units.rate_unit,
                 else_rate_unit: axes().next().and_then(|axis| WrittenRate::of(axis.rate_unit)).filter(|_| is_table),
+                likely_rate_unit: None,
             },
             model: if chosen { Model::Auto } else { axes().next().map_or(Model::Auto, AxisCalibration::model) },
             plain: fits().any(|fit| fit.residual_over == ResidualOver::Rows),
