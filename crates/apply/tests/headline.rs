@@ -126,4 +126,5 @@ fn a_verification_finds_the_same_number() {
     {
         assert!((found.rms / told.unwrap().rms - 1.0).abs() < 0.03, "{found:?} {told:?}");
     }
+    assert_eq!(verified.axes[0].fit_told, statistics.deployed);
 }

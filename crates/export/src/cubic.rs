@@ -34,6 +34,9 @@ pub struct Loss {
     pub cubic_rms: Option<f64>,
     /// How far the cubic is from the chosen static curve, at most over the range.
     pub furthest: f64,
+    /// Whether both are of a whole log, as a device has it that takes its zero once; else of each held-out fold by itself, which is
+    /// less.
+    pub over_whole_log: bool,
 }
 
 impl Cubic {
@@ -117,7 +120,9 @@ impl Loss {
             fit.candidates.iter().find(|candidate| candidate.model == name)?.held_out_rms
         };
         // What is deployed is compared, where a choice was nested: the history known, no drift in time.
-        let deployed = fit.nested.and_then(|nested| nested.deployed_warm.zip(nested.cubic_deployed));
+        let whole = axis.fit.static_cubic.as_ref().and_then(|cubic| fit.deployed.zip(cubic.deployed));
+        let whole = whole.map(|(chosen, cubic)| (chosen.rms, cubic.rms));
+        let deployed = whole.or_else(|| fit.nested.and_then(|nested| nested.deployed_warm.zip(nested.cubic_deployed)));
         let held_out = || fit.held_out.map(|residual| residual.rms);
         let own = || axis.fit.static_cubic.as_ref()?.held_out.map(|residual| residual.rms);
         // A curve that is a cubic or less loses nothing; of the others the candidates tell.
@@ -131,7 +136,7 @@ impl Loss {
         let furthest = temperatures(min, max)
             .map(|temperature| (cubic.evaluate(temperature) - axis.drift().evaluate(temperature).0).abs())
             .fold(0.0, f64::max);
-        Self { chosen_rms, cubic_rms, furthest }
+        Self { chosen_rms, cubic_rms, furthest, over_whole_log: whole.is_some() }
     }
 
     /// The same in another unit.
@@ -141,6 +146,7 @@ impl Loss {
             chosen_rms: scaled(self.chosen_rms),
             cubic_rms: scaled(self.cubic_rms),
             furthest: self.furthest * factor,
+            ..self
         }
     }
 }

@@ -197,11 +197,15 @@ impl ExportedAxis {
     /// What the cubic costs, as a phrase.
     #[must_use]
     pub fn cost(&self, scale: RateScale) -> String {
-        let Loss { chosen_rms, cubic_rms, furthest } = self.loss;
+        let Loss { chosen_rms, cubic_rms, furthest, over_whole_log } = self.loss;
+        let left = match over_whole_log {
+            true => "rms of a whole log, held out, its zero taken at the start",
+            false => "rms of held-out eighths of the log, zeroed",
+        };
         match (chosen_rms, cubic_rms) {
             (Some(chosen), Some(cubic)) if (chosen - cubic).abs() <= 1e-9 * chosen.abs() => {
                 format!(
-                    "the curve of {} is a cubic or less, nothing of it is lost; it leaves {} rms of held-out eighths of the log, zeroed",
+                    "the curve of {} is a cubic or less, nothing of it is lost; it leaves {} {left}",
                     self.model,
                     scale.told(chosen)
                 )
@@ -209,14 +213,14 @@ impl ExportedAxis {
             (Some(chosen), Some(cubic)) => {
                 let costs = if cubic <= chosen {
                     format!(
-                        "this cubic leaves {} rms of held-out eighths of the log, zeroed, no more than the chosen {} ({})",
+                        "this cubic leaves {} {left}, no more than the chosen {} ({})",
                         scale.told(cubic),
                         self.model,
                         scale.number(chosen)
                     )
                 } else {
                     format!(
-                        "this cubic leaves {} rms of held-out eighths of the log, zeroed, {:.0} % more than the chosen {} ({})",
+                        "this cubic leaves {} {left}, {:.0} % more than the chosen {} ({})",
                         scale.told(cubic),
                         100.0 * (cubic / chosen - 1.0),
                         self.model,

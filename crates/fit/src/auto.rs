@@ -174,7 +174,7 @@ impl Attempt {
             trends: trends(&deployed, series),
             ..FitStatistics::new(ResidualOver::Groups, used, in_sample, held_out, made.covariance.clone())
         };
-        let static_cubic = nested::static_cubic(series, measured, fits);
+        let static_cubic = nested::static_cubic(series, measured, fits, outer);
         GroupFit {
             fit: DriftFit { model: made.model.clone(), measured, static_cubic, band, next_run_band, statistics },
             residuals,

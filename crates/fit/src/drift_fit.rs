@@ -59,6 +59,9 @@ pub struct StaticCubic {
     pub in_sample: ResidualStatistics,
     /// Residual of the folds, each predicted by the fit of the others; `None` where they do not settle it.
     pub held_out: Option<ResidualStatistics>,
+    /// What a device has left over a whole log that it corrects by this cubic, as [`FitStatistics::deployed`] has it of the model
+    /// chosen; `None` where there are no such folds.
+    pub deployed: Option<ResidualStatistics>,
 }
 
 /// How well the whole procedure predicts data that played no part in choosing or fitting: folds, for each of which the

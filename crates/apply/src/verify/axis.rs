@@ -36,6 +36,9 @@ pub struct VerifiedAxis {
     /// What a device has left that takes its zero in the run's first half minute and corrects from then on: what a fit
     /// tells by the same name ([`zerorate_fit::drift_fit::FitStatistics::deployed`]).
     pub deployed: ResidualStatistics,
+    /// What the calibration's fit told of that; `None` of a board, and where it could not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fit_told: Option<ResidualStatistics>,
     /// The same without the calibration: what a device has left that takes its zero and corrects nothing.
     pub uncorrected: ResidualStatistics,
     /// Whether more is left than was recorded, by the root mean square about the mean: no correction would be better.
@@ -101,6 +104,7 @@ pub(super) fn verify(
         corrected,
         offset,
         deployed: left_after_zero(left, &times),
+        fit_told: own.fit.statistics.deployed,
         uncorrected,
         worse: corrected.rms > raw.rms + ROUNDING * raw.rms.max(offset.abs()),
         temperature: [temperatures().fold(f64::INFINITY, f64::min), temperatures().fold(f64::NEG_INFINITY, f64::max)],

@@ -96,17 +96,21 @@ pub(super) struct StaticCubicForm {
     drift: DriftForm,
     in_sample: ResidualStatistics,
     held_out: Option<ResidualStatistics>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    deployed: Option<ResidualStatistics>,
 }
 
 impl From<StaticCubic> for StaticCubicForm {
     fn from(cubic: StaticCubic) -> Self {
-        Self { drift: DriftForm::from(&cubic.drift), in_sample: cubic.in_sample, held_out: cubic.held_out }
+        let StaticCubic { drift, in_sample, held_out, deployed } = cubic;
+        Self { drift: DriftForm::from(&drift), in_sample, held_out, deployed }
     }
 }
 
 impl StaticCubicForm {
     pub(super) fn checked(&self) -> Result<StaticCubic, String> {
-        Ok(StaticCubic { drift: self.drift.checked()?, in_sample: self.in_sample, held_out: self.held_out })
+        let &Self { ref drift, in_sample, held_out, deployed } = self;
+        Ok(StaticCubic { drift: drift.checked()?, in_sample, held_out, deployed })
     }
 }
 

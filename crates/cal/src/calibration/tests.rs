@@ -330,7 +330,8 @@ fn a_calibration_with_a_history_reads_back_as_it_was_written() {
     axis.fit.band = vec![BandPoint { temperature: 8500.0, half_width: 1.0 / 3.0 }];
     axis.fit.next_run_band = vec![BandPoint { temperature: 8500.0, half_width: 2.0 / 3.0 }];
     let in_sample = ResidualStatistics { rms: 0.1, pp: 0.7, rms_standard_error: None };
-    axis.fit.static_cubic = Some(StaticCubic { drift: axis.drift().clone(), in_sample, held_out: None });
+    axis.fit.static_cubic =
+        Some(StaticCubic { drift: axis.drift().clone(), in_sample, held_out: None, deployed: None });
     let text = calibration.to_json().unwrap();
     assert_eq!(Calibration::from_json(&text).unwrap(), calibration);
     for (good, bad) in [("\"half_width\": 123.4", "\"half_width\": -1"), ("\"share\": 0.6", "\"share\": 0.9")] {

@@ -120,8 +120,11 @@ impl ChamberRecording {
     /// # Errors
     /// When it cannot be read, is another's, or is damaged.
     pub fn read(source: &Source) -> Result<Self, RecordingError> {
-        let (info, moments, cut) = streamed::read(source, info, moments).map_err(|fault| source.faulty(fault))?;
-        Ok(Self { info, moments, cut })
+        match streamed::read(source, info, moments) {
+            Ok((info, moments, cut)) => Ok(Self { info, moments, cut }),
+            Err(RecordingFault::NotARecording) => Err(source.faulty(RecordingFault::NotAChambers)),
+            Err(fault) => Err(source.faulty(fault)),
+        }
     }
 }
 

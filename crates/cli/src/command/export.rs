@@ -103,9 +103,10 @@ impl Export {
         page.sentence("", &format!("Wrote {out}, for {}.", self.format));
         for sensor in &exported.sensors {
             page.heading(&format!(
-                "{sensor}, {:.1} to {:.1} C: what a cubic leaves of held-out eighths of the log, zeroed, {} rms",
+                "{sensor}, {:.1} to {:.1} C: what a cubic leaves of {}, {} rms",
                 sensor.range[0],
                 sensor.range[1],
+                of_what(sensor),
                 sensor.told.unit()
             ));
             page.grid(&losses(sensor));
@@ -123,6 +124,14 @@ impl Export {
         let is_loss = |note: &&String| exported.sensors.iter().any(|sensor| note.starts_with(&sensor.to_string()));
         exported.notes.iter().filter(|note| !is_loss(note)).for_each(|note| page.sentence("  - ", note));
         page
+    }
+}
+
+/// What the losses of a sensor are of.
+fn of_what(sensor: &ExportedSensor) -> &'static str {
+    match sensor.axes.iter().flatten().all(|axis| axis.loss.over_whole_log) {
+        true => "a whole log, held out, its zero taken at the start",
+        false => "held-out eighths of the log, zeroed",
     }
 }
 

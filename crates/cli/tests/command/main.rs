@@ -11,6 +11,7 @@ mod fault;
 mod fit;
 mod forms;
 mod help;
+mod in_chamber;
 mod info;
 mod kept;
 mod killed;

@@ -225,17 +225,18 @@ fn a_model_is_named_as_its_fit_names_it_and_what_no_format_holds_is_told() {
 fn a_cubic_that_is_better_than_the_model_is_not_told_as_a_loss() {
     let (model, cubic) = ("table:16".to_owned(), Cubic { reference: 0.0, coefficients: [0.0; 4], range: [0.0, 1.0] });
     let cost = |chosen_rms, cubic_rms| {
-        let loss = Loss { chosen_rms: Some(chosen_rms), cubic_rms: Some(cubic_rms), furthest: 0.0 };
+        let loss =
+            Loss { chosen_rms: Some(chosen_rms), cubic_rms: Some(cubic_rms), furthest: 0.0, over_whole_log: true };
         ExportedAxis { name: "x".to_owned(), model: model.clone(), cubic: cubic.clone(), loss, has_history: false }
             .cost(RateScale::own(RateUnit::RadPerS))
     };
     assert_eq!(
         cost(1.0e-3, 0.8e-3),
-        "this cubic leaves 8.000e-4 rad/s rms of held-out eighths of the log, zeroed, no more than the chosen table:16 (0.001000)"
+        "this cubic leaves 8.000e-4 rad/s rms of a whole log, held out, its zero taken at the start, no more than the chosen table:16 (0.001000)"
     );
     assert_eq!(
         cost(1.0e-3, 1.5e-3),
-        "this cubic leaves 0.001500 rad/s rms of held-out eighths of the log, zeroed, 50 % more than the chosen table:16 (0.001000)"
+        "this cubic leaves 0.001500 rad/s rms of a whole log, held out, its zero taken at the start, 50 % more than the chosen table:16 (0.001000)"
     );
 }
 

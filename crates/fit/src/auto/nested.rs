@@ -125,11 +125,11 @@ impl Outer {
         if self.complete() && rms.is_finite() { rms } else { f64::INFINITY }
     }
 
-    /// What a deployed device has left of the groups: as the folds leave it, but for the zero at the start of each log. Where the
+    /// What a deployed device has left of the groups: as the `folds` leave it, but for the zero at the start of each log. Where the
     /// rest of the log tells nothing of the start's temperatures, the rest can but go on in its own way, and all of the log would
     /// be wrong by what the start is. A device was calibrated there: its zero is as the fit of all leaves it, `all`.
-    fn left_of_device(&self, series: &Series<'_>, all: &[f64]) -> Vec<f64> {
-        let mut left = self.deployed.clone();
+    fn left_of_device(&self, series: &Series<'_>, folds: &[f64], all: &[f64]) -> Vec<f64> {
+        let mut left = folds.to_vec();
         for log in known_by_log(series, &left) {
             for &group in &log[..booted(series.time_s, &log)] {
                 if !self.between[group] {
@@ -142,7 +142,13 @@ impl Outer {
 
     /// What a deployed device has left over whole logs like these; `all` is what the fit of all leaves, as deployed.
     pub(super) fn deployed(&self, series: &Series<'_>, all: &[f64]) -> Option<ResidualStatistics> {
-        self.of_whole_logs(series, &self.left_of_device(series, all))
+        self.of_whole_logs(series, &self.left_of_device(series, &self.deployed, all))
+    }
+
+    /// The same of a device that corrects by the static cubic; `all` is what the cubic of all leaves.
+    pub(super) fn deployed_by_cubic(&self, series: &Series<'_>, all: &[f64]) -> Option<ResidualStatistics> {
+        let is_whole = (0..all.len()).all(|group| self.cubic[group].is_finite() == self.deployed[group].is_finite());
+        is_whole.then(|| self.of_whole_logs(series, &self.left_of_device(series, &self.cubic, all))).flatten()
     }
 
     /// What it has left without a model.
@@ -292,7 +298,12 @@ fn known_by_log(series: &Series<'_>, left: &[f64]) -> Vec<Vec<usize>> {
 }
 
 /// The static cubic of everything, with what it leaves of the rates less the recording's own drift in time.
-pub(super) fn static_cubic(series: &Series<'_>, measured: ValidRange, fits: &Fits) -> Option<StaticCubic> {
+pub(super) fn static_cubic(
+    series: &Series<'_>,
+    measured: ValidRange,
+    fits: &Fits,
+    outer: &Outer,
+) -> Option<StaticCubic> {
     let drift = fits.whole.cubic.clone()?;
     let groups = series.rate.len();
     let timeless = super::timeless(&fits.whole.model, series);
@@ -308,9 +319,14 @@ pub(super) fn static_cubic(series: &Series<'_>, measured: ValidRange, fits: &Fit
     }
     let whole = held_out.iter().all(|residual| residual.is_finite()) && !held_out.is_empty();
     let held_out = whole.then(|| ResidualStatistics::of(held_out));
+    let of_all = |group: usize| match series.is_used(group) {
+        true => series.rate[group] - drift.evaluate(series.temperature[group]).0,
+        false => f64::NAN,
+    };
+    let deployed = outer.deployed_by_cubic(series, &(0..groups).map(of_all).collect::<Vec<_>>());
     // Autopilots hold a curve at the ends of what was measured.
     let drift = Drift { valid: measured, ..drift };
-    Some(StaticCubic { drift, in_sample, held_out })
+    Some(StaticCubic { drift, in_sample, held_out, deployed })
 }
 
 /// Which way the temperature goes at each group: 0 heating, 1 cooling, by the change over a few groups on either side.

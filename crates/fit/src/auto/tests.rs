@@ -159,6 +159,21 @@ fn what_is_deployed_after_a_ramp_with_hysteresis_is_what_the_same_ramp_leaves_ag
     assert!(told > 0.5 * again && told < 3.0 * again, "told {told:.2e}, again {again:.2e}");
 }
 
+/// The same profile again: the truth, zeroed over its first three groups. Zeroed with each eighth it would be half as much.
+#[test]
+fn what_a_static_cubic_leaves_of_a_whole_log_is_what_the_next_run_has_left() {
+    let history = bouc_wen(&cycles());
+    let made = Made::new(cycles(), |group, t| cubic(t) + history[group]);
+    let GroupFit { fit, .. } = made.fit(Model::Auto);
+    let static_cubic = fit.static_cubic.unwrap();
+    let left = |group: usize, t: &f64| cubic(*t) + history[group] - static_cubic.drift.evaluate(*t).0;
+    let left: Vec<f64> = made.temperature.iter().enumerate().map(|(group, t)| left(group, t)).collect();
+    let zero = left[..3].iter().sum::<f64>() / 3.0;
+    let again = (left[3..].iter().map(|left| (left - zero).powi(2)).sum::<f64>() / (left.len() - 3) as f64).sqrt();
+    let told = static_cubic.deployed.unwrap().rms;
+    assert!(told > 0.8 * again && told < 1.3 * again, "told {told:.2e}, again {again:.2e}");
+}
+
 #[test]
 fn at_either_end_it_is_better_than_a_cubic_that_is_held() {
     for curve in [cubic as fn(f64) -> f64, |t| 0.01 + 3e-4 * t, |t| 0.01 * (-(t + 30.0) / 30.0).exp()] {

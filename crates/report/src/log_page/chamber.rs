@@ -39,7 +39,7 @@ fn figure(fit: &LogFit, chamber: &InChamber) -> Figure {
         [(Ink::Raw, Sample::Dot, "sensor"), (Ink::Aim, Sample::Line, "air"), (Ink::Excluded, Sample::Patch, "soak")];
     Figure {
         id: "chamber-1".to_owned(),
-        name: "Figure C".to_owned(),
+        name: format!("Figure {}", fit.axes.len() + 1),
         caption: html! { "The chamber\u{2019}s air and the sensor\u{2019}s own temperature; soaks are shaded." },
         key: key.map(|(ink, sample, what)| (ink, sample, what.to_owned())).into(),
         columns: vec![vec![panel]],

@@ -92,11 +92,26 @@ fn grid(axes: &[&VerifiedAxis], scale: RateScale) -> Grid {
         column(&|axis| axis.uncorrected.rms),
         column(&|axis| axis.deployed.rms),
     ];
-    let mut grid = Grid::new("lrrrrrrrr");
-    grid.head(["", "recorded", "", "corrected", "", "", "rms, times", "uncorrected", "deployed"]);
-    grid.head(["axis", "rms", "pp", "rms", "pp", "mean", "smaller", "rms", "rms"]);
+    let told = axes.iter().any(|axis| axis.fit_told.is_some());
+    let told = told.then(|| column(&|axis| axis.fit_told.map_or(f64::NAN, |told| told.rms)));
+    let mut grid = Grid::new("lrrrrrrrrr");
+    let told_head = if told.is_some() { "fit told" } else { "" };
+    grid.head(["", "recorded", "", "corrected", "", "", "rms, times", "uncorrected", "deployed", told_head]);
+    grid.head([
+        "axis",
+        "rms",
+        "pp",
+        "rms",
+        "pp",
+        "mean",
+        "smaller",
+        "rms",
+        "rms",
+        if told.is_some() { "rms" } else { "" },
+    ]);
     for (place, axis) in axes.iter().enumerate() {
-        grid.row([axis.name.clone()].into_iter().chain(columns.iter().map(|column| column[place].clone())));
+        let cells = columns.iter().chain(&told).map(|column| column[place].clone());
+        grid.row([axis.name.clone()].into_iter().chain(cells));
     }
     grid
 }
@@ -112,10 +127,18 @@ fn terms(verified: &Verified) -> String {
         Some((_, fits)) => format!("fit told both of averages over {fits:.0} s, which have another noise"),
         None => "fit tells both first".to_owned(),
     };
+    let told = verified.axes.iter().any(|axis| axis.fit_told.is_some());
+    let told = match told {
+        true => {
+            " Fit told: what the calibration's fit told of deployed, held out; where this run has more than twice as much, it had \
+                 something that the calibration's had not."
+        }
+        false => "",
+    };
     format!(
         "{averages} Recorded and corrected: rms about the mean, which the start of another run sets anew; the mean that is \
          left stands under mean. Times smaller: recorded rms over corrected rms, so below 1 the correction is worse than \
          none. Uncorrected and deployed: the rate, and the rate corrected, less the mean of the run's \
-         {zero_taken_in}, as a device's zero at the start takes it off, from then on; {fit_told}."
+         {zero_taken_in}, as a device's zero at the start takes it off, from then on; {fit_told}.{told}"
     )
 }
