@@ -57,11 +57,6 @@ impl Streamed {
         Ok(Self { parquet: path.to_owned(), stream: stream.clone(), schema, writer, of, batches: 0 })
     }
 
-    /// The stream that is being written.
-    pub fn stream_path(&self) -> &Path {
-        &self.stream
-    }
-
     /// Writes a batch and hands it to the system: from then on the end of this program cannot lose it.
     pub fn write(
         &mut self,

@@ -46,7 +46,7 @@ fn unfinished(groups: u32) -> (TempDir, PathBuf, Vec<u8>) {
     let path = folder.path().join("run.parquet");
     let mut writer = RecordingWriter::create(&path, &info()).unwrap();
     (0..groups).for_each(|number| writer.write_group(&group(number)).unwrap());
-    let stream = writer.stream_path().to_owned();
+    let stream = path.with_extension("arrows");
     let bytes = fs::read(&stream).unwrap();
     (folder, stream, bytes)
 }

@@ -20,12 +20,6 @@ impl RecordingWriter {
         Streamed::create(path, schema::schema(info), "groups").map(Self)
     }
 
-    /// The stream that is being written.
-    #[must_use]
-    pub fn stream_path(&self) -> &Path {
-        self.0.stream_path()
-    }
-
     /// Writes all rows of one group and hands them to the system: from then on the end of this program cannot lose them.
     ///
     /// # Errors

@@ -74,7 +74,7 @@ fn assert_all_whole(path: &Path, groups: usize, killed_size: u64) {
     let size_with = |groups: usize| {
         let mut writer = bench::recording(path);
         (0..groups).for_each(|number| writer.write_group(&bench::group(u32::try_from(number).unwrap())).unwrap());
-        fs::metadata(writer.stream_path()).unwrap().len()
+        fs::metadata(path.with_extension("arrows")).unwrap().len()
     };
     assert!(size_with(groups) <= killed_size && killed_size < size_with(groups + 1));
 }

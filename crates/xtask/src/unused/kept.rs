@@ -1,13 +1,8 @@
 //! What may be public though nobody uses it.
 
 /// The file, the name, and why it is kept.
-pub const KEPT: [(&str, &str, &str); 3] = [
+pub const KEPT: [(&str, &str, &str); 2] = [
     ("crates/bench/src/simulated.rs", "bare_device", "bench's tests break its plant and damage its line"),
-    (
-        "crates/cal/src/recording/writer.rs",
-        "RecordingWriter::stream_path",
-        "tests of two crates read what a killed writer leaves",
-    ),
     (
         "crates/core/src/drift/polynomial.rs",
         "Polynomial::from_raw_coefficients",
