@@ -1,15 +1,15 @@
-//! The files of a run: calibration, device record, summary, and the page made of them.
+//! The files of a run: calibration, device record, summary, and the pages made of them.
 
 use std::fmt;
 use std::path::Path;
 
-use zerorate_cal::board_run::{BoardRun, CALIBRATION, FILES, FULL_TEMPERATURE, REPORT, SUMMARY};
+use zerorate_cal::board_run::{BoardRun, CALIBRATION, CERTIFICATE, FILES, FULL_TEMPERATURE, REPORT, SUMMARY};
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::recording::Recording;
 use zerorate_cal::source::Source;
 use zerorate_cal::summary::Summary;
 use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES};
-use zerorate_report::board_page;
+use zerorate_report::{board_page, certificate};
 
 use crate::calibrated::Unit;
 use crate::error::BenchError;
@@ -23,7 +23,7 @@ pub(crate) const TRIM_SWEEP: &str = "trim-sweep.parquet";
 pub(crate) const SOAKS: &str = "soaks.parquet";
 
 /// The names of a run's files that are no recordings read again ([`FILES`]).
-const OTHER_FILES: [&str; 4] = [REPORT, DEVICE_RECORD, TRIM_SWEEP, SOAKS];
+const OTHER_FILES: [&str; 5] = [REPORT, CERTIFICATE, DEVICE_RECORD, TRIM_SWEEP, SOAKS];
 
 /// Refuses a folder in which a run would take the place of another unit's results or of what is no run's. A simulated unit
 /// is another for each plant and seed. `force` gives these up, but for a real unit's, in whose place no simulated ones go.
@@ -110,6 +110,7 @@ pub fn write(
     summary.push('\n');
     output.write(SUMMARY, summary.as_bytes())?;
     // From the files, as `report` makes it again.
-    let page = board_page(&BoardRun::read(output.in_progress())?, None);
-    output.write(REPORT, page.as_bytes())
+    let run = BoardRun::read(output.in_progress())?;
+    output.write(REPORT, board_page(&run, None).as_bytes())?;
+    output.write(CERTIFICATE, certificate(&run).as_bytes())
 }

@@ -15,6 +15,8 @@ pub const CALIBRATION: &str = "calibration.json";
 pub const SUMMARY: &str = "summary.json";
 /// The page's.
 pub const REPORT: &str = "report.html";
+/// The certificate's.
+pub const CERTIFICATE: &str = "certificate.html";
 /// The recording of the full-temperature test.
 pub const FULL_TEMPERATURE: &str = "full-temperature.parquet";
 /// The recording of the compensation tests by the potentiometer alone.

@@ -17,6 +17,7 @@ pub mod ramp_fit;
 pub mod recording;
 pub mod summary;
 pub mod table;
+pub mod uncertainty;
 pub mod units;
 mod utc;
 

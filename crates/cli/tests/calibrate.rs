@@ -13,8 +13,9 @@ use serde_json::Value;
 #[path = "command/schema.rs"]
 mod schema;
 
-const FILES: [&str; 9] = [
+const FILES: [&str; 10] = [
     "calibration.json",
+    "certificate.html",
     "compensation-test-hybrid.parquet",
     "compensation-test-trim.parquet",
     "device-record.bin",
@@ -43,7 +44,7 @@ fn short_set_up(folder: &Path) {
 }
 
 #[test]
-fn the_main_job_writes_its_nine_files_and_the_same_json_twice() {
+fn the_main_job_writes_its_ten_files_and_the_same_json_twice() {
     let folder = tempfile::tempdir().unwrap();
     let first = zerorate(&["calibrate", "--json", "--serial", "ZR-9"], folder.path());
     assert!(first.status.success(), "{}", String::from_utf8_lossy(&first.stderr));

@@ -27,11 +27,12 @@ const AT_ONCE: usize = 16;
 const PROCEDURE: &str = "full-temperature";
 
 /// Files that our own commands write beside recordings.
-const OURS: [&str; 6] = [
+const OURS: [&str; 7] = [
     crate::simulate::TRUTH,
     "calibration.json",
     "summary.json",
     "report.html",
+    "certificate.html",
     "device-record.bin",
     "device-record.json",
 ];

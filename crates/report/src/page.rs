@@ -18,6 +18,21 @@ pub(super) fn page(title: &str, headline: &Markup, chapters: &[Chapter]) -> Stri
 
 /// A whole page with a script of its own in it, without which everything can be read all the same.
 pub(super) fn page_with_script(title: &str, headline: &Markup, chapters: &[Chapter], script: &'static str) -> String {
+    let body = html! {
+        header {
+            (headline)
+            nav aria-label="Contents" {
+                ul { @for (id, heading, _) in chapters { li { a href={ "#" (id) } { (heading) } } } }
+            }
+        }
+        main { @for (id, heading, chapter) in chapters { section id=(id) { h2 { (heading) } (chapter) } } }
+        @if !script.is_empty() { script { (PreEscaped(script)) } }
+    };
+    document(title, "", &body)
+}
+
+/// A file with nothing around its contents; `style` comes after the style of all pages.
+pub(super) fn document(title: &str, style: &'static str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -29,18 +44,9 @@ pub(super) fn page_with_script(title: &str, headline: &Markup, chapters: &[Chapt
                 // An empty icon: without one, a browser asks the server for it.
                 link rel="icon" href="data:,";
                 title { (title) }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(STYLE)) (PreEscaped(style)) }
             }
-            body {
-                header {
-                    (headline)
-                    nav aria-label="Contents" {
-                        ul { @for (id, heading, _) in chapters { li { a href={ "#" (id) } { (heading) } } } }
-                    }
-                }
-                main { @for (id, heading, chapter) in chapters { section id=(id) { h2 { (heading) } (chapter) } } }
-                @if !script.is_empty() { script { (PreEscaped(script)) } }
-            }
+            body { (body) }
         }
     };
     page.into_string()

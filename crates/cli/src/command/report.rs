@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate_cal::board_run::{BoardRun, CALIBRATION, FILES, REPORT};
+use zerorate_cal::board_run::{BoardRun, CALIBRATION, CERTIFICATE, FILES, REPORT};
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, sha256};
 use zerorate_cal::log::{Sensor, SensorChoice};
 use zerorate_cal::log_fit::{FitOptions, LogFit};
@@ -14,7 +14,7 @@ use zerorate_cal::table::Columns;
 use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
 use zerorate_fit::drift_fit::{FitStatistics, ResidualOver};
 use zerorate_fit::model::Model;
-use zerorate_report::board_page;
+use zerorate_report::{board_page, certificate};
 
 use super::Outcome;
 use super::fit::{About, fitted};
@@ -27,7 +27,7 @@ use crate::{output, screen};
 ///
 /// Finds the log that a calibration was made from by its name, makes sure by its SHA-256 that it is the same, fits it as
 /// it was fitted then, and writes the report as one HTML page. In the folder of a board's run the report is made from the
-/// files that `zerorate calibrate` left there, if they are of one run.
+/// files that `zerorate calibrate` left there, if they are of one run, and so is its certificate.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Report {
@@ -51,6 +51,11 @@ pub struct Report {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 
+    /// Of a board's run: write its certificate here; without this it is certificate.html beside the calibration, or none where
+    /// --out is given
+    #[arg(long, value_name = "FILE")]
+    certificate: Option<PathBuf>,
+
     #[command(flatten)]
     force: output::Force,
 
@@ -71,7 +76,7 @@ Examples:
   zerorate report calibration.json
   zerorate report calibration.json --log /data/chamber/log.csv --out chamber.html
   zerorate report calibration
-      the folder of a board's run
+      the folder of a board's run: report.html and certificate.html there
 
 A log that was not calibrated yet is reported by `zerorate fit FILE --report report.html`.";
 
@@ -80,6 +85,9 @@ A log that was not calibrated yet is reported by `zerorate fit FILE --report rep
 struct Done<'a> {
     schema: u32,
     out: &'a Path,
+    /// Of a board's run alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    certificate: Option<&'a Path>,
     /// A board's run has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     log: Option<&'a Path>,
@@ -98,6 +106,11 @@ impl Report {
         if went_through_a_run(&calibration) {
             return self.of_run(&path, &calibration, &out);
         }
+        ensure!(
+            self.certificate.is_none(),
+            "--certificate: {} is no board's run, and a log has no certificate: leave it out",
+            path.display()
+        );
         let logs = self.logs(&path, &calibration)?;
         let log = &logs[0];
         let inputs: Vec<&Path> = logs.iter().map(PathBuf::as_path).collect();
@@ -113,7 +126,8 @@ impl Report {
         let about =
             About { serial: calibration.unit_serial.as_deref(), labels: &calibration.labels, units, chamber: None };
         output::write(&out, &super::fit::page(&fit, about, &calibration.sources, None, Some(&path)))?;
-        self.tell(&out, Some(log), &fit.source(), &fit.notes)
+        let done = Done { schema: 1, out: &out, certificate: None, log: Some(log) };
+        self.tell(&done, &fit.source(), &fit.notes)
     }
 
     /// The report of a board's run, from the files beside its calibration.
@@ -131,24 +145,34 @@ impl Report {
         );
         let folder = path.parent().unwrap_or(Path::new(""));
         let inputs = FILES.map(|file| folder.join(file));
-        output::check("--out", out, &inputs.each_ref().map(PathBuf::as_path))?;
+        let sheet = self.certificate.clone().or_else(|| self.out.is_none().then(|| path.with_file_name(CERTIFICATE)));
+        let places = [("--out", Some(out)), ("--certificate", sheet.as_deref())];
+        output::check_all(&places, &inputs.each_ref().map(PathBuf::as_path))?;
         let busy = Busy::reading(folder);
         // The page is in counts, with rates beside them.
         let units = self.shown.of([RateUnit::Counts, RateUnit::Dps].into_iter())?;
-        let page = board_page(&BoardRun::read(folder)?, units);
+        let run = BoardRun::read(folder)?;
+        let page = board_page(&run, units);
         drop(busy);
-        self.force.text("--out", out, &calibration.sources, None)?;
+        for (option, place) in places {
+            place.map_or(Ok(()), |place| self.force.text(option, place, &calibration.sources, None))?;
+        }
         output::write(out, &page)?;
-        self.tell(out, None, &format!("{} and the files beside it", path.display()), &[])
+        if let Some(sheet) = &sheet {
+            output::write(sheet, &certificate(&run))?;
+        }
+        let done = Done { schema: 1, out, certificate: sheet.as_deref(), log: None };
+        self.tell(&done, &format!("{} and the files beside it", path.display()), &[])
     }
 
-    fn tell(&self, out: &Path, log: Option<&Path>, whence: &str, notes: &[String]) -> Result<Outcome> {
+    fn tell(&self, done: &Done, whence: &str, notes: &[String]) -> Result<Outcome> {
         if self.json {
             notes.iter().for_each(|note| screen::note(note));
-            screen::print_json(&Done { schema: 1, out, log })?;
+            screen::print_json(done)?;
         } else {
             let mut page = Page::default();
-            page.sentence("", &format!("Wrote {}, from {whence}.", out.display()));
+            let sheet = done.certificate.map(|sheet| format!(" and {}", sheet.display())).unwrap_or_default();
+            page.sentence("", &format!("Wrote {}{sheet}, from {whence}.", done.out.display()));
             notes.iter().for_each(|note| page.sentence("  - ", note));
             page.print()?;
         }

@@ -1,6 +1,7 @@
 //! `zerorate units`.
 
 mod found;
+mod report;
 
 use std::path::PathBuf;
 
@@ -8,10 +9,12 @@ use anyhow::{Result, bail};
 use clap::Args;
 use serde::Serialize;
 use zerorate_cal::quality::Verdict;
+use zerorate_report::UnitsReport;
 use zerorate_report::number::counted;
 
 use self::found::{AxisOfRun, Run, Unit, units};
 use super::Outcome;
+use crate::output;
 use crate::progress::Busy;
 use crate::screen::{self, Grid, Page};
 
@@ -19,7 +22,7 @@ use crate::screen::{self, Grid, Page};
 ///
 /// Every folder beneath it that a run of `calibrate` has left is one calibration; those of one serial number are one unit's, in
 /// the order in which they were made. What has changed is the largest distance between the fitted curves of a calibration
-/// and of the one before, over the temperatures of both. Nothing is written.
+/// and of the one before, over the temperatures of both. Nothing is written but the page of `--report`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Units {
@@ -31,6 +34,13 @@ pub struct Units {
     #[arg(long, value_name = "PART")]
     serial: Option<String>,
 
+    /// Write a page with all calibrations here, and a figure of what has changed of the units that have more than one
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+
+    #[command(flatten)]
+    force: output::Force,
+
     /// Print JSON on standard output, and nothing else there
     #[arg(long)]
     json: bool,
@@ -41,6 +51,7 @@ Examples:
   zerorate calibrate --device serial:/dev/ttyUSB0 --setup bench.toml --out units/ZR-0042/2026-11-27
   zerorate units units
   zerorate units units --serial ZR-0042
+  zerorate units units --report units.html
 
 Exit codes: 0 done; 2 something could not be read, or there is nothing.";
 
@@ -54,6 +65,9 @@ struct Report {
 
 impl Units {
     pub fn run(&self) -> Result<Outcome> {
+        if let Some(path) = &self.report {
+            output::check("--report", path, &[])?;
+        }
         let busy = Busy::reading(&self.folder);
         let found = units(&self.folder);
         drop(busy);
@@ -67,6 +81,12 @@ impl Units {
         }
         let outcome = if unreadable.is_empty() { Outcome::Done } else { Outcome::Failed };
         unreadable.iter().for_each(|sentence| screen::note(sentence));
+        if let Some(path) = &self.report {
+            let folder = self.folder.display().to_string();
+            let is_one = |page: &str| UnitsReport::is_page_of(page, &folder);
+            self.force.page("--report", path, "the page of these units", is_one)?;
+            output::write(path, &report::of(&folder, &units, &unreadable).to_html())?;
+        }
         if self.json {
             screen::print_json(&Report { schema: 1, units, unreadable })?;
         } else {
@@ -103,6 +123,9 @@ impl Units {
         page.grid(&grid);
         page.gap();
         page.sentence("", "Counts peak to peak over a heating ramp; changed: the curve's largest distance from the calibration before, counts.");
+        if let Some(path) = &self.report {
+            page.sentence("", &format!("Wrote {}.", path.display()));
+        }
         page
     }
 }
@@ -112,16 +135,10 @@ fn cells(unit: &Unit, place: usize, run: &Run) -> [String; 8] {
         let told = run.axes.values().map(|axis| of(axis).map_or_else(|| "-".to_owned(), |value| format!("{value:.1}")));
         told.collect::<Vec<_>>().join(" / ")
     };
-    let made = match &run.started {
-        // Whole minutes of a time as RFC 3339 has it.
-        Some(started) => started.get(..16).unwrap_or(started).replace('T', " "),
-        None if run.simulated => "simulated".to_owned(),
-        None => "not known".to_owned(),
-    };
     [
         unit.serial.clone(),
         (place + 1).to_string(),
-        made,
+        run.made(),
         run.verdict.name().to_owned(),
         pair(|axis| Some(axis.drift_pp_counts)),
         pair(|axis| axis.trim_residual_pp_counts),

@@ -81,6 +81,14 @@ impl Force {
         })
     }
 
+    /// Refuses the place of what is not such a page already.
+    pub fn page(self, option: &str, path: &Path, what: &str, is_one: impl Fn(&str) -> bool) -> Result<()> {
+        self.keep(option, path, || match text(path) {
+            Some(there) if is_one(&there) => There::Same,
+            Some(_) | None => There::Other(format!("which is not {what}")),
+        })
+    }
+
     /// Refuses the place of another unit's device record, and of no device record.
     pub fn record(self, option: &str, path: &Path, unit: &str) -> Result<()> {
         self.keep(option, path, || match StoredRecord::read(&path.into()) {

@@ -64,6 +64,7 @@ fn a_boards_report_made_again_is_the_one_that_calibrate_or_fit_made() {
     let folder = runs(&["1"]);
     let read = |name| fs::read(folder.path().join(name)).unwrap();
     let first = read("1/report.html");
+    let sheet = read("1/certificate.html");
     let ran = zerorate(folder.path(), &["report", "1", "--out", "again.html"]);
     assert_eq!(ran.code, 0, "{}", ran.err);
     ran.says(&["again.html, from 1/calibration.json and the files beside it"]);
@@ -78,8 +79,16 @@ fn a_boards_report_made_again_is_the_one_that_calibrate_or_fit_made() {
     let told: f64 = told.replace(['\u{a0}', ' '], "").parse().expect("a number");
     assert!((told / hourly - 1.0).abs() < 0.006 && !page.contains("Left, pp, deg/s"), "{told} for {hourly}");
     fs::remove_file(folder.path().join("1/report.html")).unwrap();
-    assert_eq!(zerorate(&folder.path().join("1"), &["report", ".", "--json"]).json()["out"], "report.html");
-    assert!(read("1/report.html") == first, "another report");
+    fs::remove_file(folder.path().join("1/certificate.html")).unwrap();
+    let done = zerorate(&folder.path().join("1"), &["report", ".", "--json"]).json();
+    assert_eq!((&done["out"], &done["certificate"]), (&"report.html".into(), &"certificate.html".into()));
+    assert!(read("1/report.html") == first && read("1/certificate.html") == sheet, "another report or certificate");
+    let both = ["report", "1", "--out", "again.html", "--certificate", "sheet.html"];
+    zerorate(folder.path(), &both).says(&["Wrote again.html and sheet.html, from 1/calibration.json"]);
+    assert!(read("sheet.html") == sheet, "another certificate");
+    fs::write(folder.path().join("mine.html"), "my page").unwrap();
+    let mine = ["report", "1", "--out", "again.html", "--certificate", "mine.html"];
+    zerorate(folder.path(), &mine).is_error(&["--certificate mine.html: there is a file already", "--force"]);
     zerorate(folder.path(), &["report", "1", "--log", "log.csv"]).is_error(&["a board's run has no log"]);
 
     // Of a recording alone.
@@ -89,6 +98,7 @@ fn a_boards_report_made_again_is_the_one_that_calibrate_or_fit_made() {
     }
     assert_eq!(zerorate(folder.path(), &["report", "."]).code, 0);
     assert!(read("report.html") == read("fit.html"), "another report");
+    zerorate(folder.path(), &["report", ".", "--certificate", "sheet.html"]).is_error(&["no board's run"]);
 }
 
 #[test]

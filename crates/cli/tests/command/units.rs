@@ -75,6 +75,30 @@ fn a_unit_is_found_by_a_part_of_its_serial_number_with_all_of_its_calibrations()
 }
 
 #[test]
+fn the_page_of_the_units_draws_what_has_changed_and_is_written_over_nothing_else() {
+    let folder = folder();
+    let page = folder.path().join("units.html");
+    let report = ["--report", "units.html"];
+    listed(folder.path(), &report).says(&["Wrote units.html."]);
+    let read = fs::read_to_string(&page).unwrap();
+    // 31 days from the first to the second, and 5 counts.
+    for told in
+        ["days since 2026-10-20", "changed by 5.0 counts at most", "5.0 / 0.0", "1 unit was calibrated more than once"]
+    {
+        assert!(read.contains(told), "{told}");
+    }
+    assert_eq!(read.matches("<figure id=").count(), 1);
+    assert_eq!(read.matches("<th scope=\"row\">").count(), 3, "a row for each calibration");
+    let again = listed(folder.path(), &report);
+    assert_eq!((again.code, fs::read_to_string(&page).unwrap() == read), (0, true));
+    fs::write(&page, "my page, made by zerorate").unwrap();
+    listed(folder.path(), &report).is_error(&["--report units.html: there is a file already", "--force"]);
+    assert_eq!(listed(folder.path(), &[&report[..], &["--force", "--json"]].concat()).code, 0);
+    assert!(fs::read_to_string(&page).unwrap() == read);
+    listed(folder.path(), &["--report", "nowhere/units.html"]).is_error(&["there is no folder nowhere"]);
+}
+
+#[test]
 fn what_cannot_be_read_is_told_and_the_others_are_listed() {
     let folder = folder();
     fs::write(folder.path().join("units/b/summary.json"), "{").unwrap();

@@ -76,6 +76,7 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
     page.heading("Written");
     page.facts(&[
         ("report", out.join("report.html").display().to_string()),
+        ("certificate", out.join("certificate.html").display().to_string()),
         ("calibration", out.join("calibration.json").display().to_string()),
         ("device record", out.join("device-record.bin").display().to_string()),
         ("recordings", format!("{} (Parquet)", out.display())),

@@ -35,6 +35,18 @@ pub struct Run {
     written: SystemTime,
 }
 
+impl Run {
+    /// When it was made, as people read it.
+    pub fn made(&self) -> String {
+        match &self.started {
+            // Whole minutes of a time as RFC 3339 has it.
+            Some(started) => started.get(..16).unwrap_or(started).replace('T', " "),
+            None if self.simulated => "simulated".to_owned(),
+            None => "not known".to_owned(),
+        }
+    }
+}
+
 /// One axis of it.
 #[derive(Debug, Serialize)]
 pub struct AxisOfRun {

@@ -1,0 +1,68 @@
+//! What was measured before and after, and the limits.
+
+use maud::{Markup, html};
+use zerorate_cal::board_run::BoardRun;
+use zerorate_cal::summary::{Check, TestResult};
+
+use super::dps;
+use crate::number::fixed;
+use crate::page::Table;
+use crate::panels::name_of;
+
+pub(super) fn section(run: &BoardRun) -> Markup {
+    let summary = &run.summary;
+    let row = |test: &TestResult| {
+        vec![
+            html! { (name_of(test.axis)) " " (test.mode.name()) ", " (test.direction.name()) },
+            html! { (fixed(test.uncompensated_pp_counts, 1)) },
+            dps(summary, test.uncompensated_pp_counts),
+            html! { (fixed(test.residual_pp_counts, 1)) },
+            dps(summary, test.residual_pp_counts),
+            range(run, test),
+        ]
+    };
+    html! {
+        section {
+            h2 { "Result" }
+            @if summary.tests.is_empty() { p { "The drift was fitted; no compensation test was run." } }
+            @else {
+                (Table {
+                    caption: html! {
+                        "Zero-rate output, peak to peak of group means: the drift without compensation, and the residual with it in a "
+                        "second ramp that no fit has seen."
+                    },
+                    heads: &["Axis, mode, ramp", "Drift, counts", "Drift, deg/s", "Residual, counts", "Residual, deg/s", "Temperature"],
+                    rows: summary.tests.iter().map(row).collect(),
+                    numbers_from: 1,
+                }.wide_markup())
+            }
+            (checks(&summary.checks))
+        }
+    }
+}
+
+/// The temperatures of a test's ramp: degrees C where the set-up has a scale, else counts.
+fn range(run: &BoardRun, test: &TestResult) -> Markup {
+    let Some([cold, hot]) = test.temperature_counts else { return html! { "\u{2013}" } };
+    match run.calibration.celsius_scale() {
+        Some(scale) => {
+            let celsius = |counts: f64| fixed((counts - scale.at_zero.0) / scale.counts_per_celsius, 1);
+            html! { (celsius(cold)) " to " (celsius(hot)) "\u{a0}°C" }
+        }
+        None => html! { (fixed(cold, 0)) " to " (fixed(hot, 0)) " counts" },
+    }
+}
+
+fn checks(checks: &[Check]) -> Markup {
+    html! {
+        @if !checks.is_empty() {
+            h3 { "Limits" }
+            ul.checks { @for check in checks {
+                li {
+                    @if check.passed { span.good { "✓" } } @else { b.rejected { "✕ failed" } }
+                    " " (check.what) ": " (check.measured) ", limit " (check.limit)
+                }
+            } }
+        }
+    }
+}
