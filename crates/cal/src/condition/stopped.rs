@@ -48,7 +48,7 @@ pub fn leave_out_stopped(groups: &mut [Group], tally: &mut Tally, axis: usize, r
         .collect();
     // Groups that were stopped are the fewer, or it would be an axis that is stuck.
     let typical = median(&mut scatters);
-    if !(typical >= rate_step) {
+    if typical.is_nan() || typical < rate_step {
         return Vec::new();
     }
     let rates = || groups.iter().filter(|group| kept(group)).map(|group| group.axes[axis].rate);
