@@ -24,7 +24,7 @@ fn close(found: f64, expected: f64) {
 #[test]
 fn noise_is_told_apart_from_a_slope_and_from_taps() {
     // Of +1, -1, +1 ... each second difference is 4.
-    let alternating = |group: u32| if group % 2 == 0 { 1.0 } else { -1.0 };
+    let alternating = |group: u32| if group.is_multiple_of(2) { 1.0 } else { -1.0 };
     let sloping = ramp(|group| alternating(group) + 0.3 * f64::from(group));
     close(noise([&sloping[..]].into_iter()).unwrap(), 4.0 / 6.0_f64.sqrt());
     let mut stepping = sloping.clone();
