@@ -222,8 +222,8 @@ fn the_bounds_of_n_hold_the_truth_as_often_as_they_say() {
 #[test]
 fn a_smooth_trend_is_neither_a_walk_nor_a_flicker() {
     let mut noise = Uniform(31_415);
-    let trends: [(&str, fn(f64) -> f64); 5] = [
-        ("a warm-up", |t| 0.1 * libm::exp(-t / 1200.0)),
+    let trends = [
+        ("a warm-up", (|t| 0.1 * libm::exp(-t / 1200.0)) as fn(f64) -> f64),
         ("a short warm-up", |t| 0.1 * libm::exp(-t / 300.0)),
         ("a lag of two minutes", |t| 0.03 * libm::exp(-t / 120.0)),
         ("a bias that ages", |t| 0.02 * t / 3600.0),
