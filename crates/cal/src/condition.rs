@@ -16,7 +16,7 @@ mod temperature;
 
 use serde::Serialize;
 
-pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUPS, weigh};
+pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUP_ROWS, MIN_GROUPS, TEMPERATURE_SPIKE, weigh};
 pub(crate) use group::{all_of, typical_scatter};
 pub use level::{Levels, leave_out_times, level};
 pub use stopped::{End, Stopped, leave_out_stopped};

@@ -4,11 +4,12 @@ mod hysteresis;
 mod ramp;
 mod sensitivity;
 mod soak;
+mod spikes;
 
 use serde::{Serialize, Serializer};
 use zerorate_cal::units::{RateScale, WrittenRate};
 
-use zerorate_fit::allan::{Allan, NoAllan};
+use zerorate_fit::allan::{Allan, AllanPoint, NoAllan};
 use zerorate_fit::direction::warming;
 use zerorate_fit::robust::median;
 
@@ -32,7 +33,25 @@ pub struct Characteristics {
     pub ramp_sensitivity: Result<RampSensitivity, String>,
     /// The noise of the residual, over averaging times from the spacing of the averages on.
     #[serde(serialize_with = "or_reason")]
-    pub residual_noise: Result<Allan, String>,
+    pub residual_noise: Result<ResidualNoise, String>,
+}
+
+/// The Allan deviation of what a model leaves of the averages it was fitted to. The fit has taken a part of the noise with it, so N, B
+/// and K are not read here: [`noise`] does so, of the log's rows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ResidualNoise {
+    /// Time between averages, seconds.
+    pub period_s: f64,
+    /// Averages that were fitted.
+    pub samples: u64,
+    /// The curve, shortest averaging time first.
+    pub points: Vec<AllanPoint>,
+}
+
+impl From<Allan> for ResidualNoise {
+    fn from(Allan { period_s, samples, points, .. }: Allan) -> Self {
+        Self { period_s, samples, points }
+    }
 }
 
 /// What was found, or why nothing was: `{"none": "the log holds one direction alone"}`.
@@ -64,7 +83,7 @@ impl Characteristics {
             temperature_sensitivity: TemperatureSensitivity::of(axis),
             hysteresis: Hysteresis::of(axis, &points, &warming, &left, asked),
             ramp_sensitivity: RampSensitivity::of(&level(&of_curve(&points, &left)), &warming),
-            residual_noise: residual_noise(&level(&points)).map_err(|error| error.to_string()),
+            residual_noise: residual_noise(&level(&points)).map(Into::into).map_err(|error| error.to_string()),
         }
     }
 }
@@ -125,24 +144,54 @@ pub fn filtered<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Allan)>) -> Vec
     }))
 }
 
-/// Where hysteresis may be a drift in time, a sentence each.
+/// How many samples were left out of each axis's noise, a sentence for all axes of as many.
+#[must_use]
+pub fn left_out(axes: &[AxisNoise]) -> Vec<String> {
+    together(axes.iter().filter(|axis| axis.left_out > 0).map(|axis| {
+        let of = match axis.left_out {
+            1 => "1 row was left out, its rate far from its neighbours".to_owned(),
+            rows => format!("{rows} rows were left out, their rate far from their neighbours"),
+        };
+        (axis.name.as_str(), of)
+    }))
+}
+
+/// Where an Allan curve rises by a smooth trend, a sentence for all axes.
+pub fn trended<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Allan)>) -> Vec<String> {
+    let told = axes.into_iter().filter(|(_, allan)| allan.smooth_trend);
+    together(told.map(|(name, _)| {
+        let sentence = "the rate has a smooth trend in time or with the temperature, as while a gyro warms up; B and K are of what it \
+                        leaves, and < where that shows none";
+        (name, sentence.to_owned())
+    }))
+}
+
+/// Where hysteresis may be a drift in time, a sentence each; and of one cycle in any case.
 pub fn doubtful<'a>(
     axes: impl IntoIterator<Item = (&'a AxisFit, &'a Characteristics)>,
     asked: Option<WrittenRate>,
 ) -> Vec<String> {
-    let doubt = |(axis, found): (&AxisFit, &Characteristics)| {
-        let Hysteresis { mean, less_drift_in_time, .. } = found.hysteresis.as_ref().ok()?;
-        let less = (*less_drift_in_time)?;
-        let scale = RateScale::of(axis.calibration.rate_unit, &[*mean, less], asked);
-        Some(format!(
-            "{}: heating less cooling is {} on average as recorded, and {} less the drift in time that the fit found: one cycle does not tell the two apart, several do",
-            axis.name,
-            scale.told(*mean),
-            scale.number(less)
-        ))
+    let doubt = |(axis, found): (&'a AxisFit, &Characteristics)| {
+        let Hysteresis { mean, less_drift_in_time, one_cycle, .. } = *found.hysteresis.as_ref().ok()?;
+        let sentence = match less_drift_in_time {
+            Some(less) => {
+                let scale = RateScale::of(axis.calibration.rate_unit, &[mean, less], asked);
+                format!(
+                    "heating less cooling is {} on average as recorded, and {} less the drift in time that the fit found: {}",
+                    scale.told(mean),
+                    scale.number(less),
+                    if one_cycle { ONE_CYCLE } else { "the cycles of the log differ" }
+                )
+            }
+            None if one_cycle => format!("thermal hysteresis is of one cycle: {ONE_CYCLE}"),
+            None => return None,
+        };
+        Some((axis.name.as_str(), sentence))
     };
-    axes.into_iter().filter_map(doubt).collect()
+    together(axes.into_iter().filter_map(doubt))
 }
+
+const ONE_CYCLE: &str = "one cycle does not tell it from a drift in time, several do";
 
 /// The least and the greatest temperature.
 fn span(points: &[TracePoint]) -> (f64, f64) {

@@ -5,12 +5,15 @@ use std::collections::VecDeque;
 use serde::Serialize;
 use zerorate_fit::allan::{Allan, NoAllan};
 use zerorate_fit::predict::{Predictor, Start};
+use zerorate_fit::robust::centre_and_sigma;
 
 use zerorate_cal::calibration::{AxisCalibration, Calibration};
 use zerorate_cal::log::{LogError, LogFile, Rows, SensorChoice, Sink, Stream};
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
 use zerorate_cal::units::RateUnit;
+
+use crate::spikes::{Row, Waiting};
 
 /// The temperature of a soak stays within this part of the least span of a calibration: 1 C. At the steepest of common
 /// drifts, 1e-3 rad/s a degree, that is a ramp of 1e-3 rad/s at most: below the flicker of parts that drift so much.
@@ -22,6 +25,10 @@ const LEAST_SOAK_S: f64 = 120.0;
 /// And so many times as long as the rest of the log takes for as much of the temperature: a slow ramp does not, nor the place
 /// where it turns round, which takes twice.
 const REST: f64 = 3.0;
+
+/// Temperatures at an end of a soak that are further from its median than so many standard deviations are not yet settled, or
+/// of the ramp: of normal noise one in 16 000 is.
+const SETTLED: f64 = 4.0;
 
 /// Samples kept of one sensor, at most; a longer log is averaged by pairs until it fits.
 const MOST: usize = 1 << 17;
@@ -59,6 +66,8 @@ pub struct AxisNoise {
     pub time_s: [f64; 2],
     /// The least and the greatest temperature then, over averages of some samples.
     pub temperature: [f64; 2],
+    /// Samples of that time that were left out: the rate is far from its neighbours, as a fit sees it. Another stands in for each.
+    pub left_out: u64,
     /// The Allan deviation, or why there is none.
     #[serde(serialize_with = "super::or_reason")]
     pub noise: Result<Allan, String>,
@@ -77,6 +86,7 @@ pub fn noise(
     let file = LogFile::open(log, columns)?;
     let mut taken = Taking { sensor, sensors: Vec::new(), places: Vec::new() };
     file.read(&mut taken)?;
+    taken.sensors.iter_mut().for_each(Series::flush);
     Ok(taken.sensors.iter().flat_map(|series| series.noise(calibration)).collect())
 }
 
@@ -113,28 +123,39 @@ struct Bin {
     time_s: f64,
     temperature: f64,
     values: Vec<f64>,
+    /// For each axis the rows left out.
+    left_out: Vec<u32>,
+}
+
+impl From<Row> for Bin {
+    fn from(row: Row) -> Self {
+        let left_out = row.left_out.iter().map(|left_out| u32::from(*left_out)).collect();
+        Self { time_s: row.time_s, temperature: row.temperature, values: row.values, left_out }
+    }
 }
 
 impl Bin {
     fn empty(axes: usize) -> Self {
-        Self { time_s: 0.0, temperature: 0.0, values: vec![0.0; axes] }
+        Self { time_s: 0.0, temperature: 0.0, values: vec![0.0; axes], left_out: vec![0; axes] }
     }
 
     /// A gap: no number in it.
     fn gap(axes: usize) -> Self {
-        Self { time_s: f64::NAN, temperature: f64::NAN, values: vec![f64::NAN; axes] }
+        Self { time_s: f64::NAN, temperature: f64::NAN, values: vec![f64::NAN; axes], left_out: vec![0; axes] }
     }
 
     fn add(&mut self, other: &Self) {
         self.time_s += other.time_s;
         self.temperature += other.temperature;
         self.values.iter_mut().zip(&other.values).for_each(|(sum, value)| *sum += value);
+        self.left_out.iter_mut().zip(&other.left_out).for_each(|(sum, rows)| *sum += rows);
     }
 }
 
 /// One sensor's rows, evenly spaced, averaged as far as they must be to fit.
 struct Series {
     stream: Stream,
+    waiting: Waiting,
     bins: Vec<Bin>,
     open: Bin,
     /// Rows in the open bin, and in a full one.
@@ -149,8 +170,9 @@ struct Series {
 impl Series {
     fn new(stream: Stream) -> Self {
         let open = Bin::empty(stream.names.len());
+        let waiting = Waiting::new(stream.names.len(), stream.temperature_unit);
         let (first_s, last_s) = (f64::NAN, f64::NAN);
-        Self { stream, bins: Vec::new(), open, in_open: 0, a_bin: 1, rows: 0, first_s, last_s, part: 0 }
+        Self { stream, waiting, bins: Vec::new(), open, in_open: 0, a_bin: 1, rows: 0, first_s, last_s, part: 0 }
     }
 
     fn axes(&self) -> usize {
@@ -169,17 +191,25 @@ impl Series {
                 self.gap((time_s - self.last_s) / period_s - 1.0);
             }
             let values = rows.values.iter().map(|column| column[row]).collect();
-            self.row(&Bin { time_s, temperature: rows.temperature[row], values });
+            let told = self.waiting.push(time_s, rows.temperature[row], values);
+            told.into_iter().for_each(|row| self.row(&row.into()));
             self.first_s = if self.first_s.is_nan() { time_s } else { self.first_s };
             self.last_s = time_s;
             self.rows += 1;
         }
     }
 
+    /// Takes in the rows that wait.
+    fn flush(&mut self) {
+        let told = self.waiting.finish();
+        told.into_iter().for_each(|row| self.row(&row.into()));
+    }
+
     /// Passes over so many rows that are not there.
     // At most 10 000.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     fn gap(&mut self, rows: f64) {
+        self.flush();
         let gap = Bin::gap(self.axes());
         for _ in 0..rows.clamp(1.0, LONGEST_GAP) as usize {
             self.row(&gap);
@@ -214,8 +244,8 @@ impl Series {
     fn noise(&self, calibration: Option<&Calibration>) -> Vec<AxisNoise> {
         let temperatures = smoothed(&self.bins.iter().map(|bin| self.mean(bin.temperature)).collect::<Vec<_>>());
         let axis = |(place, name): (usize, &String)| match calibration {
-            None => Some(self.of_soak(place, name, &temperatures)),
-            Some(calibration) => Some(self.of_residual(place, name, &temperatures, calibration.axes.get(name)?)),
+            None => Some(self.of_soak(place, &temperatures)),
+            Some(calibration) => Some(self.of_residual(place, &temperatures, calibration.axes.get(name)?)),
         };
         self.stream.names.iter().enumerate().filter_map(axis).collect()
     }
@@ -224,7 +254,7 @@ impl Series {
         self.bins.iter().map(|bin| self.mean(bin.values[axis])).collect()
     }
 
-    fn of_soak(&self, axis: usize, name: &str, temperatures: &[f64]) -> AxisNoise {
+    fn of_soak(&self, axis: usize, temperatures: &[f64]) -> AxisNoise {
         let unit = self.stream.temperature_unit;
         let span = SOAK * unit.min_span();
         let (from, to) = longest_soak(temperatures, span);
@@ -232,10 +262,12 @@ impl Series {
         let crossed: usize = around.iter().map(|part| crossings(part, span)).sum();
         let (soak, rest) = ((to - from) as f64, (temperatures.len() - (to - from)) as f64);
         let is_ramp = crossed > 0 && soak < REST * rest / crossed as f64;
-        let mut found = self.describe(name, NoiseOf::Soak, from, to, temperatures);
+        let (from, to) = if is_ramp { (from, to) } else { self.settled(from, to, temperatures) };
+        let mut found = self.describe(axis, NoiseOf::Soak, from, to, temperatures);
         let [start_s, end_s] = found.time_s;
         found.noise = if end_s - start_s >= LEAST_SOAK_S && !is_ramp {
-            self.allan(&self.values(axis)[from..to]).map_err(|error| error.to_string())
+            Allan::of_soak(&self.values(axis)[from..to], &temperatures[from..to], self.period_s())
+                .map_err(|error| error.to_string())
         } else {
             let [min, max] = extremes(temperatures);
             let error = if start_s.is_finite() {
@@ -248,7 +280,7 @@ impl Series {
         found
     }
 
-    fn of_residual(&self, axis: usize, name: &str, temperatures: &[f64], own: &AxisCalibration) -> AxisNoise {
+    fn of_residual(&self, axis: usize, temperatures: &[f64], own: &AxisCalibration) -> AxisNoise {
         let mut predictor = Predictor::new(&own.fit.model, Start::Unknown);
         let values = self.values(axis);
         let residuals: Vec<f64> = (0..values.len())
@@ -257,26 +289,48 @@ impl Series {
                 values[place] - predictor.predict(time_s, temperatures[place]).bias
             })
             .collect();
-        let mut found = self.describe(name, NoiseOf::Residual, 0, values.len(), temperatures);
-        found.noise = self.allan(&residuals).map_err(|error| error.to_string());
+        let mut found = self.describe(axis, NoiseOf::Residual, 0, values.len(), temperatures);
+        found.noise = Allan::of(&residuals, self.period_s()).map_err(|error| error.to_string());
         found
     }
 
-    fn allan(&self, values: &[f64]) -> Result<Allan, NoAllan> {
+    /// Time from one bin to the next, seconds.
+    fn period_s(&self) -> f64 {
         // Gaps are in the series as places without a number, so its places are evenly spaced.
         let places = (self.bins.len() * self.a_bin) as f64;
-        let period_s = (self.last_s - self.first_s) / (places - 1.0).max(1.0) * self.a_bin as f64;
-        Allan::of(values, period_s)
+        (self.last_s - self.first_s) / (places - 1.0).max(1.0) * self.a_bin as f64
     }
 
-    fn describe(&self, name: &str, of: NoiseOf, from: usize, to: usize, temperatures: &[f64]) -> AxisNoise {
+    /// A soak less the ends at which its temperature still moves: the ramps beside it and the approach, which are within a
+    /// degree too. No shorter than a soak lasts.
+    fn settled(&self, mut from: usize, mut to: usize, temperatures: &[f64]) -> (usize, usize) {
+        loop {
+            let finite: Vec<f64> = temperatures[from..to].iter().copied().filter(|t| t.is_finite()).collect();
+            let (centre, sigma) = centre_and_sigma(&finite);
+            let is_settled = |t: &f64| (t - centre).abs() <= SETTLED * sigma;
+            let soak = &temperatures[from..to];
+            let (Some(first), Some(last)) = (soak.iter().position(is_settled), soak.iter().rposition(is_settled))
+            else {
+                return (from, to);
+            };
+            let shorter = (from + first, from + last + 1);
+            let lasts_s = (shorter.1 - shorter.0) as f64 * self.period_s();
+            if shorter == (from, to) || lasts_s < LEAST_SOAK_S {
+                return (from, to);
+            }
+            (from, to) = shorter;
+        }
+    }
+
+    fn describe(&self, axis: usize, of: NoiseOf, from: usize, to: usize, temperatures: &[f64]) -> AxisNoise {
         let times = || self.bins[from..to].iter().map(|bin| self.mean(bin.time_s)).filter(|time| time.is_finite());
         AxisNoise {
-            name: name.to_owned(),
+            name: self.stream.names[axis].clone(),
             rate_unit: self.stream.unit,
             of,
             time_s: [times().next().unwrap_or(f64::NAN), times().next_back().unwrap_or(f64::NAN)],
             temperature: extremes(&temperatures[from..to]),
+            left_out: self.bins[from..to].iter().map(|bin| u64::from(bin.left_out[axis])).sum(),
             noise: Err(String::new()),
         }
     }
@@ -346,106 +400,4 @@ fn longest_soak(temperatures: &[f64], most: f64) -> (usize, usize) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use zerorate_cal::units::TemperatureUnit;
-
-    /// A log at 10 Hz: a ramp of 200 s, a soak of 400 s, a ramp again; white noise of 0.01 a sample.
-    fn log(drift: f64) -> Source {
-        let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();
-        let mut n: u64 = 42;
-        for row in 0..8000_i32 {
-            n = 16_807 * n % 2_147_483_647;
-            let noise = 0.01 * (n as f64 / 2_147_483_647.0 - 0.5) * 12.0_f64.sqrt();
-            let temperature = match row {
-                0..2000 => f64::from(row) * 0.01,
-                2000..6000 => 20.0,
-                _ => 20.0 + f64::from(row - 6000) * 0.01,
-            };
-            text += &format!("{},{temperature},{}\n", f64::from(row) / 10.0, drift * temperature + noise);
-        }
-        Source::bytes("log.csv", text.into_bytes())
-    }
-
-    #[test]
-    fn the_longest_soak_of_a_log_tells_its_noise() {
-        let found = noise(&log(0.05), &Columns::default(), None, None).unwrap().remove(0);
-        assert_eq!(found.of, NoiseOf::Soak);
-        // The soak, and what of the ramps is within a degree of it.
-        assert!(found.time_s[0] > 180.0 && found.time_s[1] < 620.0, "{found:?}");
-        let allan = found.noise.unwrap();
-        assert!((allan.period_s - 0.1).abs() < 1e-6);
-        // 0.01 a sample at 10 Hz.
-        let n = allan.coefficients.angle_random_walk.value().unwrap();
-        assert!((n / (0.01 * 0.1_f64.sqrt()) - 1.0).abs() < 0.05, "{n}");
-    }
-
-    #[test]
-    fn a_ramp_is_refused_with_what_to_do_and_its_residual_is_not() {
-        let rows: String = (0..4000)
-            .map(|row| format!("{},{},{}\n", f64::from(row) / 10.0, f64::from(row) * 0.01, f64::from(row * 7 % 13)))
-            .collect();
-        let ramp = Source::bytes("ramp.csv", format!("time_s,temperature_c,gyro_x_rad_s\n{rows}").into_bytes());
-        let found = noise(&ramp, &Columns::default(), None, None).unwrap().remove(0);
-        let refused = found.noise.unwrap_err();
-        assert!(refused.contains("the temperature goes from") && refused.contains("take a soak"), "{refused}");
-    }
-
-    #[test]
-    fn a_slow_ramp_is_no_soak_and_neither_is_the_place_where_it_turns_round() {
-        // 40 C in two hours: 180 s a degree.
-        let up = |row: i32| 5.0 + f64::from(row) * 40.0 / 7200.0;
-        let ramp = |turns: bool| {
-            let temperature = |row: i32| if turns { up(row.min(7200 - row)) } else { up(row) };
-            let rows: String = (0..7200)
-                .map(|row| format!("{row},{},{}\n", temperature(row), f64::from(row * 7 % 13) + temperature(row)))
-                .collect();
-            Source::bytes("ramp.csv", format!("time_s,temperature_c,gyro_x_rad_s\n{rows}").into_bytes())
-        };
-        for turns in [false, true] {
-            let found = noise(&ramp(turns), &Columns::default(), None, None).unwrap().remove(0);
-            assert!(found.noise.is_err_and(|why| why.contains("take a soak")), "turns: {turns}");
-        }
-    }
-
-    #[test]
-    fn with_a_calibration_the_whole_logs_residual_is_taken() {
-        // 40 mrad/s in all: as much as parts drift, and no more than conditioning takes for drift.
-        let log = log(0.002);
-        let fit =
-            zerorate_cal::fit::fit(std::slice::from_ref(&log), &zerorate_cal::log_fit::FitOptions::default()).unwrap();
-        let calibration = fit.to_calibration(Vec::new(), None).unwrap();
-        let found = noise(&log, &Columns::default(), None, Some(&calibration)).unwrap().remove(0);
-        assert_eq!(found.of, NoiseOf::Residual);
-        let n = found.noise.unwrap().coefficients.angle_random_walk.value().unwrap();
-        assert!((n / (0.01 * 0.1_f64.sqrt()) - 1.0).abs() < 0.05, "{n}");
-    }
-
-    #[test]
-    fn a_long_log_is_averaged_until_it_fits_and_a_gap_stays_one() {
-        let stream = Stream {
-            sensor: None,
-            names: vec!["x".to_owned()],
-            unit: RateUnit::RadPerS,
-            temperature_unit: TemperatureUnit::C,
-        };
-        let mut series = Series::new(stream);
-        let rows = 300_000;
-        let time: Vec<f64> = (0..rows).map(|i| f64::from(i) * 0.01 + if i >= 200_000 { 50.0 } else { 0.0 }).collect();
-        let values: Vec<f64> = (0..rows).map(|i| f64::from(i % 2)).collect();
-        series.push(&Rows {
-            sensor: 0,
-            part: 0,
-            first_row: 0,
-            time_s: &time,
-            temperature: &vec![25.0; time.len()],
-            values: &[values],
-        });
-        assert!(series.bins.len() < MOST && series.a_bin == 4, "{} {}", series.bins.len(), series.a_bin);
-        let gap = series.bins.iter().filter(|bin| bin.values[0].is_nan()).count();
-        assert!(gap.abs_diff(5000 / 4) < 5, "{gap}");
-        let allan = series.allan(&series.values(0));
-        // Of four rows of 0, 1, 0, 1 the mean is always a half.
-        assert_eq!(allan, Err(NoAllan::Constant));
-    }
-}
+mod tests;

@@ -10,6 +10,7 @@
 mod coefficients;
 mod confidence;
 mod filter;
+mod trend;
 
 use serde::Serialize;
 use thiserror::Error;
@@ -57,7 +58,9 @@ pub struct Allan {
     /// Below this averaging time samples resemble their neighbours, as behind the gyro's own filter, and nothing is read off
     /// the curve, seconds; none where no filter shows.
     pub filtered_below_s: Option<f64>,
-    /// N, B and K, by the curve from there on.
+    /// Whether the curve rises by a smooth trend in time or with temperature, which is no noise.
+    pub smooth_trend: bool,
+    /// N, B and K, by the curve from there on; what is seen is read of the record less its smooth trend.
     pub coefficients: Coefficients,
 }
 
@@ -146,6 +149,18 @@ impl Allan {
     /// # Errors
     /// [`NoAllan`], when the record is too short, has no time or never changes.
     pub fn of(rates: &[f64], period_s: f64) -> Result<Self, NoAllan> {
+        Self::beside(rates, None, period_s)
+    }
+
+    /// The same with the temperatures of the rates, as many: what goes with them is no noise.
+    ///
+    /// # Errors
+    /// [`NoAllan`], when the record is too short, has no time or never changes.
+    pub fn of_soak(rates: &[f64], temperatures: &[f64], period_s: f64) -> Result<Self, NoAllan> {
+        Self::beside(rates, Some(temperatures), period_s)
+    }
+
+    fn beside(rates: &[f64], temperatures: Option<&[f64]>, period_s: f64) -> Result<Self, NoAllan> {
         if !(period_s.is_finite() && period_s > 0.0) {
             return Err(NoAllan::NoPeriod { period_s });
         }
@@ -154,13 +169,7 @@ impl Allan {
         if samples < LEAST_SAMPLES {
             return Err(NoAllan::TooShort { samples });
         }
-        let found: Vec<(usize, f64, u64)> = averaging(samples)
-            .into_iter()
-            .filter_map(|m| {
-                let (squares, pairs) = sums.squares(m, 1);
-                (pairs > 1).then(|| (m, (squares / (2.0 * pairs as f64)).sqrt(), pairs))
-            })
-            .collect();
+        let found = variances(&sums, samples / LONGEST);
         if found.is_empty() {
             return Err(NoAllan::TooShort { samples });
         }
@@ -172,13 +181,25 @@ impl Allan {
             let (low, high) = interval(deviation, degrees_of_freedom);
             AllanPoint { tau_s: m as f64 * period_s, deviation, low, high, degrees_of_freedom, noise }
         };
+        let points_of = |found: &[(usize, f64, u64)], filtered: usize| -> Vec<AllanPoint> {
+            let first: Vec<AllanPoint> = found.iter().map(|found| point(*found, Noise::AngleRandomWalk)).collect();
+            let noises = noises(&first[filtered..], filtered > 0);
+            let noises = vec![Noise::Filtered; filtered].into_iter().chain(noises);
+            found.iter().zip(noises).map(|(found, noise)| point(*found, noise)).collect()
+        };
         let first: Vec<AllanPoint> = found.iter().map(|found| point(*found, Noise::AngleRandomWalk)).collect();
         let filtered = filter::end(&first);
-        let noises = vec![Noise::Filtered; filtered].into_iter().chain(noises(&first[filtered..], filtered > 0));
-        let points: Vec<AllanPoint> = found.iter().zip(noises).map(|(found, noise)| point(*found, noise)).collect();
+        let points = points_of(&found, filtered);
+        let left = Sums::of(&trend::without(rates, temperatures));
+        let level = variances(&left, samples / trend::READ);
+        let level = if level.len() > filtered && level.iter().all(|(_, deviation, _)| *deviation > 0.0) {
+            points_of(&level, filtered).split_off(filtered)
+        } else {
+            Vec::new()
+        };
         let filtered_below_s = (filtered > 0).then(|| points[filtered].tau_s);
-        let coefficients = Coefficients::of(&points[filtered..], filtered > 0);
-        Ok(Self { period_s, samples: samples as u64, points, filtered_below_s, coefficients })
+        let (coefficients, smooth_trend) = Coefficients::of(&points[filtered..], &level, filtered > 0);
+        Ok(Self { period_s, samples: samples as u64, points, filtered_below_s, smooth_trend, coefficients })
     }
 
     /// The Allan deviation at a time of a second, where the curve spans it, by interpolation; for comparisons.
@@ -194,14 +215,21 @@ impl Allan {
     }
 }
 
-/// Averaging factors, a few an octave, up to a third of the record.
+/// Averaging factors with their Allan deviations and the differences that these are of.
+fn variances(sums: &Sums, longest: usize) -> Vec<(usize, f64, u64)> {
+    let found = averaging(longest).into_iter().filter_map(|m| {
+        let (squares, pairs) = sums.squares(m, 1);
+        (pairs > 1).then(|| (m, (squares / (2.0 * pairs as f64)).sqrt(), pairs))
+    });
+    found.collect()
+}
+
+/// Averaging factors, a few an octave, up to the longest.
 // Factors are far below 2^53, and above zero.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn averaging(samples: usize) -> Vec<usize> {
-    let mut factors: Vec<usize> = (0..)
-        .map(|i| libm::exp2(f64::from(i) / PER_OCTAVE).round() as usize)
-        .take_while(|m| *m <= samples / LONGEST)
-        .collect();
+fn averaging(longest: usize) -> Vec<usize> {
+    let mut factors: Vec<usize> =
+        (0..).map(|i| libm::exp2(f64::from(i) / PER_OCTAVE).round() as usize).take_while(|m| *m <= longest).collect();
     factors.dedup();
     factors
 }

@@ -24,7 +24,8 @@ const COLUMNS: [Told<AllanPoint>; 5] = [
 ///
 /// Gives a dict of arrays of one shape: `tau_s`, averaging time, seconds; `deviation` and its confidence bounds `low` and
 /// `high`, in the rates' unit; `degrees_of_freedom`; and the `coefficients`: angle random walk, bias instability, rate random walk.
-/// `filtered_below_s` is the averaging time below which samples resemble their neighbours, as behind a filter, or None.
+/// `filtered_below_s` is the averaging time below which samples resemble their neighbours, as behind a filter, or None;
+/// `smooth_trend`, whether the curve rises by a smooth trend, which is no noise.
 #[pyfunction]
 pub fn allan_deviation<'py>(
     py: Python<'py>,
@@ -37,6 +38,7 @@ pub fn allan_deviation<'py>(
     let told = columns(py, &found.points, &COLUMNS)?;
     let coefficients = serde_json::to_string(&found.coefficients).map_err(|error| raised(&error))?;
     told.set_item("filtered_below_s", found.filtered_below_s)?;
+    told.set_item("smooth_trend", found.smooth_trend)?;
     told.set_item("coefficients", loaded(py, coefficients)?)?;
     Ok(told)
 }

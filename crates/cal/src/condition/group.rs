@@ -11,7 +11,7 @@ use zerorate_fit::spikes::{MIN_SEARCHED, outliers, outliers_beyond_steps};
 pub const GROUP_S: f64 = 10.0;
 
 /// Rows in a group, at least, where the log is long enough: below it a median absolute deviation means little.
-const MIN_GROUP_ROWS: u64 = 21;
+pub const MIN_GROUP_ROWS: u64 = 21;
 
 /// Groups in a log, at least: a short log has shorter groups instead.
 pub const MIN_GROUPS: u64 = 64;
@@ -33,7 +33,7 @@ const GAP: f64 = 1.5;
 const UNEVEN: f64 = 1.5;
 
 /// A temperature spike is also further than this share of the least span from the median: 1 C.
-const TEMPERATURE_SPIKE: f64 = 0.1;
+pub const TEMPERATURE_SPIKE: f64 = 0.1;
 
 /// One axis's part of a group.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -14,7 +14,9 @@ use zerorate_cal::recording::Recording;
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
 use zerorate_cal::units::RateUnit;
-use zerorate_characterise::{AxisNoise, Characteristics, NoiseOf, doubtful, filtered, is_of_a_soak, missing, noise};
+use zerorate_characterise::{
+    AxisNoise, Characteristics, NoiseOf, doubtful, filtered, is_of_a_soak, left_out, missing, noise, trended,
+};
 use zerorate_fit::allan::{Allan, Coefficient};
 
 use super::Outcome;
@@ -24,8 +26,8 @@ use crate::screen::{self, Grid, Page, three_digits};
 
 /// Tell a sensor's noise, hysteresis and sensitivities from a log
 ///
-/// The noise is told by the overlapping Allan deviation, sample by sample, of the longest soak in the log (constant
-/// temperature), or with a calibration of what that leaves of the whole log; on a ramp it is refused, for there it would
+/// The noise is told by the overlapping Allan deviation, sample by sample and without spikes, of the longest soak in the log
+/// (constant temperature), or with a calibration of what that leaves of the whole log; on a ramp it is refused, for there it would
 /// show the drift. Hysteresis and sensitivities are told where the log holds both directions and several speeds of the
 /// temperature. Names are those of IEEE Std 952 and 528.
 #[derive(Debug, Args)]
@@ -199,12 +201,13 @@ fn noise_page(page: &mut Page, noises: &[AxisNoise]) {
                 "  ",
                 &format!(
                     "From {from:.0} to {to:.0} s, {min:.1} to {max:.1}. In brackets the 95 % confidence; < where other noise \
-                     hides it."
+                     or a trend hides it."
                 ),
             );
         }
         let allans = noises.iter().filter_map(|axis| Some((axis.name.as_str(), axis.noise.as_ref().ok()?)));
-        filtered(allans).iter().for_each(|sentence| page.sentence("  - ", sentence));
+        let told = filtered(allans.clone()).into_iter().chain(trended(allans)).chain(left_out(noises));
+        told.for_each(|sentence| page.sentence("  - ", &sentence));
     }
     let mut told: Vec<&str> = Vec::new();
     for axis in noises {

@@ -50,7 +50,7 @@ pub enum Coefficient {
         /// The averaging time at which it is the largest part, seconds.
         tau_s: f64,
     },
-    /// Other noise hides it.
+    /// Other noise or a trend hides it.
     #[serde(rename = "no")]
     Hidden {
         /// It is not more than this, at the confidence [`super::LEVEL`].
@@ -92,23 +92,31 @@ const NOISES: [Noise; TERMS] =
     [Noise::Quantization, Noise::AngleRandomWalk, Noise::BiasInstability, Noise::RateRandomWalk];
 
 impl Coefficients {
-    /// Fits the terms to the variances, each weighed by its degrees of freedom; `points` must not be empty. `filtered` are
-    /// those of a gyro behind a filter, at averaging times beyond it.
-    pub(super) fn of(points: &[AllanPoint], filtered: bool) -> Self {
-        let curve = Curve { points, filtered };
-        let squares = curve.fitted(None);
-        Self {
-            angle_random_walk: curve.coefficient(&squares, N),
-            bias_instability: curve.coefficient(&squares, B),
-            rate_random_walk: curve.coefficient(&squares, K),
-        }
+    /// Fits the terms to the variances, each weighed by its degrees of freedom; `points` must not be empty. `level` are those of
+    /// the record less its trend, at the averaging times that this leaves as they were: what is seen is read there, and bounds
+    /// are of the whole. `filtered` are those of a gyro behind a filter, at averaging times beyond it.
+    ///
+    /// And whether the whole curve shows a flicker or a walk which the record less its trend does not.
+    pub(super) fn of(points: &[AllanPoint], level: &[AllanPoint], filtered: bool) -> (Self, bool) {
+        let whole = Curve { points, filtered }.read();
+        let level = if level.is_empty() { [None; TERMS] } else { Curve { points: level, filtered }.read() };
+        let room = Curve { points, filtered };
+        let squares = room.fitted([true; TERMS]);
+        let hidden = |of: usize| Coefficient::Hidden { at_most: room.room(&squares, of) };
+        let found = Self {
+            angle_random_walk: level[N].or(whole[N]).unwrap_or_else(|| hidden(N)),
+            bias_instability: level[B].unwrap_or_else(|| hidden(B)),
+            rate_random_walk: level[K].unwrap_or_else(|| hidden(K)),
+        };
+        let rises = |found: &[Option<Coefficient>; TERMS]| found[B].or(found[K]).is_some();
+        (found, rises(&whole) && !rises(&level))
     }
 }
 
 /// The noise that is the largest part at each point, by a fit: at long averaging times the curve is too rough for its own
 /// slope to tell.
 pub(super) fn noises(points: &[AllanPoint], filtered: bool) -> Vec<Noise> {
-    let squares = Curve { points, filtered }.fitted(None);
+    let squares = Curve { points, filtered }.fitted([true; TERMS]);
     let largest = |point: &AllanPoint| {
         let parts = terms(point.tau_s);
         let by_size = |a: &usize, b: &usize| (parts[*a] * squares[*a]).total_cmp(&(parts[*b] * squares[*b]));
@@ -119,6 +127,12 @@ pub(super) fn noises(points: &[AllanPoint], filtered: bool) -> Vec<Noise> {
 
 fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// How much of a point a term is.
+fn share(squares: &[f64; TERMS], of: usize, point: &AllanPoint) -> f64 {
+    let parts = terms(point.tau_s);
+    parts[of] * squares[of] / dot(&parts, &squares.map(f64::abs))
 }
 
 /// What the terms are fitted to.
@@ -133,12 +147,12 @@ struct Curve<'a> {
 impl Curve<'_> {
     /// The squares of the coefficients that minimise the sum over points of `w ((variance - model) / model)^2` with none
     /// below zero, `w` the degrees of freedom. The model in the denominator is that of the round before: were it the
-    /// variance found, points that came out low by chance would pull the fit down. `without` is a term that is left out.
-    fn fitted(self, without: Option<usize>) -> [f64; TERMS] {
+    /// variance found, points that came out low by chance would pull the fit down. Terms that are not kept are zero.
+    fn fitted(self, kept: [bool; TERMS]) -> [f64; TERMS] {
         let mut sizes: Vec<f64> = self.points.iter().map(|point| point.deviation.powi(2)).collect();
         let mut squares = [0.0; TERMS];
         for _ in 0..REWEIGHTED {
-            squares = self.fitted_by(&sizes, without);
+            squares = self.fitted_by(&sizes, kept);
             let model = |point: &AllanPoint| {
                 let variance = point.deviation.powi(2);
                 dot(&terms(point.tau_s), &squares).max(LEAST_SIZE * variance)
@@ -149,7 +163,7 @@ impl Curve<'_> {
     }
 
     /// The same with given denominators: by turns, one coefficient at a time, which a convex sum of squares allows.
-    fn fitted_by(self, sizes: &[f64], without: Option<usize>) -> [f64; TERMS] {
+    fn fitted_by(self, sizes: &[f64], kept: [bool; TERMS]) -> [f64; TERMS] {
         let rows: Vec<([f64; TERMS], f64, f64)> = self
             .points
             .iter()
@@ -173,7 +187,7 @@ impl Curve<'_> {
         let mut parts = [0.0_f64; TERMS];
         for _ in 0..ROUNDS {
             let mut moved = 0.0_f64;
-            for i in (0..TERMS).filter(|i| Some(*i) != without) {
+            for i in (0..TERMS).filter(|i| kept[*i]) {
                 let rest: f64 = (0..TERMS).filter(|j| *j != i).map(|j| products[i][j] * parts[j]).sum();
                 let free = (targets[i] - rest) / products[i][i];
                 let best = if i == Q && self.filtered { free } else { free.max(0.0) };
@@ -187,36 +201,86 @@ impl Curve<'_> {
         std::array::from_fn(|j| parts[j] / size[j])
     }
 
-    /// Whether it lies above the best sum of the other terms somewhere, by more than chance makes at any of its points.
-    fn is_needed(self, term: usize) -> bool {
-        let others = self.fitted(Some(term));
-        self.points.iter().any(|point| {
+    /// How likely chance makes the curve without a term, at the point that tells most: how far it lies above the best sum of the
+    /// other terms that are kept.
+    fn chance_without(self, term: usize, mut kept: [bool; TERMS]) -> f64 {
+        kept[term] = false;
+        let others = self.fitted(kept);
+        let chance = |point: &AllanPoint| {
             let ratio = point.deviation.powi(2) / dot(&terms(point.tau_s), &others).max(0.0);
-            beyond(ratio, point.degrees_of_freedom) < self.chance_at_a_point()
-        })
+            beyond(ratio, point.degrees_of_freedom)
+        };
+        self.points.iter().map(chance).fold(1.0, f64::min)
     }
 
     fn chance_at_a_point(self) -> f64 {
         BY_CHANCE / self.points.len() as f64
     }
 
-    /// One coefficient with its bounds: those of the point at which its term is the largest part.
-    fn coefficient(self, squares: &[f64; TERMS], of: usize) -> Coefficient {
-        let share = |point: &AllanPoint| {
-            let parts = terms(point.tau_s);
-            parts[of] * squares[of] / dot(&parts, &squares.map(f64::abs))
-        };
-        // Of those at which it is nearly all that there is the first, which tells most.
-        let best =
-            self.points.iter().rev().max_by(|a, b| share(a).min(NEARLY_ALL).total_cmp(&share(b).min(NEARLY_ALL)));
-        match best.filter(|point| share(point) >= SEEN && self.is_needed(of)) {
-            Some(point) => {
-                let value = squares[of].sqrt();
-                let (low, high) = interval(value, point.degrees_of_freedom);
-                Coefficient::Seen { value, low, high, tau_s: point.tau_s }
+    /// The terms without which the curve is not as likely, one left out after the other. A term that is not there comes out above
+    /// zero by chance, never below, and what it gets is taken from the others: N came out low by a third of its error.
+    fn needed(self) -> [bool; TERMS] {
+        let mut kept = [true; TERMS];
+        loop {
+            // What a filter takes is there.
+            let may_go = (0..TERMS).filter(|term| kept[*term] && !(*term == Q && self.filtered));
+            let chances = may_go.map(|term| (term, self.chance_without(term, kept)));
+            match chances.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
+                Some((term, chance)) if chance >= self.chance_at_a_point() => kept[term] = false,
+                _ => return kept,
             }
-            None => Coefficient::Hidden { at_most: self.room(squares, of) },
         }
+    }
+
+    /// The coefficients that are seen.
+    fn read(self) -> [Option<Coefficient>; TERMS] {
+        let kept = self.needed();
+        let squares = self.fitted(kept);
+        // Of two terms that can stand for each other one stays; neither is seen.
+        let is_seen = |of: &usize| kept[*of] && self.chance_without(*of, [true; TERMS]) < self.chance_at_a_point();
+        let mut found = [None; TERMS];
+        for of in [N, B, K].into_iter().filter(is_seen) {
+            found[of] = self.coefficient(&squares, of);
+        }
+        found
+    }
+
+    /// The point at which a term is the largest part.
+    fn largest(self, squares: &[f64; TERMS], of: usize) -> AllanPoint {
+        let by_share = |a: &&AllanPoint, b: &&AllanPoint| share(squares, of, a).total_cmp(&share(squares, of, b));
+        self.points.iter().max_by(by_share).copied().unwrap_or(self.points[0])
+    }
+
+    /// One coefficient with its bounds: those of the point at which its term is the largest part.
+    fn coefficient(self, squares: &[f64; TERMS], of: usize) -> Option<Coefficient> {
+        let share = |point: &AllanPoint| share(squares, of, point);
+        // N is read at one point, for its bounds to be the value's: neighbouring averaging times share their samples, and a fit that
+        // weighs them as if they did not scatters by more than the best of them. Beyond a filter single points have few averages.
+        let at_a_point = of == N && !self.filtered;
+        // Of those at which it is nearly all that there is the first, which tells most. At one point short times tell more than
+        // what is taken off there costs.
+        let worth = |point: &AllanPoint| {
+            if at_a_point { point.degrees_of_freedom * share(point).powi(4) } else { share(point).min(NEARLY_ALL) }
+        };
+        let best = self.points.iter().rev().max_by(|a, b| worth(a).total_cmp(&worth(b)));
+        let point = best.filter(|point| share(point) >= SEEN)?;
+        let (value, (low, high)) = if at_a_point {
+            let parts = terms(point.tau_s);
+            let others = dot(&parts, squares) - parts[N] * squares[N];
+            let own = |deviation: f64| ((deviation.powi(2) - others).max(0.0) / parts[N]).sqrt();
+            // What is taken off is known as well as where it is largest, and adds its own error: a variance of so many degrees of
+            // freedom has a relative variance of two over them.
+            let error = |j: usize| (parts[j] * squares[j]).powi(2) / self.largest(squares, j).degrees_of_freedom;
+            let errors: f64 = (0..TERMS).filter(|j| *j != N && squares[*j] > 0.0).map(error).sum();
+            let variance = point.deviation.powi(4);
+            let degrees_of_freedom = variance / (variance / point.degrees_of_freedom + errors);
+            let (low, high) = interval(point.deviation, degrees_of_freedom);
+            (own(point.deviation), (own(low), own(high)))
+        } else {
+            let value = squares[of].sqrt();
+            (value, interval(value, point.degrees_of_freedom))
+        };
+        Some(Coefficient::Seen { value, low, high, tau_s: point.tau_s })
     }
 
     /// As much of a term as the curve has room for: at one of its points or another, chance takes more away than at a single

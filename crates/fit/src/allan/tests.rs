@@ -194,6 +194,89 @@ fn the_bounds_hold_the_truth_as_often_as_they_say() {
     assert!((2..=20).contains(&missed), "{missed} of 200");
 }
 
+/// Normal noise of one: a sum of twelve (Irwin and Hall), of the same generator.
+fn normal(noise: &mut Uniform) -> f64 {
+    (0..12).map(|_| noise.next()).sum::<f64>() / 12.0_f64.sqrt()
+}
+
+/// Of 300 records of 6000 samples of N = 1 at a period of 0.1 s.
+#[test]
+fn the_bounds_of_n_hold_the_truth_as_often_as_they_say() {
+    const RECORDS: usize = 300;
+    let mut noise = Uniform(271_828);
+    let (mut held, mut sum) = (0, 0.0);
+    for _ in 0..RECORDS {
+        let rates: Vec<f64> = (0..6000).map(|_| 10.0_f64.sqrt() * normal(&mut noise)).collect();
+        let found = Allan::of(&rates, 0.1).unwrap().coefficients.angle_random_walk;
+        let Coefficient::Seen { value, low, high, .. } = found else { panic!("{found:?}") };
+        held += usize::from(low <= 1.0 && 1.0 <= high);
+        sum += value / RECORDS as f64;
+    }
+    let share = held as f64 / RECORDS as f64;
+    assert!((0.91..=0.99).contains(&share), "{held} of {RECORDS}");
+    // Each scatters by 1.1 %.
+    assert!((sum - 1.0).abs() < 3.0 * 0.011 / (RECORDS as f64).sqrt(), "{sum}");
+}
+
+/// White noise of N = 0.005 at 10 Hz for an hour, and a trend; no flicker, no walk.
+#[test]
+fn a_smooth_trend_is_neither_a_walk_nor_a_flicker() {
+    let mut noise = Uniform(31_415);
+    let trends = [
+        ("a warm-up", (|t| 0.1 * libm::exp(-t / 1200.0)) as fn(f64) -> f64),
+        ("a short warm-up", |t| 0.1 * libm::exp(-t / 300.0)),
+        ("a lag of two minutes", |t| 0.03 * libm::exp(-t / 120.0)),
+        ("a bias that ages", |t| 0.02 * t / 3600.0),
+        ("a bend", |t| 0.02 * (t / 3600.0).powi(2)),
+    ];
+    for (which, trend) in trends {
+        for _ in 0..8 {
+            let rates: Vec<f64> =
+                (0..36_000).map(|i| trend(f64::from(i) * 0.1) + 0.005 * 10.0_f64.sqrt() * normal(&mut noise)).collect();
+            let allan = Allan::of(&rates, 0.1).unwrap();
+            let found = allan.coefficients;
+            assert!(found.rate_random_walk.value().is_none(), "{which}: {found:?}");
+            assert!(found.bias_instability.value().is_none(), "{which}: {found:?}");
+            assert!((found.angle_random_walk.value().unwrap() / 0.005 - 1.0).abs() < 0.02, "{which}: {found:?}");
+        }
+    }
+}
+
+/// A temperature that the chamber moves to and fro by half a degree, with a drift of 0.02 a degree.
+#[test]
+fn what_goes_with_the_temperature_is_no_noise() {
+    let mut noise = Uniform(16_180);
+    let temperatures: Vec<f64> = (0..36_000).map(|i| 25.0 + 0.25 * (f64::from(i) / 900.0).sin()).collect();
+    let rates: Vec<f64> =
+        temperatures.iter().map(|t| 0.02 * t + 0.005 * 10.0_f64.sqrt() * normal(&mut noise)).collect();
+    let found = Allan::of_soak(&rates, &temperatures, 0.1).unwrap();
+    assert!(found.smooth_trend, "{found:?}");
+    assert!(found.coefficients.rate_random_walk.value().or(found.coefficients.bias_instability.value()).is_none());
+}
+
+/// A walk of K = 6e-4 beside N = 0.005, an hour each, with and without a warm-up: its bounds hold it in most.
+#[test]
+fn a_walk_is_seen_with_its_size_beside_a_trend_and_without_one() {
+    let mut noise = Uniform(57_721);
+    for trend in [0.0, 0.05] {
+        let (mut seen, mut held) = (0, 0);
+        for _ in 0..40 {
+            let mut walk = 0.0;
+            let rates: Vec<f64> = (0..36_000)
+                .map(|i| {
+                    walk += 6e-4 * 0.1_f64.sqrt() * normal(&mut noise);
+                    walk + trend * libm::exp(-f64::from(i) / 12_000.0) + 0.005 * 10.0_f64.sqrt() * normal(&mut noise)
+                })
+                .collect();
+            if let Coefficient::Seen { low, high, .. } = Allan::of(&rates, 0.1).unwrap().coefficients.rate_random_walk {
+                seen += 1;
+                held += usize::from(low <= 6e-4 && 6e-4 <= high);
+            }
+        }
+        assert!(seen >= 36 && 10 * held >= 9 * seen, "trend {trend}: {held} of {seen} seen");
+    }
+}
+
 #[test]
 fn a_gap_is_left_out_and_not_bridged() {
     // A step of 100 across the gap: any average that bridged it would show.

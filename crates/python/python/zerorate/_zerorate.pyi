@@ -136,7 +136,8 @@ def allan_deviation(rates: ArrayLike, period_s: float) -> dict[str, Any]:
     dict
         Arrays of one shape: ``tau_s``, averaging time, seconds; ``deviation``, ``low`` and ``high``, its confidence bounds,
         in the rates' unit; ``degrees_of_freedom``. And ``coefficients``: angle random walk, bias instability, rate random walk;
-        ``filtered_below_s``: the averaging time below which samples resemble their neighbours, as behind a filter, or None.
+        ``filtered_below_s``: the averaging time below which samples resemble their neighbours, as behind a filter, or None;
+        ``smooth_trend``: whether the curve rises by a smooth trend, which is no noise.
     """
 
 def command(typed: Sequence[str]) -> int: ...

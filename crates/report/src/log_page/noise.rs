@@ -4,8 +4,8 @@ use maud::{Markup, html};
 
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::units::{RateScale, WrittenRate};
-use zerorate_characterise::{Characteristics, doubtful, filtered, missing};
-use zerorate_fit::allan::{Allan, AllanPoint, Coefficient};
+use zerorate_characterise::{Characteristics, ResidualNoise, doubtful, missing};
+use zerorate_fit::allan::AllanPoint;
 
 use super::degree;
 use crate::figure::{Figure, Ink, Mark, Panel, Sample};
@@ -38,15 +38,11 @@ pub(super) fn chapter(fit: &LogFit, units: Option<WrittenRate>) -> Markup {
     let axes: Vec<(Told, Characteristics)> =
         fit.axes.iter().map(|axis| (told_as(axis), Characteristics::of(axis, units))).collect();
     let drawn = axes.iter().filter_map(|(axis, found)| Some((*axis, found.residual_noise.as_ref().ok()?)));
-    let drawn: Vec<(Told, &Allan)> = drawn.collect();
+    let drawn: Vec<(Told, &ResidualNoise)> = drawn.collect();
     html! {
         (sensitivities(fit, &axes, units))
         @if !drawn.is_empty() {
             (figure(fit, &drawn).markup())
-            (coefficients(&drawn))
-            @for sentence in filtered(drawn.iter().map(|(axis, allan)| (axis.axis.name.as_str(), *allan))) {
-                p.small { (told(&sentence)) "." }
-            }
         }
         @for (axis, found) in &axes {
             @if let Err(why) = &found.residual_noise { p.small { (axis.axis.name) ": no Allan deviation: " (told(why)) "." } }
@@ -87,7 +83,7 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
     let caption = html! {
         "Sensitivities of the bias, as IEEE Std 952 names them. Hysteresis is heating less cooling at equal temperature: its mean, "
         "and where it is likely to be largest, in brackets over the peak to peak of the curve. ± is one standard error by the noise from one average "
-        "to the next; a rate that wanders differs by more. The ramp sensitivity is of what the curve leaves."
+        "to the next, and of hysteresis by how the rate wanders meanwhile. The ramp sensitivity is of what the curve leaves."
     };
     let heads = [
         "Axis",
@@ -104,8 +100,8 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
 }
 
 /// One panel an axis, two a row: the curve with its confidence.
-fn figure(fit: &LogFit, axes: &[(Told, &Allan)]) -> Figure {
-    let panel = |(Told { axis, scale }, allan): &(Told, &Allan)| {
+fn figure(fit: &LogFit, axes: &[(Told, &ResidualNoise)]) -> Figure {
+    let panel = |(Told { axis, scale }, allan): &(Told, &ResidualNoise)| {
         let of = |value: fn(&AllanPoint) -> f64| -> Vec<(f64, f64)> {
             allan
                 .points
@@ -133,8 +129,9 @@ fn figure(fit: &LogFit, axes: &[(Told, &Allan)]) -> Figure {
         caption: html! {
             "Overlapping Allan deviation of what the model leaves, with its 95 % confidence. These are residuals of a changing "
             "temperature and not of a soak: what the model misses stands in the long averages"
-            @if longest > SECONDS_AN_HOUR { " (hours)" } ". "
-            code { "zerorate characterise" } " looks at the soaks of a log, sample by sample."
+            @if longest > SECONDS_AN_HOUR { " (hours)" } ", and what it has taken of the noise is missing. So no random walk, bias "
+            "instability or rate random walk is read here: "
+            code { "zerorate characterise" } " does so of the soaks of a log, sample by sample."
         },
         key: vec![
             (Ink::X, Sample::Dot, "Allan deviation".to_owned()),
@@ -142,30 +139,4 @@ fn figure(fit: &LogFit, axes: &[(Told, &Allan)]) -> Figure {
         ],
         columns,
     }
-}
-
-/// N, B and K.
-fn coefficients(axes: &[(Told, &Allan)]) -> Markup {
-    let cell = |axis: &Told, coefficient: &Coefficient| match coefficient {
-        Coefficient::Seen { value, low, high, .. } => html! {
-            (axis.rate(*value, 3)) " (" (axis.rate(*low, 2)) " to " (axis.rate(*high, 2)) ")"
-        },
-        Coefficient::Hidden { at_most } => html! { "below " (axis.rate(*at_most, 2)) },
-    };
-    let row = |(axis, allan): &(Told, &Allan)| {
-        let found = &allan.coefficients;
-        vec![
-            axis.name(),
-            cell(axis, &found.angle_random_walk),
-            cell(axis, &found.bias_instability),
-            cell(axis, &found.rate_random_walk),
-        ]
-    };
-    Table {
-        caption: html! { "What the curves are made of, with 95 % confidence; “below” where other noise hides it." },
-        heads: &["Axis", "Random walk N, unit·√s", "Bias instability B, unit", "Rate random walk K, unit/√s"],
-        rows: axes.iter().map(row).collect(),
-        numbers_from: 1,
-    }
-    .markup()
 }
