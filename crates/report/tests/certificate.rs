@@ -1,6 +1,9 @@
 //! The certificate as its reader gets it; its numbers are held against ones that are made here from the recordings, by another
 //! way.
 
+// Helpers of tests may unwrap as tests do.
+#![allow(clippy::unwrap_used)]
+
 #[allow(dead_code, unused_imports)] // The tests of the other pages use the rest.
 mod sample;
 
@@ -63,6 +66,8 @@ fn left(run: &BoardRun, axis: Axis, test: usize, compensated: Axis, phase: Phase
 }
 
 /// Means over twentieths of the range, and how many groups are in each.
+// A place is one of twenty.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn means(range: [f64; 2], groups: &[(f64, f64)]) -> Vec<Option<(f64, f64)>> {
     let mut sums = vec![(0.0, 0.0); 20];
     for (temperature, counts) in groups {
