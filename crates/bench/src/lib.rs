@@ -40,6 +40,4 @@ pub mod study;
 pub mod summary;
 mod tick;
 pub mod verify;
-#[cfg(feature = "boards")]
-pub mod virtual_board;
 pub mod whole_file;

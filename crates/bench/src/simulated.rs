@@ -20,8 +20,7 @@ use crate::instruments::{Bench, Chamber, Clock, Cycled, InstrumentError, Power, 
 use crate::link::{Link, LinkError, MOST_UNHEARD};
 use crate::setup::SetUp;
 
-pub(crate) use native::NativeDevice;
-pub use native::OnPlant;
+pub use native::{NativeDevice, OnPlant};
 
 /// The line to a native device.
 struct NativeLink<A>(Rc<RefCell<NativeDevice<A>>>);

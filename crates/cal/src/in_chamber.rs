@@ -8,9 +8,9 @@ use thiserror::Error;
 use zerorate_fit::trace::TracePoint;
 
 use crate::log_fit::{AxisFit, LogFit};
+use crate::recording::utc::rfc3339;
 use crate::recording::{ChamberMoment, ChamberRecording, Phase};
 use crate::units::{TemperatureUnit, WrittenRate};
-use crate::utc::rfc3339;
 
 /// The end of a soak: its last quarter, when the board has come to the air's temperature if it ever does.
 const END_OF_SOAK: f64 = 0.25;

@@ -10,15 +10,12 @@ pub mod in_chamber;
 pub mod log;
 pub mod log_fit;
 pub mod matching;
-mod named;
-mod parquet_source;
 pub mod quality;
 pub mod ramp_fit;
-pub mod recording;
 pub mod summary;
 pub mod table;
 pub mod uncertainty;
 pub mod units;
-mod utc;
 
+pub use zerorate_recording as recording;
 pub use zerorate_source as source;

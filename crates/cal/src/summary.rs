@@ -130,16 +130,16 @@ pub struct AxisSummary {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TestResult {
     /// How the axis was compensated.
-    #[serde(with = "crate::named")]
+    #[serde(with = "crate::recording::named")]
     pub mode: Mode,
     /// The compensated axis.
-    #[serde(with = "crate::named")]
+    #[serde(with = "crate::recording::named")]
     pub axis: Axis,
     /// The axis left alone.
-    #[serde(with = "crate::named")]
+    #[serde(with = "crate::recording::named")]
     pub control: Axis,
     /// Heating or cooling.
-    #[serde(with = "crate::named")]
+    #[serde(with = "crate::recording::named")]
     pub direction: Phase,
     /// What is left on the compensated axis, counts peak to peak.
     pub residual_pp_counts: f64,

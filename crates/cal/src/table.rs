@@ -21,15 +21,13 @@ pub use error::{TableError, TableFault};
 use value::Notation;
 pub(crate) use words::words;
 
+use crate::recording::parquet_source::PARQUET_MAGIC;
 use crate::source::Source;
 use crate::source::packed::unpacked;
 use crate::units::TimeUnit;
 
 /// Rows in a batch.
 const BATCH_ROWS: usize = 8192;
-
-/// The first four bytes of every Parquet file.
-pub(crate) const PARQUET_MAGIC: &[u8] = b"PAR1";
 
 /// A log that was opened and recognised.
 #[derive(Debug, Clone)]

@@ -13,11 +13,12 @@ use crate::workspace::Workspace;
 const BOARD_SIDE: [&str; 4] = ["zerorate-core", "max5494", "zerorate-device", "zerorate-lockstep"];
 
 /// What needs no files: all that lies between a log's bytes and a report, and the page that rests on it.
-const BROWSER_SIDE: [&str; 10] = [
+const BROWSER_SIDE: [&str; 11] = [
     "zerorate-core",
     "imu-logs",
     "zerorate-fit",
     "zerorate-source",
+    "zerorate-recording",
     "zerorate-cal",
     "zerorate-apply",
     "zerorate-characterise",

@@ -153,7 +153,7 @@ impl BareBoard {
 }
 
 /// The native device: the application, what it runs on, and the bytes on their way to the host.
-pub(crate) struct NativeDevice<A> {
+pub struct NativeDevice<A> {
     board: BareBoard,
     application: NativeApplication<A>,
     tick: Tick,
@@ -165,7 +165,8 @@ pub(crate) struct NativeDevice<A> {
 
 impl<A: OnPlant> NativeDevice<A> {
     /// The device on a plant of its own.
-    pub(crate) fn of_plant(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Self {
+    #[must_use]
+    pub fn of_plant(plant: Plant, setup: &SetUp, unit: &UnitSerial) -> Self {
         let mut plant = plant;
         plant.scan_every(setup.acquisition.sample_period_us);
         let timing = Timing {
@@ -187,29 +188,34 @@ impl<A: OnPlant> NativeDevice<A> {
         Self { board, application, tick, outgoing: Vec::new(), truths: Vec::new(), scan_line: None }
     }
 
-    pub(crate) const fn plant(&self) -> &SharedPlant {
+    /// The plant that it stands on.
+    #[must_use]
+    pub const fn plant(&self) -> &SharedPlant {
         &self.board.plant
     }
 
     /// What the device has said since the last call; a board in real time has nobody who asks for its truth.
-    pub(crate) fn said(&mut self) -> Vec<u8> {
+    pub fn said(&mut self) -> Vec<u8> {
         self.truths.clear();
         core::mem::take(&mut self.outgoing)
     }
 
     /// What has gone out on the second line since the last call, scan by scan, if there is a listener.
-    pub(crate) fn scans_said(&mut self, listens: bool) -> Vec<u8> {
+    pub fn scans_said(&mut self, listens: bool) -> Vec<u8> {
         let said = self.scan_line.take().unwrap_or_default();
         self.scan_line = listens.then(Vec::new);
         said
     }
 
-    pub(crate) fn group_period(&self) -> Seconds {
+    /// The time of a group.
+    #[must_use]
+    pub fn group_period(&self) -> Seconds {
         let Timing { set_length, scan_period_us, .. } = self.board.timing;
         Seconds(f64::from(set_length) * f64::from(scan_period_us) * 1e-6)
     }
 
-    pub(crate) fn power_cycle(&mut self) {
+    /// Switches it off and on.
+    pub fn power_cycle(&mut self) {
         self.plant().borrow_mut().power_cycle();
         self.restart(Reset::Power);
     }
@@ -221,7 +227,7 @@ impl<A: OnPlant> NativeDevice<A> {
 
     /// The task goes round with what the host has sent. Before it does, the watchdog has restarted the processor, and nothing
     /// else on the board, if it was not fed in time.
-    pub(crate) fn hear(&mut self, bytes: &[u8]) {
+    pub fn hear(&mut self, bytes: &[u8]) {
         let patience = WATCHDOG_S.max(3.0 * self.group_period().0);
         if self.board.now().0 - self.board.fed_at.get() > patience {
             self.restart(Reset::Watchdog);
@@ -234,7 +240,10 @@ impl<A: OnPlant> NativeDevice<A> {
     }
 
     /// Lets the plant run until a set is full, and the application take it if data ready rises.
-    pub(crate) fn run_set(&mut self) -> Result<(), LinkError> {
+    ///
+    /// # Errors
+    /// [`LinkError::Silent`], when no set comes.
+    pub fn run_set(&mut self) -> Result<(), LinkError> {
         self.tick();
         let was_ready = A::data_ready(&self.board.plant);
         let Some(truth) = self.until_set_is_full() else {
@@ -272,7 +281,7 @@ impl<A: OnPlant> NativeDevice<A> {
     }
 
     /// Lets time pass with the acquisition standing still and nobody speaking: the board has its tick alone.
-    pub(crate) fn stand(&mut self, time: Seconds) {
+    pub fn stand(&mut self, time: Seconds) {
         let until = self.board.now() + time;
         while self.tick.next().0 <= until.0 {
             let left = self.tick.next() - self.board.now();

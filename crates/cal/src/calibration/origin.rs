@@ -7,8 +7,8 @@ use std::time::SystemTime;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::recording::utc::rfc3339;
 use crate::source::Source;
-use crate::utc::rfc3339;
 
 /// Bytes read at a time.
 const CHUNK: usize = 1 << 16;

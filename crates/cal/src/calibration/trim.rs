@@ -34,7 +34,7 @@ struct TrimForm {
     tap_effects: Option<EffectsForm>,
     dead_band_taps: f64,
     low_pass: LowPass,
-    #[serde(with = "crate::named")]
+    #[serde(with = "crate::recording::named")]
     start_up_mode: Mode,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     points: Vec<PointForm>,

@@ -5,7 +5,7 @@ use serde::ser::{Serialize, SerializeMap, SerializeStruct, Serializer};
 use zerorate_fit::least_squares::raw_coefficients;
 
 use super::{AxisFit, AxisVerdict, LogFit};
-use crate::utc::rfc3339;
+use crate::recording::utc::rfc3339;
 
 /// The schema's version.
 const SCHEMA: u32 = 1;

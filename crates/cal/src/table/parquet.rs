@@ -9,7 +9,7 @@ use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 
 use super::{BATCH_ROWS, Batch, Clock, TableFault};
-use crate::parquet_source::ParquetSource;
+use crate::recording::parquet_source::ParquetSource;
 use crate::source::Source;
 use crate::units::TimeUnit;
 

@@ -10,7 +10,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use zerorate_bench::calibrated::Unit;
 use zerorate_bench::setup::SetUp;
-use zerorate_bench::virtual_board::{ListenOn, VirtualBoard};
+use zerorate_virtual_board::{ListenOn, VirtualBoard};
 
 use super::Outcome;
 use crate::interrupt;

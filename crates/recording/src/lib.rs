@@ -1,19 +1,17 @@
-//! The bench's own recordings: one row a group and axis, readable up to the last whole group however they end.
-//!
-//! While it is being written a recording is an Arrow IPC stream (`.arrows`), one batch a group; finished, it is Parquet.
-//! Both open in pandas, polars, DuckDB and MATLAB, and say in their metadata what each column is and in what unit. Schema
-//! version 2: readers take the versions they know, 1 too, and refuse others; a column is never removed, renamed or given
-//! another meaning within a version.
+#![doc = include_str!("../README.md")]
 
 mod chamber;
 mod columns;
 mod error;
 mod header;
+pub mod named;
+pub mod parquet_source;
 mod phase;
 mod reader;
 mod schema;
 pub mod status;
 mod streamed;
+pub mod utc;
 mod writer;
 
 use std::collections::BTreeMap;

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::schema;
-use super::streamed::Streamed;
-use super::{GroupRow, RecordingInfo, WriteError};
+use crate::schema;
+use crate::streamed::Streamed;
+use crate::{GroupRow, RecordingInfo, WriteError};
 
 /// A recording that is being written.
 pub struct RecordingWriter(Streamed);

@@ -9,13 +9,13 @@ use arrow_array::{ArrayRef, Float64Array, RecordBatch, StringArray, UInt32Array}
 use arrow_schema::{DataType, Field, Schema};
 use chrono::{DateTime, Utc};
 
-use super::columns::{Column, column};
-use super::schema::{COLUMNS_KEY, STARTED_KEY, columns_told, field, labels, numbers, of_labels, texts};
-use super::streamed::{self, Streamed};
-use super::{Phase, RecordingError, RecordingFault, WriteError};
+use crate::columns::{Column, column};
 use crate::named::Named;
-use crate::source::Source;
+use crate::schema::{COLUMNS_KEY, STARTED_KEY, columns_told, field, labels, numbers, of_labels, texts};
+use crate::streamed::{self, Streamed};
 use crate::utc::rfc3339_ms;
+use crate::{Phase, RecordingError, RecordingFault, WriteError};
+use zerorate_source::Source;
 
 const VERSION_KEY: &str = "zerorate.chamber_schema_version";
 /// The version that is written and read.
@@ -190,7 +190,7 @@ mod tests {
     fn another_recording_is_refused_by_name() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.parquet");
-        let writer = super::super::RecordingWriter::create(&path, &super::super::RecordingInfo::default()).unwrap();
+        let writer = crate::RecordingWriter::create(&path, &crate::RecordingInfo::default()).unwrap();
         let path = writer.finish().unwrap();
         let told = ChamberRecording::read(&(&path).into()).unwrap_err().to_string();
         assert!(told.contains("not a chamber's recording"), "{told}");

@@ -1,9 +1,4 @@
-//! A board to try things on without one: the native device on the simulated bench, served on a socket or a
-//! pseudo-terminal in real time, or so many times faster.
-//!
-//! It behaves as a board does: groups come by themselves while the acquisition runs, nothing waits for the host, and
-//! what the host does not take in time is lost. Chamber, supply and power obey a person, by orders in words; chamber and
-//! supply a program too, where they listen.
+#![doc = include_str!("../README.md")]
 
 mod modbus;
 mod order;
@@ -23,8 +18,8 @@ use self::modbus::Controller;
 use self::order::Order;
 use self::scpi::FineSupply;
 use self::socket::Socket;
-use crate::setup::SetUp;
-use crate::simulated::NativeDevice;
+use zerorate_bench::setup::SetUp;
+use zerorate_bench::simulated::NativeDevice;
 
 pub use self::socket::{ListenOn, UnknownPlace};
 

@@ -5,7 +5,7 @@ use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 
 /// Something with a name in files.
-pub(crate) trait Named: Copy + 'static {
+pub trait Named: Copy + 'static {
     /// What it is, for messages.
     const WHAT: &'static str;
     /// All there are.
@@ -14,7 +14,10 @@ pub(crate) trait Named: Copy + 'static {
     /// Its name.
     fn name(self) -> &'static str;
 
-    /// The one of a name, or what is wrong with it.
+    /// The one of a name.
+    ///
+    /// # Errors
+    /// What is wrong with it.
     fn of_name(name: &str) -> Result<Self, String> {
         let names = || Self::ALL.iter().map(|known| known.name()).collect::<Vec<_>>().join(", ");
         let found = Self::ALL.iter().copied().find(|known| known.name() == name);
@@ -40,14 +43,19 @@ impl Named for Axis {
     }
 }
 
-/// Writes the name, for `#[serde(with = "crate::named")]`.
+/// Writes the name, for `#[serde(with = "zerorate_recording::named")]`.
 // By serde's rule a value is passed by reference.
+/// # Errors
+/// The serializer's.
 #[allow(clippy::trivially_copy_pass_by_ref)]
-pub(crate) fn serialize<T: Named, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
+pub fn serialize<T: Named, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(value.name())
 }
 
 /// Reads the name.
-pub(crate) fn deserialize<'de, T: Named, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+///
+/// # Errors
+/// When there is none of that name.
+pub fn deserialize<'de, T: Named, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
     T::of_name(&String::deserialize(deserializer)?).map_err(de::Error::custom)
 }

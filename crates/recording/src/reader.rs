@@ -3,11 +3,11 @@
 use arrow_schema::Schema;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
-use super::streamed::{self, CONTINUATION};
-use super::{GroupRow, RecordingError, RecordingFault, RecordingInfo, schema};
+use crate::parquet_source::PARQUET_MAGIC;
 use crate::parquet_source::ParquetSource;
-use crate::source::Source;
-use crate::table::PARQUET_MAGIC;
+use crate::streamed::{self, CONTINUATION};
+use crate::{GroupRow, RecordingError, RecordingFault, RecordingInfo, schema};
+use zerorate_source::Source;
 
 /// A recording that was read.
 #[derive(Debug, Clone, PartialEq)]

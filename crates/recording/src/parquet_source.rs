@@ -6,17 +6,23 @@ use bytes::Bytes;
 use parquet::errors::{ParquetError, Result};
 use parquet::file::reader::{ChunkReader, Length};
 
-use crate::source::{ReadSeek, Source};
+use zerorate_source::{ReadSeek, Source};
+
+/// What a Parquet file begins with.
+pub const PARQUET_MAGIC: &[u8] = b"PAR1";
 
 /// A Parquet file, wherever it is.
-pub(crate) struct ParquetSource {
+pub struct ParquetSource {
     source: Source,
     length: u64,
 }
 
 impl ParquetSource {
     /// A source whose length can be told.
-    pub(crate) fn new(source: &Source) -> io::Result<Self> {
+    ///
+    /// # Errors
+    /// When it cannot.
+    pub fn new(source: &Source) -> io::Result<Self> {
         Ok(Self { source: source.clone(), length: source.length()? })
     }
 }

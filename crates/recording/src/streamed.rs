@@ -15,12 +15,12 @@ use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::properties::WriterProperties;
 
-use super::header;
-use super::schema::key_values;
-use super::{RecordingFault, WriteError};
+use crate::header;
+use crate::parquet_source::PARQUET_MAGIC;
 use crate::parquet_source::ParquetSource;
-use crate::source::Source;
-use crate::table::PARQUET_MAGIC;
+use crate::schema::key_values;
+use crate::{RecordingFault, WriteError};
+use zerorate_source::Source;
 
 /// Rows in a row group of the Parquet file: what [`Streamed::finish`] keeps in memory.
 const ROW_GROUP_ROWS: usize = 65_536;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::source::Faulty;
+use zerorate_source::Faulty;
 
 /// Why a recording cannot be read, with its name.
 pub type RecordingError = Faulty<RecordingFault>;

@@ -16,10 +16,10 @@ use zerorate_core::compensate::Mode;
 use zerorate_core::group::GroupSums;
 use zerorate_core::units::Axis;
 
-use super::columns::{COLUMNS, Column, name_in_version_1};
-use super::{GroupRow, Phase, RecordingInfo, status};
+use crate::columns::{COLUMNS, Column, name_in_version_1};
 use crate::named::Named;
 use crate::utc::rfc3339;
+use crate::{GroupRow, Phase, RecordingInfo, status};
 
 /// The version that is written. Version 1 had other names for three columns, told nothing of any, and had no start; it is
 /// read as well.
