@@ -85,7 +85,6 @@ fn means(range: [f64; 2], groups: &[(f64, f64)]) -> Vec<Option<(f64, f64)>> {
     for (temperature, counts) in groups {
         let place = ((temperature - range[0]) / (range[1] - range[0]) * 20.0).floor();
         if (0.0..20.0).contains(&place) {
-            #[allow(clippy::cast_possible_truncation)] // 0 to 19
             let sum = &mut sums[place as usize];
             *sum = (sum.0 + counts, sum.1 + 1.0);
         }
