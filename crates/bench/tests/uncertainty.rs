@@ -35,6 +35,8 @@ struct Held {
     what: String,
     mode: Mode,
     expanded: f64,
+    /// How often it holds by the certificate, 0 to 1.
+    said: f64,
     /// The rms of the truth about the centre, counts, and the shares of temperatures within U: of the truth, and of what was read.
     rms: f64,
     truth: f64,
@@ -84,6 +86,7 @@ fn held(kind: PlantKind, seed: u64) -> Vec<Held> {
             what: format!("{} seed {seed} {} {}: {}", kind.name(), axis.name(), mode.name(), rows.join(", ")),
             mode,
             expanded: budget.expanded_counts(),
+            said: budget.held(),
             rms: (squares / errors.len() as f64).sqrt(),
             truth: share(0),
             read: share(1),
@@ -126,7 +129,12 @@ fn the_plants_own_output_at_another_switch_on_lies_within_u_as_often_as_is_said(
     for trim in [true, false] {
         let (truth, read) = (of(trim, &|held| held.truth), of(trim, &|held| held.read));
         let too_large = of(trim, &|held| held.expanded / held.rms);
-        println!("trim {trim}: within U {truth:.3}, as read {read:.3}; U is {too_large:.2} times the true rms");
+        let said = of(trim, &|held| held.said);
+        println!(
+            "trim {trim}: {said:.3} said, within U {truth:.3}, as read {read:.3}; U is {too_large:.2} times the true rms"
+        );
+        // Forty budgets with few switch-ons each tell the share to some hundredths.
+        assert!(truth > said - 0.06 && read > said - 0.06, "trim {trim}: {said} said, {truth} {read}");
         assert!((0.85..=1.0).contains(&truth) && (0.85..=1.0).contains(&read), "trim {trim}: {truth} {read}");
         assert!(too_large < 4.0, "trim {trim}: {too_large}");
     }

@@ -17,7 +17,7 @@ use crate::page;
 const STYLE: &str = include_str!("certificate/certificate.css");
 
 /// More sentences than these would push the results off the sheet; the report has all of them.
-const MOST_SENTENCES: usize = 4;
+const MOST_SENTENCES: usize = 3;
 
 /// The certificate of a board's run as one self-contained HTML file, which prints on one sheet of A4. Equal files make equal
 /// bytes.

@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 use zerorate_core::units::Axis;
 
-use super::{UnitAxis, UnitCalibrations};
-use crate::figure::{Figure, Mark, Panel, Sample};
+use super::{UnitAxis, UnitCalibration, UnitCalibrations};
+use crate::figure::{Figure, Ink, Mark, Panel, Sample, holding};
 use crate::number::{counted, fixed, whole};
 use crate::panels::{ink_of, name_of};
 
@@ -25,7 +25,7 @@ pub(super) fn chapter(units: &[UnitCalibrations]) -> Markup {
                 @if left_out > 0 {
                     "Drawn are the " (DRAWN) " whose curve has changed most between two calibrations, the most first; "
                     (whole(left_out as u64)) " more are in the table alone."
-                } @else { "The one whose curve has changed most between two calibrations stands first." }
+                } @else if again.len() > 1 { "The one whose curve has changed most between two calibrations stands first." }
             }
             @for (place, unit) in again.iter().take(DRAWN).enumerate() { (figure(unit, place + 1).markup()) }
         }
@@ -40,20 +40,19 @@ fn largest_change(unit: &UnitCalibrations) -> f64 {
 
 fn figure(unit: &UnitCalibrations, place: usize) -> Figure {
     let (across, at) = times(unit);
+    // The first calibration has no change: its panel has the dates of the others all the same.
+    let dates = holding(at.iter().copied());
     let panel = |what: &str, of: fn(&UnitAxis) -> Option<f64>| {
         let marks = Axis::BOTH.into_iter().flat_map(|axis| {
-            let value = |calibration: &super::UnitCalibration| calibration.axes[axis.index()].as_ref().and_then(of);
+            let value = |calibration: &UnitCalibration| calibration.axes[axis.index()].as_ref().and_then(of);
             let values = at.iter().zip(&unit.calibrations).map(|(at, calibration)| (*at, value(calibration)));
             let points: Vec<(f64, f64)> = values.filter_map(|(at, value)| Some((at, value?))).collect();
             [Mark::Line(ink_of(axis), points.clone()), Mark::Dots(ink_of(axis), points)]
         });
-        let panel = Panel::new(
-            format!("{}: {what}", unit.serial),
-            &across,
-            format!("{what}, counts"),
-            marks.collect::<Vec<_>>(),
-        );
-        Panel { height: Panel::SHORT, ..panel }
+        // From zero, so that a hundredth of a count does not look like a change.
+        let marks: Vec<Mark> = std::iter::once(Mark::Level(Ink::Aim, 0.0)).chain(marks).collect();
+        let panel = Panel::new(format!("{}: {what}", unit.serial), &across, format!("{what}, counts"), marks);
+        Panel { height: Panel::SHORT, x_range: dates, ..panel }
     };
     let largest = largest_change(unit);
     Figure {
