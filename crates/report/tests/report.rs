@@ -195,16 +195,16 @@ fn the_static_cubic_of_a_model_with_a_history_is_called_so_and_says_what_it_cost
     let page = log_page(&log);
     let copied = between(&page, "<code id=\"coefficients-1\">", "</code>")[0];
     let axis = &log.axes[0].calibration.fit;
-    let (chosen, nested) = (axis.chosen_model(), axis.statistics.nested.unwrap());
+    let (chosen, cubic) = (axis.chosen_model(), axis.static_cubic.as_ref().unwrap());
     assert!(axis.model.history.is_some() && chosen.contains(" + "), "{chosen}");
     let beside = format!("# gyro_x_rad_s, poly:3, the static cubic beside {chosen}\n# this cubic leaves ");
     assert!(copied.starts_with(&beside), "{copied}");
-    for rms in [nested.cubic_deployed, nested.deployed_warm] {
+    for left in [cubic.deployed, axis.statistics.deployed] {
         // In mrad/s, as the screen and the tables tell it.
         let told = |word: &str| {
             word.trim_matches(['(', ')', ';'])
                 .parse::<f64>()
-                .is_ok_and(|it| (it / 1e3 / rms.unwrap() - 1.0).abs() < 6e-4)
+                .is_ok_and(|it| (it / 1e3 / left.unwrap().rms - 1.0).abs() < 6e-4)
         };
         assert!(copied.split_whitespace().any(told), "{copied}");
     }
