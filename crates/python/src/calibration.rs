@@ -156,7 +156,8 @@ impl Calibration {
         let (fit, units) = (self.fit("report")?, parsed(units)?);
         let File { unit_serial, labels, sources, .. } = &self.file;
         let serial = unit_serial.as_deref();
-        let page = || LogPage { fit, units, serial, labels, sources, chamber: None, next_command: None, export_command: None };
+        let page =
+            || LogPage { fit, units, serial, labels, sources, chamber: None, next_command: None, export_command: None };
         Ok(py.detach(|| page().to_html()))
     }
 
