@@ -140,15 +140,15 @@ steps = [
         let mut steps = Vec::new();
         for (place, step) in written.steps.iter().enumerate() {
             let line = |reason: String| refused(format!("step {}: {reason}", place + 1));
-            steps.extend(step.steps().map_err(line)?);
-            let outside =
-                steps.iter().map(|step: &Step| step.ends().0).find(|c| !(limits_c[0]..=limits_c[1]).contains(c));
+            let own = step.steps().map_err(line)?;
+            let outside = own.iter().map(|step| step.ends().0).find(|c| !(limits_c[0]..=limits_c[1]).contains(c));
             if let Some(outside) = outside {
                 let [least, most] = limits_c;
                 return Err(line(format!(
                     "{outside} C is outside of the chamber's limits, {least} to {most} C (chamber.limits_c)"
                 )));
             }
+            steps.extend(own);
             if steps.len() > MOST_STEPS {
                 return Err(line(format!("more than {MOST_STEPS} ramps and soaks")));
             }

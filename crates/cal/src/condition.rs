@@ -16,8 +16,11 @@ mod temperature;
 
 use serde::Serialize;
 
-pub use group::{AxisGroup, GROUP_S, Group, Grouping, Length, MIN_GROUP_ROWS, MIN_GROUPS, TEMPERATURE_SPIKE, weigh};
-pub(crate) use group::{all_of, typical_scatter};
+pub use group::{
+    AxisGroup, GROUP_S, Group, Grouping, Length, MAX_GROUP_ROWS, MIN_GROUP_ROWS, MIN_GROUPS, TEMPERATURE_SPIKE,
+    least_step, weigh,
+};
+pub(crate) use group::{all_of, mean, typical_scatter};
 pub use level::{Levels, leave_out_times, level};
 pub use stopped::{End, Stopped, leave_out_stopped};
 pub(crate) use temperature::dropout_margin;

@@ -7,6 +7,7 @@ use serde::Serialize;
 use thiserror::Error;
 use zerorate_fit::trace::TracePoint;
 
+use crate::condition::mean;
 use crate::log_fit::{AxisFit, LogFit};
 use crate::recording::utc::rfc3339;
 use crate::recording::{ChamberMoment, ChamberRecording, Phase};
@@ -200,12 +201,6 @@ fn soaked(axis: &AxisFit, is_there: impl Fn(f64) -> bool) -> Option<SoakedAxis> 
         residual: of(|point| point.residual),
         groups: there.len(),
     })
-}
-
-/// The mean; NaN of nothing.
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (count, sum) = values.fold((0.0, 0.0), |(count, sum), value| (count + 1.0, sum + value));
-    sum / count
 }
 
 #[cfg(test)]

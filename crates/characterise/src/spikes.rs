@@ -1,11 +1,8 @@
 //! Rows as they come, less the spikes that a fit leaves out.
 
-use zerorate_cal::condition::{GROUP_S, MIN_GROUP_ROWS, TEMPERATURE_SPIKE};
+use zerorate_cal::condition::{GROUP_S, MAX_GROUP_ROWS, MIN_GROUP_ROWS, TEMPERATURE_SPIKE, least_step};
 use zerorate_cal::units::TemperatureUnit;
 use zerorate_fit::spikes::{outliers, outliers_beyond_steps};
-
-/// A group has this many rows at most, so that memory stays bounded.
-const MAX_ROWS: usize = 1 << 16;
 
 /// One row, and on which of its axes another rate stands in for a spike.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,17 +30,16 @@ impl Waiting {
 
     /// Takes in a row; gives those of a group, once there are two. The last of a record are then a whole group too.
     pub fn push(&mut self, time_s: f64, temperature: f64, values: Vec<f64>) -> Vec<Row> {
-        for ((step, last), value) in self.steps.iter_mut().zip(&values).filter(|(_, value)| value.is_finite()) {
-            let change = (value - *last).abs();
-            *step = if change > 0.0 { step.min(change) } else { *step };
-            *last = *value;
+        for ((step, last), value) in self.steps.iter_mut().zip(&values) {
+            least_step(&[*value], step, last);
         }
         let left_out = vec![false; values.len()];
         self.rows.push(Row { time_s, temperature, values, left_out });
         let lasts_s = time_s - self.rows[0].time_s;
         // Without times the rows alone tell.
-        let is_two = self.rows.len() as u64 >= 2 * MIN_GROUP_ROWS && (lasts_s >= 2.0 * GROUP_S || lasts_s.is_nan());
-        if is_two || self.rows.len() >= MAX_ROWS {
+        let rows = self.rows.len() as u64;
+        let is_two = rows >= 2 * MIN_GROUP_ROWS && (lasts_s >= 2.0 * GROUP_S || lasts_s.is_nan());
+        if is_two || rows >= MAX_GROUP_ROWS {
             let second = self.rows.split_off(self.rows.len() / 2);
             return self.without_spikes(second);
         }

@@ -23,6 +23,11 @@ pub fn time(seconds: f64) -> String {
     format!("{} h {:02} min", fives / 60, fives % 60)
 }
 
+/// A whole plan in a line: its steps in words, how long they take, and when the last ends.
+pub fn plan(steps: &str, seconds: f64) -> String {
+    format!("the plan: {steps}, about {}; without delay it ends {}", time(seconds), from_now(seconds))
+}
+
 fn later(now: DateTime<Local>, seconds: f64) -> DateTime<Local> {
     #[allow(clippy::cast_possible_truncation)] // days at most
     let seconds = seconds as i64;

@@ -11,6 +11,16 @@ const TURN: Duration = Duration::from_millis(100);
 /// A smaller file is read before a sign could be read.
 const LARGE_BYTES: u64 = 8 << 20;
 
+/// What is done now and the time gone by, of what nobody knows the end of.
+pub fn without_end() -> ProgressBar {
+    let bar = ProgressBar::new_spinner();
+    // A template that does not parse would be ours, and the plain sign is one too.
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed} gone") {
+        bar.set_style(style);
+    }
+    bar
+}
+
 /// A turning sign with the time gone by; it goes when it is dropped.
 pub struct Busy(ProgressBar);
 

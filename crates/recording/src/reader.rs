@@ -3,11 +3,11 @@
 use arrow_schema::Schema;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
-use crate::parquet_source::PARQUET_MAGIC;
-use crate::parquet_source::ParquetSource;
+use zerorate_source::Source;
+
+use crate::parquet_source::{PARQUET_MAGIC, ParquetSource};
 use crate::streamed::{self, CONTINUATION};
 use crate::{GroupRow, RecordingError, RecordingFault, RecordingInfo, schema};
-use zerorate_source::Source;
 
 /// A recording that was read.
 #[derive(Debug, Clone, PartialEq)]

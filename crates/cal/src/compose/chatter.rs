@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use zerorate_core::drift::Drift;
+use zerorate_core::drift::{Drift, ValidRange};
 use zerorate_core::trim::TrimLine;
 
 /// How many times the noise a dead band must be for the wiper to rest. The wiper comes back over a switching
@@ -45,11 +45,15 @@ impl fmt::Display for ChatterWarning {
 /// The law's steepest slope over its valid range, taps per unit of temperature: `|a|` times the largest `|dV/dT|`.
 #[must_use]
 pub fn steepest_slope_taps(drift: &Drift, line: &TrimLine) -> f64 {
-    let (min, span) = (drift.valid.min(), drift.valid.max() - drift.valid.min());
-    let step = span / f64::from(PIECES);
-    let at = |piece: u32| drift.evaluate(min + step * f64::from(piece)).0;
-    let steepest = (0..PIECES).map(|piece| (at(piece + 1) - at(piece)).abs()).fold(0.0, f64::max) / step;
-    steepest * line.slope_taps_per_count().abs()
+    steepest_slope(drift, drift.valid) * line.slope_taps_per_count().abs()
+}
+
+/// A drift's steepest slope over a range, per unit of temperature, without sign.
+#[must_use]
+pub(crate) fn steepest_slope(drift: &Drift, over: ValidRange) -> f64 {
+    let step = (over.max() - over.min()) / f64::from(PIECES);
+    let at = |piece: u32| drift.evaluate(over.min() + step * f64::from(piece)).0;
+    (0..PIECES).map(|piece| (at(piece + 1) - at(piece)).abs()).fold(0.0, f64::max) / step
 }
 
 /// Warns when a dead band (taps) is less than [`QUIET_SIGMAS`] times the noise of the group temperature

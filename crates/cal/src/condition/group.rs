@@ -23,7 +23,7 @@ const MAX_GROUPS: u64 = 20_000;
 const MAX_ASKED_GROUPS: u64 = 200_000;
 
 /// Rows in a group, at most, whatever their times, so that memory stays bounded.
-const MAX_GROUP_ROWS: u64 = 1 << 16;
+pub const MAX_GROUP_ROWS: u64 = 1 << 16;
 
 /// A time between rows of as many groups, or of as many [`GROUP_S`], is a gap, and ends a group.
 const GAP: f64 = 1.5;
@@ -402,8 +402,8 @@ pub(crate) fn all_of(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
     (one.0.min(other.0), one.1.max(other.1))
 }
 
-/// Takes in the changes from each value to the next.
-fn least_step(values: &[f64], least: &mut f64, last: &mut f64) {
+/// Takes in the changes from each value to the next: the least that is one, and the last value.
+pub fn least_step(values: &[f64], least: &mut f64, last: &mut f64) {
     for value in values.iter().filter(|value| value.is_finite()) {
         let step = (value - *last).abs();
         if step > 0.0 && step < *least {
@@ -413,7 +413,8 @@ fn least_step(values: &[f64], least: &mut f64, last: &mut f64) {
     }
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
+/// The mean; NaN of nothing.
+pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0_u32), |(sum, count), value| (sum + value, count + 1));
     sum / f64::from(count)
 }

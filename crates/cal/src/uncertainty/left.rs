@@ -7,10 +7,8 @@ use zerorate_core::units::{Axis, Taps};
 
 use crate::board_run::BoardRun;
 use crate::calibration::AxisCalibration;
+use crate::compose::steepest_slope;
 use crate::recording::{GroupRow, Phase, Recording};
-
-/// Points at which a curve's slope is taken.
-const SLOPES: u32 = 200;
 
 /// One group of a test.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,11 +85,7 @@ impl<'a> AxisTests<'a> {
 
     /// The fitted curve's steepest slope over the measured range, counts a count, without sign.
     pub(super) fn steepest_slope(&self) -> f64 {
-        let (from, to) = (self.measured.min(), self.measured.max());
-        let step = (to - from) / f64::from(SLOPES);
-        let drift = self.calibration.drift();
-        let at = |place: u32| drift.evaluate(from + step * f64::from(place)).0;
-        (0..SLOPES).map(|place| ((at(place + 1) - at(place)) / step).abs()).fold(0.0, f64::max)
+        steepest_slope(self.calibration.drift(), self.measured)
     }
 
     /// How samples scatter within a group of the tests, counts rms.

@@ -42,6 +42,7 @@ use crate::interrupt;
 use crate::looking_on::{self, LookingOn};
 use crate::notify;
 use crate::plant::Plant;
+use crate::progress;
 use crate::screen;
 
 /// Run the whole experiment, simulated or on a real board: ramp, fit, trim, compensate, verify, report
@@ -354,10 +355,7 @@ impl Bar {
 
     /// Nobody knows how long a person takes.
     fn without_end() -> Self {
-        let bar = ProgressBar::new_spinner();
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed} gone") {
-            bar.set_style(style);
-        }
+        let bar = progress::without_end();
         bar.set_message("about to begin");
         Self::on(bar, true)
     }

@@ -173,12 +173,15 @@ fn content(file: &Path) -> Result<Content> {
         return calibration::Facts::read(file).map(Content::Calibration);
     }
     if start.starts_with(b"PAR1") || start.starts_with(&[0xFF; 4]) || ends_with("arrows") {
-        if let Ok(recording) = ChamberRecording::read(&file.into()) {
-            return Ok(Content::ChamberRecording(chamber::Facts::of(&recording)));
-        }
         match Recording::read(&file.into()) {
-            // Parquet that the bench did not write is somebody's log.
-            Err(error) if matches!(error.fault, RecordingFault::NotARecording) && start.starts_with(b"PAR1") => {}
+            // It may be a chamber's; Parquet that is neither is somebody's log.
+            Err(error) if matches!(error.fault, RecordingFault::NotARecording) => {
+                match ChamberRecording::read(&file.into()) {
+                    Ok(recording) => return Ok(Content::ChamberRecording(chamber::Facts::of(&recording))),
+                    Err(_) if start.starts_with(b"PAR1") => {}
+                    Err(_) => return Err(error.into()),
+                }
+            }
             recording => return Ok(Content::Recording(recording::Facts::of(&recording?))),
         }
     }

@@ -4,6 +4,8 @@ use maud::{Markup, html};
 use zerorate_cal::board_run::BoardRun;
 use zerorate_cal::summary::{Check, TestResult};
 
+use zerorate_core::units::Counts;
+
 use super::dps;
 use crate::number::fixed;
 use crate::page::Table;
@@ -46,7 +48,7 @@ fn range(run: &BoardRun, test: &TestResult) -> Markup {
     let Some([cold, hot]) = test.temperature_counts else { return html! { "\u{2013}" } };
     match run.calibration.celsius_scale() {
         Some(scale) => {
-            let celsius = |counts: f64| fixed((counts - scale.at_zero.0) / scale.counts_per_celsius, 1);
+            let celsius = |counts: f64| fixed(scale.celsius(Counts(counts)).0, 1);
             html! { (celsius(cold)) " to " (celsius(hot)) "\u{a0}°C" }
         }
         None => html! { (fixed(cold, 0)) " to " (fixed(hot, 0)) " counts" },

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use console::Style;
 use zerorate_bench::board::Axis;
+use zerorate_cal::board_run::{CALIBRATION, CERTIFICATE, REPORT};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::summary::Summary;
 
@@ -75,9 +76,9 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
 
     page.heading("Written");
     page.facts(&[
-        ("report", out.join("report.html").display().to_string()),
-        ("certificate", out.join("certificate.html").display().to_string()),
-        ("calibration", out.join("calibration.json").display().to_string()),
+        ("report", out.join(REPORT).display().to_string()),
+        ("certificate", out.join(CERTIFICATE).display().to_string()),
+        ("calibration", out.join(CALIBRATION).display().to_string()),
         ("device record", out.join("device-record.bin").display().to_string()),
         ("recordings", format!("{} (Parquet)", out.display())),
     ]);

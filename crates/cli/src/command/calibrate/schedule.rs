@@ -2,7 +2,7 @@
 
 use zerorate_bench::plan::Plan;
 
-use crate::clock::{from_now, time};
+use crate::clock::{self, from_now, time};
 
 /// The whole plan, before it begins: a line for all of it and one for each step.
 pub fn of(plan: &Plan) -> Vec<String> {
@@ -17,10 +17,9 @@ pub fn of(plan: &Plan) -> Vec<String> {
 
 /// The whole plan in a line.
 pub fn head(plan: &Plan) -> String {
-    let whole = plan.time_from(0).0;
     let (all, left) = (plan.parts.len(), plan.left_from(0));
     let steps = if left == all { format!("{all} steps") } else { format!("{left} of {all} steps are left") };
-    format!("the plan: {steps}, about {}; without delay it ends {}", time(whole), from_now(whole))
+    clock::plan(&steps, plan.time_from(0).0)
 }
 
 /// A step that begins, what is left after it, and when all of it ends.

@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use zerorate_bench::error::BenchError;
 use zerorate_bench::profile::{Profile, Seconds, Watcher};
 use zerorate_cal::recording::{ChamberMoment, ChamberWriter, WriteError};
+use zerorate_report::number::counted;
 
-use crate::clock::{from_now, time};
+use crate::clock::{self, from_now, time};
+use crate::progress;
 use crate::screen;
 
 /// Of a profile of more steps the plan has a line for these alone.
@@ -17,8 +19,7 @@ const MOST_LINES: usize = 40;
 pub fn plan(profile: &Profile, times: &[Seconds]) -> Vec<String> {
     let whole: f64 = times.iter().map(|time| time.0).sum();
     let count = profile.steps.len();
-    let steps = if count == 1 { "1 step".to_owned() } else { format!("{count} steps") };
-    let head = format!("the plan: {steps}, about {}; without delay it ends {}", time(whole), from_now(whole));
+    let head = clock::plan(&counted(count, "step"), whole);
     let steps = profile.steps.iter().zip(times).enumerate();
     let lines = steps.map(|(place, (step, took))| format!("{}. {step}: about {}", place + 1, time(took.0)));
     let more = count.saturating_sub(MOST_LINES);
@@ -38,12 +39,7 @@ pub struct Told<'a> {
 impl<'a> Told<'a> {
     /// Of a run that is about to begin.
     pub fn new(profile: &'a Profile, times: Vec<Seconds>, writer: ChamberWriter) -> Self {
-        let bar = ProgressBar::new_spinner();
-        // A template that does not parse would be ours, and the plain sign is one too.
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed} gone") {
-            bar.set_style(style);
-        }
-        Self { profile, times, writer, bar, doing: String::new() }
+        Self { profile, times, writer, bar: progress::without_end(), doing: String::new() }
     }
 
     /// Finishes the recording, and says where it is.
