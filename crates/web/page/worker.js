@@ -20,8 +20,9 @@ onmessage = async ({ data: { module, files, asked } }) => {
         const slice = reader.readAsBinaryString(file.slice(offset, offset + length));
         const room = bytes(into, slice.length);
         for (let at = 0; at < slice.length; at++) room[at] = slice.charCodeAt(at);
-        // Strings are given back when young objects have filled their space, which by themselves they hardly do.
-        litter = new Array(2048).fill(0.5);
+        // Strings are given back when young objects have filled their space, which by themselves they hardly do: until then
+        // slices of 256 kB stay, and with a litter of 16 kB each they were 100 MB and more.
+        litter = new Array(8192).fill(0.5);
         return slice.length;
       } catch {
         return -1;
