@@ -1,4 +1,4 @@
-//! What one sensor's rows in a log are known by: runs of them, their noise, and some of them one by one.
+//! What one sensor's rows in a log are known by: runs of them, some of them one by one, and their noise, in words and in signs.
 //!
 //! Each log is known by some of its runs of 64 successive rows, those whose hash ends in zeros: which ones does not depend
 //! on where the log begins, so that what overlaps gives the same runs in both (fingerprints by a rolling hash: Schleimer,
@@ -6,8 +6,10 @@
 
 use std::collections::BTreeMap;
 
+use crate::marks::Marks;
+use crate::mixed::mixed;
 use crate::noise_signs::NoiseSigns;
-use crate::row_marks::RowMarks;
+use crate::noise_words::NoiseWords;
 
 /// Rows in a run: more than noise repeats, in the coarsest of sensors.
 const RUN: usize = 64;
@@ -46,16 +48,19 @@ pub struct Fingerprint {
     zeros: u32,
     /// How often each was met.
     kept: BTreeMap<u64, u32>,
-    noise: NoiseSigns,
-    marks: RowMarks,
+    /// Rows one by one.
+    marks: Marks,
+    words: NoiseWords,
+    signs: NoiseSigns,
 }
 
 impl Default for Fingerprint {
     fn default() -> Self {
         let base_of_run = (0..RUN).fold(1_u64, |power, _| power.wrapping_mul(BASE));
         let last = [(0, false); RUN];
-        let (kept, noise, marks) = (BTreeMap::new(), NoiseSigns::default(), RowMarks::default());
-        Self { last, rows: 0, changes: 0, rolling: 0, base_of_run, zeros: 0, kept, noise, marks }
+        let (kept, marks) = (BTreeMap::new(), Marks::new("row"));
+        let (words, signs) = (NoiseWords::default(), NoiseSigns::default());
+        Self { last, rows: 0, changes: 0, rolling: 0, base_of_run, zeros: 0, kept, marks, words, signs }
     }
 }
 
@@ -63,7 +68,8 @@ impl Fingerprint {
     /// Takes in successive rows: their temperatures, and a column of values an axis. A row without any value is none: of a
     /// temperature alone many are alike.
     pub fn push_rows<A: AsRef<[f64]>>(&mut self, temperatures: &[f64], values: &[A]) {
-        self.noise.push_rows(values);
+        self.words.push_rows(values);
+        self.signs.push_rows(values);
         for (row, temperature) in temperatures.iter().enumerate() {
             if values.iter().all(|axis| axis.as_ref()[row].is_nan()) {
                 continue;
@@ -99,12 +105,12 @@ impl Fingerprint {
         }
     }
 
-    /// What is written of it: a few runs of 16 hexadecimal digits, the signs of its noise, and a few of its rows.
+    /// What is written of it: a few runs of 16 hexadecimal digits, a few of its rows and of its noise's words, and signs.
     pub fn written(&self) -> impl Iterator<Item = String> + use<> {
         let mut few = self.clone();
         few.thin(MOST_WRITTEN);
         let runs = few.kept.into_keys().map(|run| format!("{run:016x}"));
-        runs.chain(self.noise.written()).chain(self.marks.written())
+        runs.chain(self.marks.written()).chain(self.words.written()).chain(self.signs.written())
     }
 
     /// Whether some of these rows are among those of which this was written, or these are a copy of them.
@@ -112,14 +118,16 @@ impl Fingerprint {
     pub fn is_among(&self, written: &[String]) -> bool {
         let runs = written.iter().filter_map(|run| u64::from_str_radix(run, 16).ok());
         let common = runs.filter(|run| self.kept.contains_key(run)).count();
-        let has_its_noise = || written.iter().any(|written| self.noise.is_of(written));
-        common >= LEAST_IN_COMMON || has_its_noise() || self.marks.are_of(written)
+        let has_its_signs = || written.iter().any(|written| self.signs.is_of(written));
+        common >= LEAST_IN_COMMON || self.marks.are_of(written) || self.words.are_of(written) || has_its_signs()
     }
 
     /// Whether these rows are a copy of another log's, in other numbers or some of them.
     #[must_use]
     pub fn is_copied_from(&self, other: &Self) -> bool {
-        self.noise.are_of(&other.noise) || self.marks.are_those_of(&other.marks)
+        self.marks.are_those_of(&other.marks)
+            || self.words.are_those_of(&other.words)
+            || self.signs.are_of(&other.signs)
     }
 
     /// The part of these rows that another log has too; `None` where the two have nothing in common.
@@ -143,13 +151,6 @@ impl Fingerprint {
         let part = again as f64 / f64::from(all);
         (again >= LEAST_IN_COMMON && part >= LEAST_TWICE).then_some(part)
     }
-}
-
-/// Every bit of the result depends on every bit of the number (the finaliser of splitmix64).
-fn mixed(number: u64) -> u64 {
-    let number = (number ^ (number >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let number = (number ^ (number >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    number ^ (number >> 31)
 }
 
 #[cfg(test)]
@@ -181,7 +182,8 @@ mod tests {
     fn the_few_runs_that_are_written_tell_a_log_from_others() {
         let written =
             [rows(0..60_000), rows(900_000..960_000)].iter().flat_map(Fingerprint::written).collect::<Vec<_>>();
-        assert!(written.len() <= 2 * MOST_WRITTEN && written.len() > MOST_WRITTEN / 2, "{}", written.len());
+        let runs = written.iter().filter(|written| !written.contains(' ')).count();
+        assert!(runs <= 2 * MOST_WRITTEN && runs > MOST_WRITTEN / 2, "{runs}");
         let of = rows;
         assert!(of(0..60_000).is_among(&written) && of(20_000..60_000).is_among(&written));
         assert!(!of(100_000..160_000).is_among(&written) && !of(0..60_000).is_among(&[]));

@@ -44,6 +44,8 @@ fn a_copy_in_other_numbers_is_refused_and_a_second_run_is_not() {
     let copies = [
         half_hour("copy.csv", 7, |t, rate| format!("{t:.2},{rate:.4}")),
         half_hour("copy.csv", 7, |t, rate| format!("{t},{}", 57.29578 * rate)),
+        // The later two thirds, in fewer digits.
+        table("copy.csv", &lines(7, |t, rate| format!("{t:.2},{rate:.3}"))[1200..]),
     ];
     for copy in copies {
         let refused = fit_logs(&[first.clone(), copy], &FitOptions::default()).unwrap_err().to_string();

@@ -1,32 +1,31 @@
-//! What a log is known by row by row: a copy with every second row has none of its runs of rows and another noise from row to
-//! row, and the rows that it has are the same to the bit.
+//! Marks that a log is known by wherever they stand in it: its rows, for a copy with every second row has those; words of its
+//! noise, for rows in other numbers have those.
 //!
-//! Rows are given as hashes, of which those that end in zeros are kept. Rows of a coarse sensor repeat by chance in any log of
-//! its kind; they do so within the log too, and such a log is known by no row.
+//! They are given as hashes, of which those that end in zeros are kept. Marks of a coarse sensor repeat by chance in any log of
+//! its kind; they do so within the log too, and such a log is known by none of them.
 
 use std::collections::BTreeMap;
 
-/// Rows that are kept of a log.
+/// Marks that are kept of a log.
 const MOST_KEPT: usize = 1024;
 
-/// Rows of it that are written.
+/// Marks of it that are written.
 const MOST_WRITTEN: usize = 32;
 
-/// The fewest rows in common that make a copy.
+/// The fewest marks in common that make a copy.
 const LEAST_IN_COMMON: usize = 4;
 
 /// And their share of the shorter log's, at least: of every second row of a part of a log it is a half or more.
 const LEAST_SHARE: f64 = 0.1;
 
-/// The largest share of rows that stand in a log more than once, of one whose rows tell it from others.
+/// The largest share of marks that stand in a log more than once, of one whose marks tell it from others.
 const MOST_REPEATED: f64 = 0.01;
 
-/// What stands before a written row, so that nobody takes it for another mark.
-const PREFIX: &str = "row ";
-
-/// Some rows of a log, by their hashes.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct RowMarks {
+/// Some marks of a log, by their hashes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Marks {
+    /// What stands before a written one, so that nobody takes it for one of another kind.
+    kind: &'static str,
     /// How often each was met.
     kept: BTreeMap<u64, u32>,
     /// Of the hashes with so many zeros at their end all are kept.
@@ -34,8 +33,14 @@ pub struct RowMarks {
     last: u64,
 }
 
-impl RowMarks {
-    /// Takes in the next row; one that is like the row before it is passed over, for a sensor may rest.
+impl Marks {
+    /// None yet, of a kind.
+    #[must_use]
+    pub fn new(kind: &'static str) -> Self {
+        Self { kind, kept: BTreeMap::new(), zeros: 0, last: 0 }
+    }
+
+    /// Takes in the next mark; one that is like the mark before it is passed over, for a sensor may rest.
     pub fn push(&mut self, hash: u64) {
         if std::mem::replace(&mut self.last, hash) == hash || hash.trailing_zeros() < self.zeros {
             return;
@@ -44,41 +49,45 @@ impl RowMarks {
         self.thin(MOST_KEPT);
     }
 
-    /// As a calibration keeps some of them; none where rows do not tell the log from others.
+    /// As a calibration keeps some of them; none where they do not tell the log from others.
     #[must_use]
     pub fn written(&self) -> Vec<String> {
         let mut few = self.clone();
         few.thin(MOST_WRITTEN);
-        let rows = few.kept.into_keys().filter(|_| self.tells());
-        rows.map(|row| format!("{PREFIX}{row:016x}")).collect()
+        let marks = few.kept.into_keys().filter(|_| self.tells());
+        marks.map(|mark| format!("{} {mark:016x}", self.kind)).collect()
     }
 
-    /// Whether so many of these rows were written of another log that they are of one.
+    /// Whether so many of these were written of another log that they are of one.
     #[must_use]
     pub fn are_of(&self, written: &[String]) -> bool {
-        let rows = written.iter().filter_map(|row| u64::from_str_radix(row.strip_prefix(PREFIX)?, 16).ok());
-        let (all, common) = rows.fold((0, 0), |(all, common), row| (all + 1, common + self.has(row)));
+        let of_kind = |written: &String| {
+            let hash = written.strip_prefix(self.kind)?.strip_prefix(' ')?;
+            u64::from_str_radix(hash, 16).ok()
+        };
+        let marks = written.iter().filter_map(of_kind);
+        let (all, common) = marks.fold((0, 0), |(all, common), mark| (all + 1, common + self.has(mark)));
         self.are_enough(common, all)
     }
 
-    /// Whether two logs have so many rows in common that one is of the other's rows.
+    /// Whether two logs have so many in common that one is of the other's rows.
     #[must_use]
     pub fn are_those_of(&self, other: &Self) -> bool {
         let zeros = self.zeros.max(other.zeros);
-        let of_both = |marks: &Self| marks.kept.keys().filter(|row| row.trailing_zeros() >= zeros).count();
-        let common = other.kept.keys().map(|row| self.has(*row)).sum();
+        let of_both = |marks: &Self| marks.kept.keys().filter(|mark| mark.trailing_zeros() >= zeros).count();
+        let common = other.kept.keys().map(|mark| self.has(*mark)).sum();
         other.tells() && self.are_enough(common, of_both(self).min(of_both(other)))
     }
 
-    fn has(&self, row: u64) -> usize {
-        usize::from(self.kept.contains_key(&row))
+    fn has(&self, mark: u64) -> usize {
+        usize::from(self.kept.contains_key(&mark))
     }
 
     fn are_enough(&self, common: usize, of: usize) -> bool {
         self.tells() && common >= LEAST_IN_COMMON && common as f64 >= LEAST_SHARE * of as f64
     }
 
-    /// Whether the log's rows are hardly ever the same.
+    /// Whether the log's marks are hardly ever the same.
     fn tells(&self) -> bool {
         let all: u32 = self.kept.values().sum();
         f64::from(all) - self.kept.len() as f64 <= MOST_REPEATED * f64::from(all)
@@ -88,7 +97,7 @@ impl RowMarks {
     fn thin(&mut self, most: usize) {
         while self.kept.len() > most {
             self.zeros += 1;
-            self.kept.retain(|row, _| row.trailing_zeros() >= self.zeros);
+            self.kept.retain(|mark, _| mark.trailing_zeros() >= self.zeros);
         }
     }
 }
@@ -96,16 +105,10 @@ impl RowMarks {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mixed::mixed;
 
-    /// Every bit of the result depends on every bit of the number (the finaliser of splitmix64).
-    fn mixed(number: u64) -> u64 {
-        let number = (number ^ (number >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let number = (number ^ (number >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        number ^ (number >> 31)
-    }
-
-    fn marks(rows: impl Iterator<Item = u64>) -> RowMarks {
-        let mut marks = RowMarks::default();
+    fn marks(rows: impl Iterator<Item = u64>) -> Marks {
+        let mut marks = Marks::new("row");
         rows.for_each(|row| marks.push(mixed(row)));
         marks
     }
