@@ -1,4 +1,6 @@
-//! A page for those who look on while something takes hours.
+//! A page for those who look on while something takes hours; of several boards, one of them all beside each one's own.
+
+mod all;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -7,6 +9,8 @@ use chrono::Local;
 use zerorate_bench::setup::SetUp;
 use zerorate_live::{Listen, Live};
 use zerorate_report::LiveRun;
+
+pub use self::all::LookingOnAll;
 
 /// Where a page is served if nobody says: on this machine alone.
 pub const HERE: &str = "127.0.0.1:5495";
@@ -33,9 +37,7 @@ impl LookingOn {
             let copy = lock(&own).clone();
             copy.parts()
         };
-        let live = Live::open(listen, page, parts)
-            .with_context(|| format!("nobody can look on; {} finds a port that is free", listen.at_any_port()))?;
-        Ok(Self { run, live })
+        Ok(Self { run, live: serve(listen, page, parts)? })
     }
 
     /// Changes what is shown.
@@ -53,6 +55,21 @@ impl LookingOn {
         self.change(|run| run.ended = Some(how));
         self.live.finish();
     }
+}
+
+/// Serves a page of parts.
+fn serve(
+    listen: &Listen,
+    page: String,
+    parts: impl Fn() -> Vec<(&'static str, String)> + Send + Sync + 'static,
+) -> Result<Live> {
+    Live::open(listen, page, parts)
+        .with_context(|| format!("nobody can look on; {} finds a port that is free", listen.at_any_port()))
+}
+
+/// The title of a calibration's page.
+pub fn calibration(of: &str) -> String {
+    format!("Calibration of {of}")
 }
 
 /// A run of which nothing has come.

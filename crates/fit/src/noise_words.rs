@@ -35,11 +35,9 @@ impl NoiseWords {
         for (axis, values) in self.axes.iter_mut().zip(values) {
             for value in values.as_ref().iter().copied().filter(|value| value.is_finite()) {
                 let before = std::mem::replace(&mut axis.last, value);
-                // A row that is like the one before says nothing of noise.
-                if !(value > before || value < before) {
-                    continue;
-                }
-                axis.word = axis.word << 1 | u64::from(value > before);
+                // A row that is like the one before says nothing of noise, nor does the first.
+                let Some(change) = value.partial_cmp(&before).filter(|change| change.is_ne()) else { continue };
+                axis.word = axis.word << 1 | u64::from(change.is_gt());
                 axis.changes += 1;
                 if axis.changes >= u64::from(u64::BITS) {
                     self.marks.push(mixed(axis.word));

@@ -22,7 +22,7 @@ pub use advice::advice;
 pub use board_page::board_page;
 pub use by_log::by_log_sentence;
 pub use certificate::certificate;
-pub use live_page::{LiveRun, RunGroup, RunGroups, RunStep, StepState};
+pub use live_page::{LiveBoard, LiveBoards, LiveRun, RunGroup, RunGroups, RunStep, StepState};
 pub use log_page::LogPage;
 pub use lot::{LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
 pub use ranges::{believed_temperatures, measured_temperatures};

@@ -1,5 +1,6 @@
-//! The page of a run as it goes, for who looks on. The page itself never changes; its parts do, each by its id.
+//! The page of a run as it goes, for who looks on, and of several. The page itself never changes; its parts do, each by its id.
 
+mod boards;
 mod figures;
 mod groups;
 
@@ -8,6 +9,7 @@ use zerorate_fit::drift_fit::DriftFit;
 use zerorate_fit::model::Model;
 use zerorate_fit::ramp::fit_drift;
 
+pub use self::boards::{LiveBoard, LiveBoards};
 pub use self::groups::{RunGroup, RunGroups};
 use super::figure::Second;
 use super::number::fixed;
@@ -77,20 +79,12 @@ impl LiveRun {
     /// The page around the parts, for a run of this title.
     #[must_use]
     pub fn page(title: &str) -> String {
-        let headline = html! {
-            p.over { "A run as it goes" }
-            h1 { (title) }
-            p #line.small role="status" { "Not connected yet." }
-            noscript { p { "This page renews itself by a script; without one it stays empty." } }
-            div id=(NOW) {}
-        };
-        let holder = |id: &str| html! { div id=(id) {} };
-        let chapters: Vec<Chapter> = vec![
-            ("so-far", "What has come so far", holder(FIGURES)),
-            ("the-plan", "The plan", holder(PLAN)),
-            ("told", "What was told", holder(NOTES)),
+        let chapters = [
+            ("so-far", "What has come so far", FIGURES),
+            ("the-plan", "The plan", PLAN),
+            ("told", "What was told", NOTES),
         ];
-        page::page_with_script(&format!("{title}, as it goes"), &headline, &chapters, SCRIPT)
+        page_of_parts("A run as it goes", title, &chapters)
     }
 
     /// The parts as they are now, by their ids.
@@ -121,46 +115,46 @@ impl LiveRun {
 
     fn now(&self, fits: &[Option<DriftFit>; 2]) -> Markup {
         let mut facts: Vec<(&str, Markup)> = Vec::new();
-        if let Some(ended) = &self.ended {
-            facts.push(("State", told(ended)));
-        }
-        if let Some(place) = self.steps.iter().position(|step| step.state == StepState::Now) {
-            let step = &self.steps[place];
-            facts.push(("Step", html! { (place + 1) " of " (self.steps.len()) ": " (step.name) }));
-        }
-        if self.ended.is_none() && !self.doing.is_empty() {
+        let is_over = self.ended.is_some();
+        facts.extend(self.ended.iter().map(|ended| ("State", told(ended))));
+        facts.extend(self.step().map(|step| ("Step", html! { (step) })));
+        if !is_over && !self.doing.is_empty() {
             facts.push(("Now", html! { (self.doing) }));
         }
-        if let Some(ends) = self.ends.as_ref().filter(|_| self.ended.is_none()) {
-            facts.push(("Ends about", html! { (ends) }));
-        }
-        if self.air_c.is_finite() {
-            facts.push(("Chamber", html! { (fixed(self.air_c, 1)) "\u{a0}°C" }));
-        }
-        let last: Vec<_> =
-            self.axes.iter().zip(["X", "Y"]).filter_map(|(axis, name)| Some((name, axis.last()?))).collect();
-        if let [(_, group), ..] = &last[..] {
-            let celsius =
-                self.celsius().map(|scale| format!(" ({}\u{a0}°C)", fixed(scale.of(group.temperature_counts), 1)));
-            facts.push((
-                "Temperature reading",
-                html! { (fixed(group.temperature_counts, 0)) " counts" (celsius.unwrap_or_default()) },
-            ));
-            let readings = last.iter().map(|(name, group)| format!("{name}\u{a0}{}", fixed(group.reading_counts, 1)));
-            facts.push(("Zero-rate output", html! { (readings.collect::<Vec<_>>().join(", ")) " counts" }));
-        }
-        let left = fits.iter().zip(["X", "Y"]).filter_map(|(fit, name)| {
-            Some(format!("{name}\u{a0}{}", fixed(fit.as_ref()?.statistics.in_sample.rms, 2)))
-        });
-        let left = left.collect::<Vec<_>>().join(", ");
-        if !left.is_empty() {
-            let model = self.running_model();
-            facts.push(("Residual of the fit so far", html! { (left) " counts rms, in-sample, " (model) }));
-        }
+        facts.extend(self.ends.iter().filter(|_| !is_over).map(|ends| ("Ends about", html! { (ends) })));
+        facts.extend(self.air().map(|air| ("Chamber", html! { (air) })));
+        facts.extend(self.temperature().map(|reading| ("Temperature reading", html! { (reading) })));
+        facts.extend(self.output().map(|output| ("Zero-rate output", html! { (output) " counts" })));
+        facts.extend(left(fits).map(|left| {
+            ("Residual of the fit so far", html! { (left) " counts rms, in-sample, " (self.running_model()) })
+        }));
         html! {
             (page::facts(&facts))
             @if !self.heard_at.is_empty() { p.small { "The last group came at " (self.heard_at) "." } }
         }
+    }
+
+    /// The step that runs, as `2 of 7: trim experiment`.
+    fn step(&self) -> Option<String> {
+        let place = self.steps.iter().position(|step| step.state == StepState::Now)?;
+        Some(format!("{} of {}: {}", place + 1, self.steps.len(), self.steps[place].name))
+    }
+
+    /// The chamber's air.
+    fn air(&self) -> Option<String> {
+        self.air_c.is_finite().then(|| format!("{}\u{a0}°C", fixed(self.air_c, 1)))
+    }
+
+    /// The newest temperature reading.
+    fn temperature(&self) -> Option<String> {
+        let counts = self.axes.iter().find_map(RunGroups::last)?.temperature_counts;
+        let celsius = self.celsius().map(|scale| format!(" ({}\u{a0}°C)", fixed(scale.of(counts), 1)));
+        Some(format!("{} counts{}", fixed(counts, 0), celsius.unwrap_or_default()))
+    }
+
+    /// The newest zero-rate output of each axis, counts.
+    fn output(&self) -> Option<String> {
+        of_axes(self.axes.each_ref().map(|axis| Some(fixed(axis.last()?.reading_counts, 1))))
     }
 
     fn plan(&self) -> Markup {
@@ -197,6 +191,33 @@ impl LiveRun {
     fn celsius(&self) -> Option<Second> {
         self.celsius.map(|(zero, one)| Second { unit: "°C", zero, one })
     }
+}
+
+/// The page around parts that are put where they belong as they come: what is now, then chapters, each of one part.
+fn page_of_parts(over: &str, title: &str, chapters: &[(&'static str, &'static str, &str)]) -> String {
+    let headline = html! {
+        p.over { (over) }
+        h1 { (title) }
+        p #line.small role="status" { "Not connected yet." }
+        noscript { p { "This page renews itself by a script; without one it stays empty." } }
+        div id=(NOW) {}
+    };
+    let chapters: Vec<Chapter> =
+        chapters.iter().map(|(id, name, part)| (*id, *name, html! { div id=(part) {} })).collect();
+    page::page_with_script(&format!("{title}, as it goes"), &headline, &chapters, SCRIPT)
+}
+
+/// What fits of a ramp leave, counts rms.
+fn left(fits: &[Option<DriftFit>; 2]) -> Option<String> {
+    of_axes(fits.each_ref().map(|fit| Some(fixed(fit.as_ref()?.statistics.in_sample.rms, 2))))
+}
+
+/// A figure of each axis that has one, as `X 1.2, Y 3.4`.
+fn of_axes(figures: [Option<String>; 2]) -> Option<String> {
+    let named =
+        figures.into_iter().zip(["X", "Y"]).filter_map(|(figure, name)| Some(format!("{name}\u{a0}{}", figure?)));
+    let named: Vec<String> = named.collect();
+    (!named.is_empty()).then(|| named.join(", "))
 }
 
 #[cfg(test)]

@@ -98,7 +98,7 @@ pub struct Calibrate {
     notify: Option<String>,
 
     /// Serve a page that shows the run as it goes: at 127.0.0.1:5495, or ADDRESS:PORT of this machine (port 0: any free one).
-    /// Beyond this machine its address has a token in it, which it prints. Of several boards each has a page, at the ports after it
+    /// Beyond this machine its address has a token in it, which it prints. Of several boards this page shows where each of them is, and each has one of its own, at the ports after it
     #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = looking_on::HERE)]
     live: Option<Listen>,
 
@@ -207,7 +207,8 @@ impl Calibrate {
         }
         let unit = Unit::new(self.serial.as_deref().unwrap_or("ZR-0001"), Some((kind, self.seed)))?;
         let mut bench = self.bench(device, kind, &setup, &unit)?;
-        let run = Run { setup: &setup, out: &self.out, live: self.live.clone(), keep: Keep::Nothing };
+        let live = self.looking_on(&setup, &unit)?;
+        let run = Run { setup: &setup, out: &self.out, live, keep: Keep::Nothing };
         self.end_with(&self.carry_out(&mut bench, run, unit, Bar::new(&setup))?)
     }
 
@@ -239,7 +240,7 @@ impl Calibrate {
         let mut bar = Bar::without_end();
         instruments.found.iter().for_each(|found| bar.note(found));
         let mut bench = instruments.bench(device, || AtTerminal::new(bar.bar.clone()))?;
-        let run = Run { setup, out: &self.out, live: self.live.clone(), keep: self.keep() };
+        let run = Run { setup, out: &self.out, live: self.looking_on(setup, &unit)?, keep: self.keep() };
         self.end_with(&self.carry_out(&mut bench, run, unit, bar)?)
     }
 
@@ -247,20 +248,16 @@ impl Calibrate {
         if self.resume { Keep::Resume } else { Keep::Anew }
     }
 
-    fn carry_out(&self, bench: &mut Bench, run: Run, unit: Unit, mut bar: Bar) -> Result<Summary> {
-        let Run { setup, out, live, keep } = run;
-        results::refuse_others(out, &unit, self.force)?;
-        setup.unreachable().iter().for_each(|sentence| bar.note(sentence));
-        let title = format!("Calibration of {}", unit.serial);
-        let live = live.as_ref().map(|listen| LookingOn::open(listen, &title, setup));
-        let live = live.transpose()?;
-        if let Some(live) = &live {
-            bar.note(&live.told());
-        }
-        let result = calibrate(bench, setup, unit, out, &mut LookedOn::new(&mut bar, setup, live.as_ref()), keep);
-        bar.finish();
-        let result = result.map_err(|error| with_what_is_left(error, out, keep));
-        if let Some(live) = live {
+    fn looking_on(&self, setup: &SetUp, unit: &Unit) -> Result<Option<LookingOn>> {
+        self.live
+            .as_ref()
+            .map(|listen| LookingOn::open(listen, &looking_on::calibration(&unit.serial), setup))
+            .transpose()
+    }
+
+    fn carry_out(&self, bench: &mut Bench, run: Run, unit: Unit, bar: Bar) -> Result<Summary> {
+        let result = self.seen(bench, &run, unit, bar);
+        if let Some(live) = run.live {
             live.end(match &result {
                 Ok(summary) if summary.verdict == Verdict::Rejected => {
                     "The unit was rejected; the report says why.".into()
@@ -270,6 +267,19 @@ impl Calibrate {
             });
         }
         result
+    }
+
+    /// The run, while others may look on.
+    fn seen(&self, bench: &mut Bench, run: &Run, unit: Unit, mut bar: Bar) -> Result<Summary> {
+        let Run { setup, out, live, keep } = run;
+        results::refuse_others(out, &unit, self.force)?;
+        setup.unreachable().iter().for_each(|sentence| bar.note(sentence));
+        if let Some(live) = live {
+            bar.note(&live.told());
+        }
+        let result = calibrate(bench, setup, unit, out, &mut LookedOn::new(&mut bar, setup, live.as_ref()), *keep);
+        bar.finish();
+        result.map_err(|error| with_what_is_left(error, out, *keep))
     }
 
     fn end_with(&self, summary: &Summary) -> Result<Outcome> {
@@ -299,7 +309,7 @@ impl Calibrate {
 struct Run<'a> {
     setup: &'a SetUp,
     out: &'a Path,
-    live: Option<Listen>,
+    live: Option<LookingOn>,
     keep: Keep,
 }
 

@@ -1,13 +1,16 @@
 //! Several virtual boards in one chamber, each with a supply of its own or all with one.
 
 use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 use zerorate_cal::recording::Recording;
 
-use crate::board::Board;
+use crate::board::{Board, await_that};
+use crate::fault_line::{Does, FaultLine};
 use crate::night::NIGHT;
 use crate::schema;
 
@@ -40,18 +43,22 @@ impl Bench {
     }
 
     fn calibrate(&self, supplies: &[String], more: &[&str]) -> Output {
+        self.command(supplies, more).output().unwrap()
+    }
+
+    fn command(&self, supplies: &[String], more: &[&str]) -> Command {
         let each = |option: &'static str, values: &[String]| -> Vec<String> {
             values.iter().flat_map(|value| [option.to_owned(), value.clone()]).collect()
         };
-        Command::new(env!("CARGO_BIN_EXE_zerorate"))
+        let mut command = Command::new(env!("CARGO_BIN_EXE_zerorate"));
+        command
             .args(["calibrate", "--setup", "night.toml", "--out", "lot", "--chamber", &self.chamber])
             .args(each("--device", &self.devices))
             .args(each("--supply", supplies))
             .args(more)
             .current_dir(self.path())
-            .stdin(Stdio::null())
-            .output()
-            .unwrap()
+            .stdin(Stdio::null());
+        command
     }
 }
 
@@ -94,6 +101,46 @@ fn three_boards_go_through_a_night_together_and_one_that_cannot_begin_is_not_wai
     // What was done is not done again.
     let (code, told) = self::told(&bench.calibrate(&bench.supplies, &["--resume", "--force", "--dry-run"]));
     assert_eq!(code, Some(0), "{told}");
+}
+
+/// The second board's line is cut in its ramp; who looks on sees all three to their ends.
+#[test]
+fn a_board_whose_line_is_cut_leaves_the_others_running_and_one_page_shows_them_all() {
+    let mut bench = Bench::start(3);
+    let line = FaultLine::tcp(bench.devices[1].rsplit(':').next().unwrap().parse().unwrap());
+    bench.devices[1] = format!("tcp:{}", line.place);
+    let mut command = bench.command(&bench.supplies, &["--json", "--live", "127.0.0.1:0"]);
+    let mut run = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut words = BufReader::new(run.stderr.take().unwrap())
+        .lines()
+        .map_while(Result::ok)
+        .flat_map(|line| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>());
+    // The page of all is told first.
+    let url = words.find(|word| word.starts_with("http://")).unwrap();
+    std::thread::spawn(move || words.for_each(drop));
+    let host = url.trim_start_matches("http://").trim_end_matches('/').to_owned();
+    let mut looking = TcpStream::connect(&host).unwrap();
+    write!(looking, "GET /events HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
+    let recording = bench.path().join("lot/ZR-0042-2/in-progress/full-temperature.arrows");
+    await_that("the second board's groups come", || recording.metadata().is_ok_and(|file| file.len() > 20_000));
+    line.does(Does::Cut);
+    let mut seen = String::new();
+    looking.read_to_string(&mut seen).unwrap();
+    let output = run.wait_with_output().unwrap();
+    let ended: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let results: Vec<&str> =
+        ended["units"].as_array().unwrap().iter().filter_map(|unit| unit["result"].as_str()).collect();
+    assert_eq!((output.status.code(), &results[..]), (Some(2), &["passed", "failed", "passed"][..]), "{ended}");
+    // What the board had said before is kept.
+    assert!(recording.metadata().unwrap().len() > 20_000);
+    let last = seen.rsplit("data: now").next().unwrap();
+    assert!(last.contains("3, of which 3 are done") && last.contains("event: over"), "{last}");
+    for (unit, how) in
+        [("ZR-0042-1", "The unit passed"), ("ZR-0042-2", "It ended before it was done"), ("ZR-0042-3", "passed")]
+    {
+        let row = last.split("<tr>").find(|row| row.contains(&format!(">{unit}</a>"))).unwrap();
+        assert!(row.contains(how), "{row}");
+    }
 }
 
 #[test]

@@ -16,13 +16,13 @@ use zerorate_bench::shared::SharedChamber;
 use zerorate_cal::board_run::SUMMARY;
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::summary::Summary;
-use zerorate_live::Listen;
 use zerorate_words::sentence;
 
 use super::real::SharedInstruments;
 use super::{Bar, Calibrate, Run, dry_run};
 use crate::command::Outcome;
 use crate::interrupt;
+use crate::looking_on::LookingOnAll;
 use crate::screen::{self, Grid, Page};
 
 /// A board with its place.
@@ -30,7 +30,6 @@ struct Board<'a> {
     device: &'a DeviceChoice,
     serial: String,
     out: PathBuf,
-    live: Option<Listen>,
 }
 
 impl Board<'_> {
@@ -80,12 +79,20 @@ impl Calibrate {
             screen::note(&format!("{}: was done before; its results are in {}", board.serial, board.out.display()));
         }
         ensure!(!places.is_empty(), "all boards were done before: there is nothing to go on with");
+        let serials: Vec<&str> = places.iter().map(|(board, _)| board.serial.as_str()).collect();
+        let (all, lives) = match &self.live {
+            Some(listen) => LookingOnAll::open(listen, &serials, setup).map(|(all, lives)| (Some(all), lives))?,
+            None => (None, Vec::new()),
+        };
+        all.iter().for_each(|all| screen::note(&all.told()));
+        let lives = lives.into_iter().map(Some).chain(std::iter::repeat_with(|| None));
         let bars = MultiProgress::new();
         let ended = thread::scope(|scope| {
-            let runs = places.into_iter().map(|(board, (chamber, supply, setup))| {
+            let runs = places.into_iter().zip(lives).map(|((board, (chamber, supply, setup)), live)| {
                 let bar = Bar::one_of(&bars, &board.serial);
                 scope.spawn(move || {
-                    let result = self.run_one(&board, &setup, chamber, supply, bar);
+                    let run = Run { setup: &setup, out: &board.out, live, keep: self.keep() };
+                    let result = self.run_one(&board, run, chamber, supply, bar);
                     ended(board, result)
                 })
             });
@@ -94,13 +101,16 @@ impl Calibrate {
                 .map(|run| run.join().map_err(|_| anyhow!("a run has panicked")))
                 .collect::<Result<Vec<_>>>()
         })?;
+        if let Some(all) = all {
+            all.end();
+        }
         self.told(ended)
     }
 
     /// The boards, asked who they are.
     fn boards<'a>(&self, devices: &'a [DeviceChoice]) -> Result<Vec<Board<'a>>> {
         let mut boards: Vec<Board> = Vec::new();
-        for (place, device) in devices.iter().enumerate() {
+        for device in devices {
             let open = || device.open()?.context("a real board has a line")?.identify().map_err(anyhow::Error::from);
             let identity = open().with_context(|| format!("--device {device}"))?;
             let serial = identity.unit.as_str().to_owned();
@@ -118,8 +128,7 @@ impl Calibrate {
                 out != self.out,
                 "the board at {device} says that it is {serial}, and no folder can have that name"
             );
-            let live = self.live.as_ref().map(|listen| listen.after(place)).transpose()?;
-            boards.push(Board { device, serial, out, live });
+            boards.push(Board { device, serial, out });
         }
         Ok(boards)
     }
@@ -127,7 +136,7 @@ impl Calibrate {
     fn run_one(
         &self,
         board: &Board,
-        setup: &SetUp,
+        run: Run,
         chamber: SharedChamber,
         supply: Box<dyn Supply + Send>,
         bar: Bar,
@@ -135,7 +144,6 @@ impl Calibrate {
         let device = board.device.open()?.context("a real board has a line")?;
         let (chamber, power) = (Box::new(chamber), Box::new(LeftOn));
         let mut bench = Bench { device, chamber, supply, power, clock: None, witness: None };
-        let run = Run { setup, out: &board.out, live: board.live.clone(), keep: self.keep() };
         self.carry_out(&mut bench, run, Unit::new(&board.serial, None)?, bar)
     }
 
