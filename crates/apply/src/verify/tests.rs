@@ -104,6 +104,29 @@ fn an_axis_that_is_dead_or_missing_fails_with_limits_and_without() {
     }
 }
 
+/// Its other axis is known for the very noise, and the log for no test; what is lost is lost.
+#[test]
+fn an_axis_that_was_lost_fails_by_the_own_log_too() {
+    let mut state = 1_u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) * 1e-11
+    };
+    let rows: Vec<[f64; 2]> = (0..4000).map(|row| [1e-6 * f64::from(row) + noise(), noise()]).collect();
+    let table = |x: &dyn Fn(f64) -> String| {
+        let row = |(place, [own, y]): (usize, &[f64; 2])| format!("{place},{},{},{y}\n", 0.01 * place as f64, x(*own));
+        let rows: String = rows.iter().enumerate().map(row).collect();
+        let text = format!("time_s,temperature_c,gyro_x_rad_s,gyro_y_rad_s\n{rows}");
+        Source::bytes("log.csv", text.into_bytes())
+    };
+    let (whole, dead) = (table(&|x| x.to_string()), table(&|_| String::new()));
+    let fitted = fit(std::slice::from_ref(&whole), &FitOptions::default()).unwrap();
+    let origin = Origin { rows: fitted.sources[0].rows.written(), ..Origin::of("log", &whole).unwrap() };
+    let own = fitted.to_calibration(vec![origin], None).unwrap();
+    let verified = verify(&dead, &own, &VerifyOptions::default()).unwrap();
+    assert!(verified.in_sample && verified.passed == Some(false) && verified.missing.len() == 1, "{verified:?}");
+}
+
 #[test]
 fn gyros_alone_are_verified_where_that_is_said_and_else_it_is_said_how() {
     let mut own = calibration();
