@@ -10,6 +10,7 @@ pub mod direction;
 pub mod drift_fit;
 pub mod dropouts;
 mod evidence;
+pub mod filled;
 pub mod fingerprint;
 pub mod folds;
 pub mod frozen;

@@ -1,6 +1,7 @@
 //! From logs to the groups of every sensor wanted.
 
 use std::time::SystemTime;
+use zerorate_fit::filled::Filled;
 use zerorate_fit::fingerprint::Fingerprint;
 use zerorate_fit::spacing::Spacing;
 use zerorate_fit::still::{Still, Stillness};
@@ -79,14 +80,17 @@ impl Logs {
         };
         let mut taken = Taking::new(options, vec![length], self.logs);
         let mut ending = file.read(&mut taken)?;
-        if let Some(lengths) = taken.shorter(options) {
-            taken = Taking::new(options, lengths, self.logs);
+        let (shorter, filled) = (taken.shorter(options), taken.filled());
+        if shorter.is_some() || filled.iter().flatten().any(Option::is_some) {
+            taken = Taking::new(options, shorter.unwrap_or(taken.lengths), self.logs);
+            taken.empties = filled.iter().map(|axes| axes.iter().map(Option::is_some).collect()).collect();
             ending = file.read(&mut taken)?;
         }
         let autopilot = file.autopilot();
         let rows = LogRows(taken.sensors.iter_mut().map(|taken| std::mem::take(&mut taken.fingerprint)).collect());
         let (seen, sensors) = taken.finish();
         self.refuse_overlap(source, sources, &rows)?;
+        self.reasons.extend(of_filled(source.short_name(), &sensors, &filled));
         let of_sensors = sensors.iter().map(|sensor| (&sensor.stream, &sensor.groups[..]));
         self.reasons.extend(repeated::reasons(source.short_name(), &rows, of_sensors));
         self.rows.push(rows);
@@ -248,6 +252,8 @@ struct Taking<'a> {
     places: Vec<Option<usize>>,
     sensors: Vec<Taken>,
     seen: Vec<Sensor>,
+    /// For each sensor wanted the axes whose zeros are empty cells, where that is known.
+    empties: Vec<Vec<bool>>,
 }
 
 struct Taken {
@@ -255,6 +261,7 @@ struct Taken {
     grouping: Grouping,
     fingerprint: Fingerprint,
     stillness: Vec<Stillness>,
+    filled: Vec<Filled>,
     rows: u64,
     first_s: f64,
     last_s: f64,
@@ -263,7 +270,13 @@ struct Taken {
 
 impl<'a> Taking<'a> {
     fn new(options: &'a FitOptions, lengths: Vec<Length>, log: u32) -> Self {
-        Self { options, lengths, log, places: Vec::new(), sensors: Vec::new(), seen: Vec::new() }
+        let (places, sensors, seen, empties) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { options, lengths, log, places, sensors, seen, empties }
+    }
+
+    /// For each axis of the sensors wanted how many zeros were filled into empty cells.
+    fn filled(&self) -> Vec<Vec<Option<u64>>> {
+        self.sensors.iter().map(|taken| taken.filled.iter().map(Filled::found).collect()).collect()
     }
 
     /// The sensors that the log has, and the groups of those wanted.
@@ -297,13 +310,15 @@ impl Sink for Taking<'_> {
         if wanted {
             let length = self.lengths.get(self.sensors.len()).unwrap_or(&self.lengths[0]);
             let grouping = Grouping::new(stream.names.len(), *length, stream.temperature_unit, self.log);
-            let stillness = vec![Stillness::default(); stream.names.len()];
+            let (stillness, filled) =
+                (vec![Stillness::default(); stream.names.len()], vec![Filled::default(); stream.names.len()]);
             let (fingerprint, first_s, last_s) = (Fingerprint::default(), f64::NAN, f64::NAN);
             self.sensors.push(Taken {
                 stream: stream.clone(),
                 grouping,
                 fingerprint,
                 stillness,
+                filled,
                 rows: 0,
                 first_s,
                 last_s,
@@ -314,7 +329,10 @@ impl Sink for Taking<'_> {
     }
 
     fn rows(&mut self, rows: &Rows<'_>) {
-        let Some(taken) = self.places[rows.sensor].and_then(|place| self.sensors.get_mut(place)) else { return };
+        let Some(place) = self.places[rows.sensor] else { return };
+        let Some(taken) = self.sensors.get_mut(place) else { return };
+        let emptied = self.empties.get(place).filter(|axes| axes.contains(&true)).map(|axes| emptied(rows, axes));
+        let rows = &Rows { values: emptied.as_deref().unwrap_or(rows.values), ..*rows };
         taken.rows += rows.temperature.len() as u64;
         taken.first_s = if taken.first_s.is_nan() { rows.time_s[0] } else { taken.first_s };
         taken.last_s = rows.time_s[rows.time_s.len() - 1];
@@ -322,7 +340,37 @@ impl Sink for Taking<'_> {
         taken.grouping.push_rows(rows);
         taken.fingerprint.push_rows(rows.temperature, rows.values);
         taken.look_for_stillness(rows);
+        for (filled, rates) in taken.filled.iter_mut().zip(rows.values) {
+            rates.iter().for_each(|rate| filled.push(*rate));
+        }
     }
+}
+
+/// The rows' values, without the zeros of axes on which they are empty cells.
+fn emptied(rows: &Rows<'_>, axes: &[bool]) -> Vec<Vec<f64>> {
+    let empty = |value: &f64| if value.abs() <= 0.0 { f64::NAN } else { *value };
+    let column = |(values, is_filled): (&Vec<f64>, &bool)| match is_filled {
+        true => values.iter().map(empty).collect(),
+        false => values.clone(),
+    };
+    rows.values.iter().zip(axes).map(column).collect()
+}
+
+/// What is said of zeros that were taken for empty cells.
+fn of_filled<'a>(
+    log: &'a str,
+    sensors: &'a [Gathered],
+    filled: &'a [Vec<Option<u64>>],
+) -> impl Iterator<Item = Reason> + 'a {
+    let axes = sensors.iter().zip(filled).flat_map(|(sensor, zeros)| sensor.stream.names.iter().zip(zeros));
+    axes.filter_map(move |(name, zeros)| {
+        let text = format!(
+            "{log}: {name} is exactly 0 in {} rows between others that are not, more often than any reading comes again: these were taken \
+             for cells that were filled, and left out",
+            (*zeros)?
+        );
+        Some(Reason::new(ReasonKind::MissingValues, text))
+    })
 }
 
 impl Taken {

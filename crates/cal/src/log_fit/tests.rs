@@ -1,3 +1,4 @@
+mod cells;
 mod several;
 
 use std::fmt::Write;

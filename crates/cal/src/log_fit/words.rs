@@ -192,22 +192,29 @@ fn of_groups(sensor: &Gathered, first: &Group, last: &Group) -> String {
 pub(super) fn coarse_step(sensor: &Gathered, axis: usize) -> Option<f64> {
     let rates = || sensor.groups.iter().map(|group| group.axes[axis].rate);
     let range = rates().fold(f64::NAN, f64::max) - rates().fold(f64::NAN, f64::min);
-    let step = sensor.rate_steps[axis];
-    let scatter = typical_scatter(&sensor.groups, axis);
-    (step.is_finite() && step > COARSE_RATE * scatter && range > LEAST_STEPS * step).then_some(step)
+    large_step(sensor, axis).filter(|step| range > LEAST_STEPS * step)
 }
 
-/// An axis whose converter's steps are larger than its noise.
+/// A step of an axis's converter, where it is larger than its noise.
+fn large_step(sensor: &Gathered, axis: usize) -> Option<f64> {
+    let step = sensor.rate_steps[axis];
+    let scatter = typical_scatter(&sensor.groups, axis);
+    (step.is_finite() && step > COARSE_RATE * scatter).then_some(step)
+}
+
+/// An axis whose converter's steps are larger than its noise, be its drift over several of them or within one.
 fn of_coarse_rate(sensor: &Gathered, axis: usize, options: &FitOptions) -> Option<Reason> {
-    let step = coarse_step(sensor, axis)?;
-    let scale = RateScale::of(sensor.stream.unit, &[step], options.told_in);
+    // One that stands still is dead, whatever it jumped by before.
+    let step = large_step(sensor, axis).filter(|_| sensor.still[axis].is_none())?;
+    let scale = RateScale::of(sensor.stream.unit, &[step, step / 2.0], options.told_in);
     let text = || {
         format!(
-            "{}: the {} comes in steps of {}, larger than its noise: an average is no finer than a step, and what looks like a \
-             jump of one is the converter's",
+            "{}: the {} comes in steps of {}, larger than its noise: no average is finer than a step, so that the curve may be off by \
+             {} whatever the figures say, and what looks like a jump of a step is the converter's",
             sensor.stream.names[axis],
             sensor.stream.unit.quantity(),
-            scale.told(step)
+            scale.told(step),
+            scale.told(step / 2.0)
         )
     };
     Some(Reason::new(ReasonKind::CoarseRate, text()))
