@@ -6,6 +6,7 @@ use serde::Serialize;
 use zerorate_fit::allan::{Allan, NoAllan};
 use zerorate_fit::predict::{Predictor, Start};
 use zerorate_fit::robust::centre_and_sigma;
+use zerorate_fit::spacing::Spacing;
 
 use zerorate_cal::calibration::{AxisCalibration, Calibration};
 use zerorate_cal::log::{LogError, LogFile, Rows, SensorChoice, Sink, Stream};
@@ -33,8 +34,15 @@ const SETTLED: f64 = 4.0;
 /// Samples kept of one sensor, at most; a longer log is averaged by pairs until it fits.
 const MOST: usize = 1 << 17;
 
-/// Between rows, so many times the usual period is a gap.
+/// Between rows of a clock that is not even, so many times the mean period is a gap, if it is so many times as long as is usual.
 const GAP: f64 = 5.0;
+const UNUSUAL: f64 = 2.0;
+
+/// Lost rows up to so many have a place each among those that wait; a longer gap ends a group.
+const MOST_LOST: f64 = 16.0;
+
+/// An even clock is followed by so much of each row's own time: it wanders, and jitters a little.
+const FOLLOWS: f64 = 0.1;
 
 /// A gap of more samples than this is kept as so many: no average reaches across it anyway.
 const LONGEST_GAP: f64 = 10_000.0;
@@ -84,15 +92,35 @@ pub fn noise(
     calibration: Option<&Calibration>,
 ) -> Result<Vec<AxisNoise>, LogError> {
     let file = LogFile::open(log, columns)?;
-    let mut taken = Taking { sensor, sensors: Vec::new(), places: Vec::new() };
+    // How far apart rows are is known of the whole log.
+    let mut paces = Paces::default();
+    file.read(&mut paces)?;
+    let mut taken = Taking { sensor, paces: paces.0, sensors: Vec::new(), places: Vec::new() };
     file.read(&mut taken)?;
     taken.sensors.iter_mut().for_each(Series::flush);
     Ok(taken.sensors.iter().flat_map(|series| series.noise(calibration)).collect())
 }
 
+/// How far apart the rows of each sensor are.
+#[derive(Default)]
+struct Paces(Vec<Spacing>);
+
+impl Sink for Paces {
+    fn stream(&mut self, _: &Stream) -> bool {
+        self.0.push(Spacing::default());
+        true
+    }
+
+    fn rows(&mut self, rows: &Rows<'_>) {
+        rows.time_s.iter().for_each(|time| self.0[rows.sensor].push(*time));
+    }
+}
+
 /// The sensors of a log while it goes by.
 struct Taking {
     sensor: Option<SensorChoice>,
+    /// Of each sensor met.
+    paces: Vec<Spacing>,
     sensors: Vec<Series>,
     places: Vec<Option<usize>>,
 }
@@ -105,7 +133,8 @@ impl Sink for Taking {
         };
         self.places.push(wanted.then_some(self.sensors.len()));
         if wanted {
-            self.sensors.push(Series::new(stream.clone()));
+            let pace = self.paces.get(self.places.len() - 1).cloned().unwrap_or_default();
+            self.sensors.push(Series::new(stream.clone(), &pace));
         }
         wanted
     }
@@ -165,14 +194,35 @@ struct Series {
     first_s: f64,
     last_s: f64,
     part: u32,
+    /// The period of a clock that is even, and where its last row was due.
+    even_s: Option<f64>,
+    due_s: f64,
+    /// How far apart rows are as a rule.
+    usual_s: f64,
 }
 
 impl Series {
-    fn new(stream: Stream) -> Self {
+    fn new(stream: Stream, pace: &Spacing) -> Self {
         let open = Bin::empty(stream.names.len());
         let waiting = Waiting::new(stream.names.len(), stream.temperature_unit);
         let (first_s, last_s) = (f64::NAN, f64::NAN);
-        Self { stream, waiting, bins: Vec::new(), open, in_open: 0, a_bin: 1, rows: 0, first_s, last_s, part: 0 }
+        let (even_s, due_s, usual_s) = (pace.even_period(), f64::NAN, pace.usual());
+        let (in_open, a_bin, rows, part) = (0, 1, 0, 0);
+        Self {
+            stream,
+            waiting,
+            bins: Vec::new(),
+            open,
+            in_open,
+            a_bin,
+            rows,
+            first_s,
+            last_s,
+            part,
+            even_s,
+            due_s,
+            usual_s,
+        }
     }
 
     fn axes(&self) -> usize {
@@ -186,17 +236,45 @@ impl Series {
         }
         for row in 0..rows.temperature.len() {
             let time_s = rows.time_s[row];
-            let period_s = (self.last_s - self.first_s) / (self.rows.max(2) - 1) as f64;
-            if self.rows > 10 && time_s - self.last_s > GAP * period_s {
-                self.gap((time_s - self.last_s) / period_s - 1.0);
-            }
-            let values = rows.values.iter().map(|column| column[row]).collect();
-            let told = self.waiting.push(time_s, rows.temperature[row], values);
-            told.into_iter().for_each(|row| self.row(&row.into()));
+            self.lose(time_s, rows.temperature[row]);
+            self.wait(time_s, rows.temperature[row], rows.values.iter().map(|column| column[row]).collect());
             self.first_s = if self.first_s.is_nan() { time_s } else { self.first_s };
             self.last_s = time_s;
             self.rows += 1;
         }
+    }
+
+    /// Gives the rows that were lost before one of this time their places.
+    fn lose(&mut self, time_s: f64, temperature: f64) {
+        let lost = match self.even_s {
+            Some(period_s) => {
+                let due_s = if self.due_s.is_finite() { self.due_s + period_s } else { time_s };
+                let lost = ((time_s - due_s) / period_s).round().max(0.0);
+                let due_s = due_s + lost * period_s;
+                self.due_s = due_s + FOLLOWS * (time_s - due_s);
+                lost
+            }
+            None => {
+                let (period_s, apart_s) =
+                    ((self.last_s - self.first_s) / (self.rows.max(2) - 1) as f64, time_s - self.last_s);
+                let is_gap = self.rows > 10 && apart_s > GAP * period_s && apart_s > UNUSUAL * self.usual_s;
+                if is_gap { apart_s / period_s - 1.0 } else { 0.0 }
+            }
+        };
+        if lost > MOST_LOST {
+            self.gap(lost);
+        } else if lost >= 1.0 {
+            // At most 16.
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            for _ in 0..lost as usize {
+                self.wait(time_s, temperature, vec![f64::NAN; self.axes()]);
+            }
+        }
+    }
+
+    fn wait(&mut self, time_s: f64, temperature: f64, values: Vec<f64>) {
+        let told = self.waiting.push(time_s, temperature, values);
+        told.into_iter().for_each(|row| self.row(&row.into()));
     }
 
     /// Takes in the rows that wait.

@@ -12,6 +12,13 @@ const BINS: usize = 481;
 /// A difference of so many typical ones is a gap.
 const GAP: f64 = 16.0;
 
+/// A clock whose rows stand at whole multiples of a period but for so much of it is even: some rows may be lost. One that jitters is
+/// off by a fourth.
+const EVEN: f64 = 0.05;
+
+/// Of differences a tenth at most is nothing: rows that come in bursts have no period of their own.
+const MOST_OF_NOTHING: f64 = 0.1;
+
 /// The differences of successive times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spacing {
@@ -55,6 +62,52 @@ impl Spacing {
         let gaps = self.bins.iter().skip(first);
         gaps.fold((0, 0.0), |(count, sum), bin| (count + bin.0, sum + bin.1))
     }
+
+    /// The time from one row to the next of an even clock, of whose rows some may be lost; `None` of one that jitters, and of rows
+    /// that come in bursts.
+    #[must_use]
+    pub fn even_period(&self) -> Option<f64> {
+        let all: u64 = self.bins.iter().map(|(count, _)| count).sum();
+        let moved: Vec<(f64, f64)> =
+            self.bins[1..].iter().filter(|(count, _)| *count > 0).map(|&(count, sum)| (count as f64, sum)).collect();
+        let count: f64 = moved.iter().map(|(count, _)| count).sum();
+        if count < (1.0 - MOST_OF_NOTHING) * all as f64 {
+            return None;
+        }
+        let mut before = 0.0;
+        let (first, sum) = moved.iter().find(|(own, _)| {
+            before += own;
+            10.0 * before >= count
+        })?;
+        // The shortest differences are of rows between which none was lost, but for a few.
+        let mut period = sum / first;
+        let places = |period: f64| {
+            let of = move |&(count, sum): &(f64, f64)| (count, sum, (sum / count / period).round().max(1.0));
+            // A bin of longer ones has those of several places.
+            moved.iter().map(of).filter(|(.., places)| *places < 5.0)
+        };
+        for _ in 0..4 {
+            let (sums, rows) =
+                places(period).fold((0.0, 0.0), |(s, n), (count, sum, places)| (s + sum, n + count * places));
+            period = sums / rows;
+        }
+        let (off, of) = places(period).fold((0.0, 0.0), |(off, of), (count, sum, places)| {
+            (off + count * (sum / count / period - places).abs(), of + count)
+        });
+        (off <= EVEN * of).then_some(period)
+    }
+
+    /// How long a difference may be and still be as usual: 99 of 100 are no longer.
+    #[must_use]
+    pub fn usual(&self) -> f64 {
+        let all: u64 = self.bins.iter().map(|(count, _)| count).sum();
+        let mut before = 0;
+        let last = self.bins.iter().position(|(count, _)| {
+            before += count;
+            100 * before >= 99 * all
+        });
+        last.map_or(0.0, |bin| edge(bin + 1))
+    }
 }
 
 /// The bin of a difference.
@@ -89,6 +142,28 @@ mod tests {
             let apart = (1500.0 - 499.5) + (90_000.0 - 1999.5);
             assert!((sum / unit - apart).abs() < 1e-6, "{sum}");
         }
+    }
+
+    #[test]
+    fn the_period_of_an_even_clock_is_found_whatever_rows_are_lost_and_one_that_jitters_has_none() {
+        let period = |times: &mut dyn Iterator<Item = f64>| {
+            let mut spacing = Spacing::default();
+            times.for_each(|time| spacing.push(time));
+            spacing.even_period()
+        };
+        // Multiplied by an odd number, the low bits of rows are as thrown.
+        let thrown = |row: u32| f64::from(row.wrapping_mul(2_654_435_761) >> 16) / 65_536.0;
+        for lost in [0.0, 0.1, 0.3, 0.5] {
+            let found = period(&mut (0..5000).filter(|row| thrown(*row) >= lost).map(|row| 3.0 + 0.1 * f64::from(row)));
+            assert!(found.is_some_and(|found| (found - 0.1).abs() < 1e-4), "{lost}: {found:?}");
+        }
+        // A second of every four, and 15 of every 60.
+        for (of, kept) in [(40, 30), (600, 450)] {
+            let found = period(&mut (0..6000).filter(|row| row % of < kept).map(|row| 0.1 * f64::from(row)));
+            assert!(found.is_some_and(|found| (found - 0.1).abs() < 1e-4), "{found:?}");
+        }
+        assert_eq!(period(&mut (0..5000).map(|row| 0.1 * (f64::from(row) + 0.5 * thrown(row)))), None);
+        assert_eq!(period(&mut (0..5000).map(|row| f64::from(row / 10))), None);
     }
 
     #[test]

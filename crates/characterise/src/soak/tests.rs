@@ -80,9 +80,11 @@ fn a_long_log_is_averaged_until_it_fits_and_a_gap_stays_one() {
         unit: RateUnit::RadPerS,
         temperature_unit: TemperatureUnit::C,
     };
-    let mut series = Series::new(stream);
     let rows = 300_000;
     let time: Vec<f64> = (0..rows).map(|i| f64::from(i) * 0.01 + if i >= 200_000 { 50.0 } else { 0.0 }).collect();
+    let mut pace = Spacing::default();
+    time.iter().for_each(|time| pace.push(*time));
+    let mut series = Series::new(stream, &pace);
     let values: Vec<f64> = (0..rows).map(|i| f64::from(i % 2)).collect();
     series.push(&Rows {
         sensor: 0,
@@ -128,6 +130,37 @@ fn made(seed: u64, seconds: u32, of: impl Fn(f64) -> (f64, f64)) -> String {
 fn found(text: String) -> AxisNoise {
     let log = Source::bytes("log.csv", text.into_bytes());
     noise(&log, &Columns::default(), None, None).unwrap().remove(0)
+}
+
+/// White noise of a known N, at 10 Hz: rows are lost singly, for a second and for 15, and times stand in whole seconds.
+#[test]
+fn lost_rows_and_coarse_times_leave_n_as_it_was() {
+    let truth = 0.1_f64.sqrt();
+    let of = |shown: &dyn Fn(u32, f64) -> Option<f64>| {
+        let mut state = 5;
+        let mut text = "time_s,temperature_c,x_rad_s\n".to_owned();
+        for row in 0..36_000_u32 {
+            let noise = normal(&mut state);
+            if let Some(time_s) = shown(row, normal(&mut 0x5DEE_CE66_u64.wrapping_mul(u64::from(row) + 1))) {
+                text += &format!("{time_s},25,{noise}\n");
+            }
+        }
+        found(text).noise.unwrap().coefficients.angle_random_walk.value().map(|n| n / truth)
+    };
+    let time = |row: u32| 0.1 * f64::from(row);
+    type Shown<'a> = &'a dyn Fn(u32, f64) -> Option<f64>;
+    let shown: [(&str, Shown); 6] = [
+        ("whole", &|row, _| Some(time(row))),
+        ("a third lost singly", &|row, draw| (draw > -0.43).then_some(time(row))),
+        ("a tenth lost singly", &|row, draw| (draw > -1.28).then_some(time(row))),
+        ("a second of four", &|row, _| (row % 40 < 30).then_some(time(row))),
+        ("15 s of 60", &|row, _| (row % 600 < 450).then_some(time(row))),
+        ("in whole seconds", &|row, _| Some(f64::from(row / 10))),
+    ];
+    for (what, shown) in shown {
+        let ratio = of(shown);
+        assert!(ratio.is_some_and(|ratio| (ratio - 1.0).abs() < 0.03), "{what}: {ratio:?}");
+    }
 }
 
 #[test]
