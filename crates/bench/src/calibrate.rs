@@ -43,13 +43,11 @@ pub fn calibrate(
 ) -> Result<Summary, BenchError> {
     let was_there = out.exists();
     let result = run(bench, setup, unit, out, progress, keep);
+    // Somebody has to go there: that is what is told, on the screen and by a message.
     let result = match (result, bench.rest()) {
-        (Ok(_), Err(unsafe_end)) => Err(unsafe_end.into()),
-        (Err(first), Err(unsafe_end)) => {
-            progress.note(&unsafe_end.to_string());
-            Err(first)
-        }
         (result, Ok(())) => result,
+        (Ok(_), Err(left_on)) => Err(BenchError::DoneLeftOn(left_on)),
+        (Err(first), Err(left_on)) => Err(BenchError::LeftOn { first: Box::new(first), left_on }),
     };
     // A run that has refused to begin leaves what there is for the one that goes on with it.
     if !matches!(result, Err(BenchError::Unfinished { .. } | BenchError::OtherRun { .. })) {

@@ -165,6 +165,17 @@ pub enum BenchError {
         /// Microseconds from sample to sample.
         period_us: u32,
     },
+    /// It ended with an error, and what was to be brought to rest is on.
+    #[error("{left_on}. Before that: {first}")]
+    LeftOn {
+        /// Why it ended.
+        first: Box<BenchError>,
+        /// What is on.
+        left_on: InstrumentError,
+    },
+    /// All was done and written, and what was to be brought to rest is on.
+    #[error("all was measured, but {0}")]
+    DoneLeftOn(#[source] InstrumentError),
     /// A file cannot be written.
     #[error("cannot write {path}: {source}. Earlier results are untouched")]
     Write {
@@ -178,7 +189,10 @@ pub enum BenchError {
 impl BenchError {
     /// Whether somebody wanted everything to stop.
     #[must_use]
-    pub const fn is_interrupted(&self) -> bool {
-        matches!(self, Self::Instrument(InstrumentError::Interrupted))
+    pub fn is_interrupted(&self) -> bool {
+        match self {
+            Self::LeftOn { first, .. } => first.is_interrupted(),
+            error => matches!(error, Self::Instrument(InstrumentError::Interrupted)),
+        }
     }
 }

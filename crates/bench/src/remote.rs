@@ -133,8 +133,9 @@ impl RemoteChamber {
             return Ok(());
         }
         let (is, should) = (self.controller.set_point()?, self.set_point);
+        // With the same set point too: it may have come back without running.
+        self.controller.send(should)?;
         if !self.controller.is_same(is, should) {
-            self.controller.send(should)?;
             self.contact.notes.push(format!(
                 "the chamber was away and came back set to {:.1} C: it was sent to {:.1} C again",
                 is.0, should.0

@@ -148,7 +148,7 @@ fn of_axis(run: &BoardRun, axis: Axis) -> Vec<Budget> {
                 Evaluation::A,
                 Part::Known(repeated.counts),
                 format!(
-                    "what curve and taps leave of {} heating ramps, each at another switch-on: rms in {} parts of the range, less noise",
+                    "what curve and taps leave of {} heating ramps: rms in {} parts of the range, less noise; of the switch-on too where the power was switched between them",
                     repeated.ramps,
                     Bins::COUNT
                 ),

@@ -52,7 +52,7 @@ impl LookingOn {
 
     /// It is over; everybody gets the end.
     pub fn end(self, how: String) {
-        self.change(|run| run.ended = Some(how));
+        self.change(|run| run.end(how));
         self.live.finish();
     }
 }

@@ -27,7 +27,7 @@ pub enum Fault {
         answered: u8,
     },
     /// The controller refuses.
-    #[error("the controller refuses to {asked}: {}. Check the registers in chamber.controller, and that the controller may be set from outside", exception(*code))]
+    #[error("the controller refuses to {asked}: {}. {}", exception(*code), remedy(*code))]
     Refused {
         /// What was asked.
         asked: String,
@@ -103,16 +103,34 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// Whether it may answer later: the line is cut, or the instrument starts anew.
+    /// Whether it may answer later: the line is cut, or the instrument starts anew or is busy.
     #[must_use]
     pub const fn may_pass(&self) -> bool {
-        matches!(self, Self::Line(_) | Self::Silent { .. })
+        match self {
+            Self::Line(_) | Self::Silent { .. } => true,
+            Self::Refused { code, .. } => is_busy(*code),
+            _ => false,
+        }
     }
 }
 
 /// A number to the ten-thousandth: no instrument here shows more.
 fn short(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
+}
+
+/// Whether an exception's code says that it does something else just now, or that a gateway does not reach it.
+const fn is_busy(code: u8) -> bool {
+    matches!(code, 5 | 6 | 10 | 11)
+}
+
+/// What is to be done about it.
+const fn remedy(code: u8) -> &'static str {
+    if is_busy(code) {
+        "See whether a programme runs on it, somebody is in its menus, or its gateway is cut off"
+    } else {
+        "Check the registers in chamber.controller, and that the controller may be set from outside"
+    }
 }
 
 /// What an exception's code says.
@@ -127,5 +145,22 @@ const fn exception(code: u8) -> &'static str {
         8 => "its memory is damaged (exception 8)",
         10 | 11 => "the gateway does not reach it (exception 10 or 11)",
         _ => "it gives a code of its own",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Modbus Application Protocol V1.1b3, chapter 7: 5 acknowledge, 6 device busy, 10 and 11 of gateways.
+    #[test]
+    fn a_controller_that_is_busy_may_answer_later_and_one_without_the_register_does_not() {
+        let refused = |code| Fault::Refused { asked: "write register 2782".to_owned(), code };
+        for code in [5, 6, 10, 11] {
+            assert!(refused(code).may_pass() && !refused(code).to_string().contains("Check the registers"), "{code}");
+        }
+        for code in [1, 2, 3, 4, 8, 99] {
+            assert!(!refused(code).may_pass() && refused(code).to_string().contains("Check the registers"), "{code}");
+        }
     }
 }

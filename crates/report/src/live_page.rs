@@ -65,6 +65,8 @@ pub enum StepState {
     Done,
     /// It runs.
     Now,
+    /// It was the last that ran.
+    Ended,
     /// It is to come.
     ToCome,
 }
@@ -76,6 +78,13 @@ const PLAN: &str = "plan";
 const NOTES: &str = "notes";
 
 impl LiveRun {
+    /// It has ended: nothing runs any more.
+    pub fn end(&mut self, how: String) {
+        self.ended = Some(how);
+        let now = self.steps.iter_mut().filter(|step| step.state == StepState::Now);
+        now.for_each(|step| step.state = StepState::Ended);
+    }
+
     /// The page around the parts, for a run of this title.
     #[must_use]
     pub fn page(title: &str) -> String {
@@ -162,6 +171,7 @@ impl LiveRun {
             let state = match step.state {
                 StepState::Done => html! { span.good { "✓\u{a0}done" } },
                 StepState::Now => html! { b { "now" } },
+                StepState::Ended => html! { "the last" },
                 StepState::ToCome => html! { "to come" },
             };
             let name = html! { (place + 1) ". " (step.name) };

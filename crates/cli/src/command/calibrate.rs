@@ -188,6 +188,11 @@ impl Calibrate {
             Some(file) => SetUp::read(file)?,
             None => kind.setup(),
         };
+        ensure!(
+            !self.resume || self.out.exists(),
+            "--resume: there is no {}, and so no run to go on with: give its folder (--out), or leave --resume out to begin one",
+            self.out.display()
+        );
         let device = match &self.devices[..] {
             [one] => one,
             several => return self.run_many(several, &setup),
@@ -259,10 +264,7 @@ impl Calibrate {
         let result = self.seen(bench, &run, unit, bar);
         if let Some(live) = run.live {
             live.end(match &result {
-                Ok(summary) if summary.verdict == Verdict::Rejected => {
-                    "The unit was rejected; the report says why.".into()
-                }
-                Ok(_) => "The unit passed; the report is written.".into(),
+                Ok(summary) => format!("The unit {}; the report says how.", words(summary.verdict)),
                 Err(error) => format!("It ended before it was done: {}.", sentence(error.as_ref())),
             });
         }
@@ -305,6 +307,15 @@ impl Calibrate {
     }
 }
 
+/// What a verdict makes of a unit.
+const fn words(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Good => "passed",
+        Verdict::Warning => "passed, with warnings",
+        Verdict::Rejected => "was rejected",
+    }
+}
+
 /// One unit's run.
 struct Run<'a> {
     setup: &'a SetUp,
@@ -317,6 +328,10 @@ fn with_what_is_left(error: BenchError, out: &Path, keep: Keep) -> anyhow::Error
     if matches!(error, BenchError::Unfinished { .. } | BenchError::OtherRun { .. }) {
         // It says itself what there is, and from when.
         return error.into();
+    }
+    if matches!(error, BenchError::DoneLeftOn(_)) {
+        let done = format!("the results are in {}", out.display());
+        return anyhow::Error::from(error).context(done);
     }
     let kept = out.join(zerorate_bench::output::IN_PROGRESS);
     let left = if kept.is_dir() {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use zerorate_bench::instruments::{Chamber as _, InstrumentError};
 use zerorate_bench::profile::{Pace, Profile, Seconds, drive};
@@ -125,13 +125,18 @@ impl Chamber {
         let driven = drive(&profile, &mut chamber, &mut WallClock::begin(), &mut told);
         let rested = chamber.rest();
         let written = told.finish();
-        // What went wrong first is the cause; what could not be brought to rest is named in any case.
-        if let Err(error) = &rested
-            && driven.is_err()
-        {
-            screen::note(&sentence(error));
+        if let Err(error) = driven {
+            let kept = match &written {
+                Ok(file) => format!("what was recorded is in {}", file.display()),
+                Err(error) => sentence(error),
+            };
+            let stopped = anyhow::Error::from(error).context(format!("the profile stopped; {kept}"));
+            // Somebody has to go there: that comes first, in a message too.
+            return Err(match rested {
+                Ok(()) => stopped,
+                Err(left_on) => stopped.context(left_on.to_string()),
+            });
         }
-        driven.with_context(|| format!("the profile stopped; what was recorded is in {}", out.display()))?;
         rested?;
         screen::note(&format!(
             "the profile is done, and the chamber is at rest; the recording is {}",

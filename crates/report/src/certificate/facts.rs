@@ -100,12 +100,17 @@ fn board(run: &BoardRun) -> Markup {
 fn ramp(run: &BoardRun) -> Markup {
     let ends = number(run, "chamber", "cold_c").zip(number(run, "chamber", "hot_c"));
     html! {
-        @if let Some((cold, hot)) = ends { (fixed(cold, 0)) " to " (fixed(hot, 0)) "\u{a0}°C" }
-        @if let Some(soak) = number(run, "chamber", "soak_s") { ", after " (fixed(soak / MINUTE_S, 0)) " min of soak" }
+        @if let Some((cold, hot)) = ends { (shortest(cold)) " to " (shortest(hot)) "\u{a0}°C" }
+        @if let Some(soak) = number(run, "chamber", "soak_s") { ", after " (shortest(soak / MINUTE_S)) " min of soak" }
         @if let Some([mean, fastest]) = rates(run) {
             "; by the unit’s own reading " (fixed(mean, 1)) " K/min on average, at most " (fixed(fastest, 1)) " K in a minute"
         }
     }
+}
+
+/// A set-up's number to a tenth, without one that is none.
+fn shortest(number: f64) -> String {
+    fixed(number, usize::from((number - number.round()).abs() >= 0.05))
 }
 
 /// Kelvins a minute of the heating ramp: on average, and most in any minute.

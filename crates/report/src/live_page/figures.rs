@@ -30,9 +30,12 @@ fn over_temperature(run: &LiveRun, fits: &[Option<DriftFit>; 2]) -> Figure {
     let columns = Axis::BOTH.map(|axis| {
         let groups = run.axes[axis.index()].ramp();
         let readings: Vec<_> = groups.iter().map(|group| (group.temperature_counts, group.reading_counts)).collect();
-        let fitted = fits[axis.index()].as_ref().map(|fit| fit_at(fit, &groups));
+        // The fit is of what is not compensated, and tells nothing of the rest.
+        let of_fit: Vec<RunGroup> = groups.iter().copied().filter(|group| !group.is_compensated).collect();
+        let fitted = fits[axis.index()].as_ref().map(|fit| fit_at(fit, &of_fit));
         let left = fitted.as_ref().map(|fitted| {
-            readings.iter().zip(fitted).map(|((t, reading), (_, fitted))| (*t, reading - fitted)).collect()
+            let left = |(group, (t, fitted)): (&RunGroup, &(f64, f64))| (*t, group.reading_counts - fitted);
+            of_fit.iter().zip(fitted).map(left).collect()
         });
         let curve = fitted.map(|mut fitted| {
             fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -45,7 +48,11 @@ fn over_temperature(run: &LiveRun, fits: &[Option<DriftFit>; 2]) -> Figure {
     let is_fitted = fits.iter().any(Option::is_some);
     let mut key = key(Sample::Dot);
     if is_fitted {
-        key.push((Ink::Curve, Sample::Line, format!("{} through what has come so far", run.running_model())));
+        key.push((
+            Ink::Curve,
+            Sample::Line,
+            format!("{} through what has come so far, uncompensated", run.running_model()),
+        ));
     }
     let came = run.axes.iter().map(super::RunGroups::came).max().unwrap_or(0);
     Figure {

@@ -10,6 +10,7 @@ use zerorate_bench::calibrated::Unit;
 use zerorate_bench::choice::DeviceChoice;
 use zerorate_bench::instruments::{Bench, Supply};
 use zerorate_bench::output::IN_PROGRESS;
+use zerorate_bench::plan::{Part, Plan};
 use zerorate_bench::remote::LeftOn;
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::shared::SharedChamber;
@@ -19,7 +20,8 @@ use zerorate_cal::summary::Summary;
 use zerorate_words::sentence;
 
 use super::real::SharedInstruments;
-use super::{Bar, Calibrate, Run, dry_run};
+use super::{Bar, Calibrate, Run, dry_run, words};
+use crate::clock::time;
 use crate::command::Outcome;
 use crate::interrupt;
 use crate::looking_on::LookingOnAll;
@@ -65,6 +67,7 @@ impl Calibrate {
         ensure!(self.serial.is_none(), "--serial: several boards say themselves who they are");
         let boards = self.boards(devices)?;
         let mut instruments = SharedInstruments::open(self.chamber.as_ref(), &self.supplies, boards.len(), setup)?;
+        instruments.found.extend(in_turns(setup, boards.len(), self.supplies.len()));
         if self.dry_run {
             let found = boards.iter().map(|board| format!("the board at {} is {}", board.device, board.serial));
             instruments.found.extend(found);
@@ -163,6 +166,18 @@ impl Calibrate {
     }
 }
 
+/// What one supply for several boards does to the plan, which is of one.
+fn in_turns(setup: &SetUp, boards: usize, supplies: usize) -> Option<String> {
+    let plan = Plan::of(setup);
+    let (_, took) = plan.parts.iter().find(|(part, _)| *part == Part::TrimExperiment)?;
+    (supplies == 1 && boards > 1).then(|| {
+        format!(
+            "the supply feeds one board after the other: the trim experiments of {boards} boards take up to {} longer than the plan says",
+            time(took.0 * (boards - 1) as f64)
+        )
+    })
+}
+
 fn ended(board: Board, result: Result<Summary>) -> Ended {
     let (serial, out) = (board.serial, board.out.display().to_string());
     match result {
@@ -183,7 +198,8 @@ fn page(ended: &[Ended]) -> Page {
     grid.head(["unit", "result", "report"]);
     for unit in ended {
         let report = if unit.summary.is_some() { format!("{}/report.html", unit.out) } else { "-".to_owned() };
-        grid.row([unit.serial.as_str(), unit.result, &report]);
+        let result = unit.summary.as_ref().map_or(unit.result, |summary| words(summary.verdict));
+        grid.row([unit.serial.as_str(), result, &report]);
     }
     page.grid(&grid);
     for (unit, message) in ended.iter().filter_map(|unit| Some((unit, unit.message.as_ref()?))) {

@@ -35,7 +35,7 @@ impl Facts {
     }
 
     pub fn show(&self, file: &str, page: &mut Page) {
-        let state = if self.cut { "CUT: it was not finished, or is still being written" } else { "finished" };
+        let state = if self.cut { "CUT: it was not finished, or is still being written" } else { "whole" };
         page.sentence("", &format!("{file}: a chamber's recording, {state}"));
         let mut facts = vec![
             ("started", self.started.clone()),
