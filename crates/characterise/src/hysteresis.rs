@@ -122,9 +122,10 @@ impl Hysteresis {
         {
             let scale = RateScale::of(axis.calibration.rate_unit, &[mean, mean_standard_error], asked);
             return Err(format!(
-                "heating and cooling differ on average by {} ± {}, which is not told apart from wandering in time; several cycles do",
+                "heating and cooling differ on average by {} ± {}, which is not told apart from wandering in time; {} cycles do",
                 scale.number(mean),
-                scale.told(mean_standard_error)
+                scale.told(mean_standard_error),
+                if has_cycles(points, warming) { "more" } else { "several" }
             ));
         }
         // The largest of many noisy bins is the noisiest: each counts as what it is likely to be.

@@ -156,6 +156,27 @@ pub fn left_out(axes: &[AxisNoise]) -> Vec<String> {
     }))
 }
 
+/// Of noise that is not larger than so much of a converter's step the converter makes another: what is found of 0.6 steps is a
+/// tenth too large, and of a tenth of one three times too large or too small.
+const LEAST_OF_STEP: f64 = 0.66;
+
+/// Where rates come in steps as large as their noise, a sentence for all axes.
+#[must_use]
+pub fn coarse(axes: &[AxisNoise]) -> Vec<String> {
+    together(axes.iter().filter_map(|axis| {
+        let allan = axis.noise.as_ref().ok()?;
+        let of_a_row = allan.coefficients.angle_random_walk.value()? / allan.period_s.sqrt();
+        let sentence = || {
+            format!(
+                "the rate comes in steps of {}, as large as its noise: N, B and K are the converter's as well, and N may be several times \
+                 too large or too small",
+                RateScale::of(axis.rate_unit, &[axis.step], None).told(axis.step)
+            )
+        };
+        (axis.step.is_finite() && of_a_row < LEAST_OF_STEP * axis.step).then(|| (axis.name.as_str(), sentence()))
+    }))
+}
+
 /// Where an Allan curve rises by a smooth trend, a sentence for all axes.
 pub fn trended<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Allan)>) -> Vec<String> {
     let told = axes.into_iter().filter(|(_, allan)| allan.smooth_trend);
@@ -180,7 +201,7 @@ pub fn doubtful<'a>(
                     "heating less cooling is {} on average as recorded, and {} less the drift in time that the fit found: {}",
                     scale.told(mean),
                     scale.number(less),
-                    if one_cycle { ONE_CYCLE } else { "the cycles of the log differ" }
+                    if one_cycle { ONE_CYCLE } else { "the fit took the rest for that drift" }
                 )
             }
             None if one_cycle => format!("thermal hysteresis is of one cycle: {ONE_CYCLE}"),

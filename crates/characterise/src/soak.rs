@@ -76,6 +76,9 @@ pub struct AxisNoise {
     pub temperature: [f64; 2],
     /// Samples of that time that were left out: the rate is far from its neighbours, as a fit sees it. Another stands in for each.
     pub left_out: u64,
+    /// The least change from one row's rate to another: a converter's step, where it has one.
+    #[serde(skip)]
+    pub step: f64,
     /// The Allan deviation, or why there is none.
     #[serde(serialize_with = "super::or_reason")]
     pub noise: Result<Allan, String>,
@@ -409,6 +412,7 @@ impl Series {
             time_s: [times().next().unwrap_or(f64::NAN), times().next_back().unwrap_or(f64::NAN)],
             temperature: extremes(&temperatures[from..to]),
             left_out: self.bins[from..to].iter().map(|bin| u64::from(bin.left_out[axis])).sum(),
+            step: self.waiting.step(axis),
             noise: Err(String::new()),
         }
     }

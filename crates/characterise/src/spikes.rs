@@ -46,6 +46,11 @@ impl Waiting {
         Vec::new()
     }
 
+    /// The least change from one rate of an axis to another.
+    pub fn step(&self, axis: usize) -> f64 {
+        self.steps[axis].0
+    }
+
     /// All that are left: before a gap, and at the end.
     pub fn finish(&mut self) -> Vec<Row> {
         self.without_spikes(Vec::new())

@@ -132,6 +132,23 @@ fn found(text: String) -> AxisNoise {
     noise(&log, &Columns::default(), None, None).unwrap().remove(0)
 }
 
+/// Of noise of one, in steps of a fifth and of four.
+#[test]
+fn steps_as_large_as_the_noise_are_told() {
+    let told = |step: f64| {
+        let mut state = 5;
+        let row = |row: u32| format!("{},25,{}\n", 0.1 * f64::from(row), (normal(&mut state) / step).round() * step);
+        let rows: String = (0..36_000).map(row).collect();
+        crate::coarse(&[found(format!("time_s,temperature_c,x_rad_s\n{rows}"))])
+    };
+    assert_eq!(told(0.2), Vec::<String>::new());
+    assert!(
+        told(4.0)[0].starts_with("x_rad_s: the rate comes in steps of 4.000 rad/s, as large as its noise"),
+        "{:?}",
+        told(4.0)
+    );
+}
+
 /// White noise of a known N, at 10 Hz: rows are lost singly, for a second and for 15, and times stand in whole seconds.
 #[test]
 fn lost_rows_and_coarse_times_leave_n_as_it_was() {

@@ -15,7 +15,7 @@ use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
 use zerorate_cal::units::RateUnit;
 use zerorate_characterise::{
-    AxisNoise, Characteristics, NoiseOf, doubtful, filtered, is_of_a_soak, left_out, missing, noise, trended,
+    AxisNoise, Characteristics, NoiseOf, coarse, doubtful, filtered, is_of_a_soak, left_out, missing, noise, trended,
 };
 use zerorate_fit::allan::{Allan, Coefficient};
 
@@ -207,6 +207,7 @@ fn noise_page(page: &mut Page, noises: &[AxisNoise]) {
         }
         let allans = noises.iter().filter_map(|axis| Some((axis.name.as_str(), axis.noise.as_ref().ok()?)));
         let told = filtered(allans.clone()).into_iter().chain(trended(allans)).chain(left_out(noises));
+        let told = told.chain(coarse(noises));
         told.for_each(|sentence| page.sentence("  - ", &sentence));
     }
     let mut told: Vec<&str> = Vec::new();

@@ -59,9 +59,12 @@ fn a_run_is_looked_on_to_its_end_and_its_figures_are_the_reports() {
     let mut all = String::new();
     serving.ask("/events").read_to_string(&mut all).unwrap();
     assert!(all.ends_with("event: over\ndata:\n\n"), "{all}");
-    for part in ["The unit passed", "7 of 7", "soaks to compare with", "full-temperature test"] {
+    for part in ["The unit passed", "the last", "soaks to compare with", "full-temperature test"] {
         assert!(all.contains(part), "'{part}' is missing");
     }
+    // What is over is not done now.
+    let last = all.rsplit("data: plan").next().unwrap();
+    assert!(!last.contains("<b>now</b>"), "{last}");
     drop(serving);
 
     let summary: Value =
