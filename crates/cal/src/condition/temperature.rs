@@ -59,8 +59,16 @@ fn mark_still_without_noise(groups: &[Group], temperature_step: f64, marks: &mut
         return;
     }
     for run in still(groups).filter(|run| run.len() >= FROZEN_GROUPS) {
-        marks[run].fill(Some(DropReason::FrozenTemperature));
+        marks[with_ends(&run, groups)].fill(Some(DropReason::FrozenTemperature));
     }
+}
+
+/// Frozen groups with those beside them, in which it stopped, and jumped to where it was: a part of their rows is not true.
+fn with_ends(run: &Range<usize>, groups: &[Group]) -> Range<usize> {
+    let log = groups[run.start].log;
+    let is_of_it = |place: usize| groups.get(place).is_some_and(|group| group.log == log);
+    let before = run.start.checked_sub(1).is_some_and(is_of_it);
+    run.start - usize::from(before)..run.end + usize::from(is_of_it(run.end))
 }
 
 /// Where successive groups have one temperature and no other.
@@ -97,7 +105,7 @@ pub(super) fn mark_frozen(groups: &[Group], marks: &mut [Option<DropReason>]) {
         groups.get(run.end).is_some_and(|next| change(&groups[run.start], next) > FROZEN_JUMP * typical)
     };
     for run in still(groups).filter(|run| run.len() >= FROZEN_GROUPS && jumps(run)) {
-        let unmarked = marks[run].iter_mut().filter(|mark| mark.is_none());
+        let unmarked = marks[with_ends(&run, groups)].iter_mut().filter(|mark| mark.is_none());
         unmarked.for_each(|mark| *mark = Some(DropReason::FrozenTemperature));
     }
 }
