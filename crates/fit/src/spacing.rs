@@ -51,13 +51,7 @@ impl Spacing {
     /// How many differences are gaps, and their sum: those of 16 typical ones, and of `least` at least.
     #[must_use]
     pub fn gaps(&self, least: f64) -> (u64, f64) {
-        let all: u64 = self.bins.iter().map(|(count, _)| count).sum();
-        let mut before = 0;
-        let middle = self.bins.iter().position(|(count, _)| {
-            before += count;
-            2 * before >= all
-        });
-        let typical = middle.map_or(0.0, |bin| edge(bin + 1));
+        let typical = self.within(1, 2);
         let first = bin((GAP * typical).max(least)) + 1;
         let gaps = self.bins.iter().skip(first);
         gaps.fold((0, 0.0), |(count, sum), bin| (count + bin.0, sum + bin.1))
@@ -100,11 +94,16 @@ impl Spacing {
     /// How long a difference may be and still be as usual: 99 of 100 are no longer.
     #[must_use]
     pub fn usual(&self) -> f64 {
+        self.within(99, 100)
+    }
+
+    /// The end of the bin up to which so many of so many differences lie; 0 without any.
+    fn within(&self, part: u64, of: u64) -> f64 {
         let all: u64 = self.bins.iter().map(|(count, _)| count).sum();
         let mut before = 0;
         let last = self.bins.iter().position(|(count, _)| {
             before += count;
-            100 * before >= 99 * all
+            of * before >= part * all
         });
         last.map_or(0.0, |bin| edge(bin + 1))
     }
