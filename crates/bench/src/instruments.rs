@@ -135,7 +135,7 @@ pub enum InstrumentError {
     #[error("the board does not come up after its power was switched off and on: {0}")]
     Power(String),
     /// A person was asked, and stopped everything.
-    #[error("stopped by Ctrl-C")]
+    #[error("stopped by Ctrl-C, or by a signal to end")]
     Interrupted,
     /// A person was asked, and there is none.
     #[error("standard input has ended, and nobody answers: a manual chamber and supply need somebody there")]

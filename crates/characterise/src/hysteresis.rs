@@ -1,10 +1,11 @@
 //! Heating less cooling at equal temperature.
 
 use std::collections::BTreeMap;
-use zerorate_cal::units::{RateScale, WrittenRate};
+use std::ops::Range;
 
 use serde::Serialize;
 use zerorate_cal::log_fit::AxisFit;
+use zerorate_cal::units::{RateScale, WrittenRate};
 use zerorate_fit::robust::{median, noise};
 use zerorate_fit::shrinkage::shrunk;
 use zerorate_fit::trace::TracePoint;
@@ -63,7 +64,7 @@ const MEDIAN_ERROR: f64 = 1.64;
 /// Halvings by which K's square is found: to a part in 10^12 of the largest.
 const HALVINGS: u32 = 40;
 
-/// Heating less cooling in one bin.
+/// Heating less cooling in one bin, or one pass less another.
 struct Difference {
     bin: usize,
     value: f64,
@@ -100,7 +101,8 @@ impl Hysteresis {
                 "the log holds one direction of the temperature, or one before and one after an interruption; let it warm and cool over the same range in one go".to_owned()
             );
         }
-        let noise = noise(&points.iter().map(|point| point.residual).collect::<Vec<_>>());
+        let averages = Averages::of(points);
+        let noise = averages.noise;
         let largest = both.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())).ok_or("no temperature")?;
         let (mean, mean_error, mean_weights) = mean_of(&both);
         let is_noise = |value: f64, error: f64| value.abs() <= TELLING * error;
@@ -113,7 +115,7 @@ impl Hysteresis {
             ));
         }
         // Wandering and noise are of each other independent.
-        let walk = walk(&both, noise);
+        let walk = walk(&both, &from_pass_to_pass(points, warming, &recorded), averages);
         let error_of = |own: f64, weights: &Weights| (noise * own).hypot(walk * weights.spread());
         let mean_standard_error = error_of(mean_error, &mean_weights);
         let is_apart = |value: f64, error: f64| value.abs() > APART * error;
@@ -177,30 +179,72 @@ impl Weights {
     }
 }
 
-/// K of a walk by which the differences wander from one temperature to another, with its standard error on top. Of the steps the
-/// one that allows least: a hysteresis changes with temperature too, where it turns round most, and so by their median. The curve
-/// has no part in the differences, so that none of the wandering is taken away by a fit.
-fn walk(differences: &[Difference], noise: f64) -> f64 {
-    let of_step = |step: usize| {
-        let part = |(one, other): (&Difference, &Difference)| {
-            let mut weights = other.weights.clone();
-            weights.add(&one.weights, -1.0);
-            let of_noise = noise.powi(2) * (one.error.powi(2) + other.error.powi(2));
-            Step { square: (other.value - one.value).powi(2), of_walk: weights.spread().powi(2), of_noise }
-        };
-        let steps: Vec<Step> = differences.iter().zip(differences.iter().skip(step)).map(part).collect();
-        let square = likely(&steps);
-        // A square of normal noise has twice its variance squared; steps that overlap tell as one.
-        let squares: f64 = steps.iter().map(|own| own.expected(square).powi(2)).sum();
-        let whole: f64 = steps.iter().map(|own| own.of_walk).sum();
-        square + MEDIAN_ERROR * (2.0 * step as f64 * squares).sqrt() / whole
-    };
-    let found = STEPS.into_iter().filter(|step| 2 * step <= differences.len()).map(of_step);
-    let least = found.filter(|square| square.is_finite()).fold(f64::INFINITY, f64::min);
+/// K of a walk by which the rate wanders, with its standard error on top. Two things show it, and the smaller of the two holds, for
+/// each may have something else in it: how heating less cooling goes on from one temperature to another, where a hysteresis turns
+/// round, and where there are several cycles, how a pass differs from the one before it in the same direction. The curve has no part
+/// in either, so that none of the wandering is taken away by a fit.
+fn walk(differences: &[Difference], from_pass_to_pass: &[Vec<Difference>], averages: Averages) -> f64 {
+    let of_cycles = from_temperature_to_temperature(from_pass_to_pass, averages);
+    // A drift that goes on evenly is nowhere but in how far the passes are apart.
+    let apart: Vec<Step> = from_pass_to_pass
+        .iter()
+        .flatten()
+        .map(|own| Step::of(own, None, averages))
+        .filter(|step| step.of_walk > 0.0)
+        .collect();
+    let of_cycles = of_cycles.max(likely(&apart));
+    let least = from_temperature_to_temperature(&[differences], averages).min(of_cycles);
     if least.is_finite() { least.sqrt() } else { 0.0 }
 }
 
-/// How a difference changes over some bins: the square of it, and what a walk of one and noise make of that.
+/// The square of K by how differences go on over some bins, of the numbers of bins the one that allows least: a difference may turn
+/// round somewhere, and so by the median. Infinite where nothing is told.
+fn from_temperature_to_temperature(differences: &[impl AsRef<[Difference]>], averages: Averages) -> f64 {
+    let of_step = |step: usize| {
+        let steps = differences.iter().map(AsRef::as_ref).flat_map(|own| {
+            own.iter().zip(own.iter().skip(step)).map(|(one, other)| Step::of(other, Some(one), averages))
+        });
+        let steps: Vec<Step> = steps.filter(|step| step.of_walk > 0.0).collect();
+        // Steps that overlap tell as one.
+        if steps.len() < step { f64::INFINITY } else { allowed(&steps, step as f64) }
+    };
+    STEPS.into_iter().map(of_step).filter(|square| square.is_finite()).fold(f64::INFINITY, f64::min)
+}
+
+/// The square of K that steps allow, of which so many tell as one: the likely one and its standard error.
+fn allowed(steps: &[Step], tell_as_one: f64) -> f64 {
+    let square = likely(steps);
+    // A square of normal noise has twice its variance squared.
+    let squares: f64 = steps.iter().map(|own| own.expected(square).powi(2)).sum();
+    let whole: f64 = steps.iter().map(|own| own.of_walk).sum();
+    square + MEDIAN_ERROR * (2.0 * tell_as_one * squares).sqrt() / whole
+}
+
+/// The points, each an average of the rate over a while.
+///
+/// In their noise by second differences is a sixth of K squared times the period; and two averages wander a third of a period less
+/// than the time between them. A sum that weighs points by w has so K squared times a third of a period times the sum of w squared
+/// less of a walk than one of moments with noise of their own.
+#[derive(Clone, Copy)]
+struct Averages {
+    noise: f64,
+    period_s: f64,
+}
+
+impl Averages {
+    fn of(points: &[TracePoint]) -> Self {
+        let mut lasts_s: Vec<f64> = points
+            .windows(2)
+            .filter(|pair| pair[0].log == pair[1].log)
+            .map(|pair| pair[1].time_s - pair[0].time_s)
+            .filter(|lasts_s| lasts_s.is_finite())
+            .collect();
+        let period_s = if lasts_s.is_empty() { 0.0 } else { median(&mut lasts_s) };
+        Self { noise: noise(&points.iter().map(|point| point.residual).collect::<Vec<_>>()), period_s }
+    }
+}
+
+/// How far something goes: the square of it, and what a walk of one and noise make of that.
 struct Step {
     square: f64,
     of_walk: f64,
@@ -208,6 +252,19 @@ struct Step {
 }
 
 impl Step {
+    /// A difference, less another if there is one.
+    fn of(own: &Difference, less: Option<&Difference>, averages: Averages) -> Self {
+        let mut weights = own.weights.clone();
+        less.iter().for_each(|less| weights.add(&less.weights, -1.0));
+        let [value, error] = less.map_or([0.0; 2], |less| [less.value, less.error]);
+        let of_noise_of_one = own.error.powi(2) + error.powi(2);
+        Self {
+            square: (own.value - value).powi(2),
+            of_walk: weights.spread().powi(2) - averages.period_s / 3.0 * of_noise_of_one,
+            of_noise: averages.noise.powi(2) * of_noise_of_one,
+        }
+    }
+
     fn expected(&self, walk: f64) -> f64 {
         walk * self.of_walk + self.of_noise
     }
@@ -230,16 +287,38 @@ fn likely(steps: &[Step]) -> f64 {
     high
 }
 
-/// Whether there are two passes or more in each direction, each over half of the temperatures and more.
-fn has_cycles(points: &[TracePoint], warming: &[bool]) -> bool {
+/// The passes: points in one direction, over half of the temperatures and more.
+fn passes(points: &[TracePoint], warming: &[bool]) -> Vec<Range<usize>> {
     let (min, max) = span(points);
     let places: Vec<usize> = (0..points.len()).collect();
-    let mut passes = [0, 0];
-    for pass in places.chunk_by(|a, b| warming[*a] == warming[*b] && points[*a].log == points[*b].log) {
-        let (from, to) = (points[pass[0]].temperature, points[pass[pass.len() - 1]].temperature);
-        passes[usize::from(warming[pass[0]])] += usize::from((to - from).abs() > 0.5 * (max - min));
-    }
-    passes.iter().all(|passes| *passes >= 2)
+    let runs = places.chunk_by(|a, b| warming[*a] == warming[*b] && points[*a].log == points[*b].log);
+    let ends = runs.map(|run| run[0]..run[run.len() - 1] + 1);
+    let is_long = |run: &Range<usize>| {
+        (points[run.end - 1].temperature - points[run.start].temperature).abs() > 0.5 * (max - min)
+    };
+    ends.filter(is_long).collect()
+}
+
+/// Whether there are two passes or more in each direction.
+fn has_cycles(points: &[TracePoint], warming: &[bool]) -> bool {
+    let heating = |pass: &Range<usize>| warming[pass.start];
+    let passes = passes(points, warming);
+    let heated = passes.iter().filter(|pass| heating(pass)).count();
+    heated >= 2 && passes.len() - heated >= 2
+}
+
+/// Each pass less the one before it in the same direction, bin by bin: no hysteresis is in it.
+fn from_pass_to_pass(points: &[TracePoint], warming: &[bool], left: &[f64]) -> Vec<Vec<Difference>> {
+    let passes = passes(points, warming);
+    let is_alike = |one: usize, other: usize| points[one].log == points[other].log && warming[one] == warming[other];
+    let of_pass = |(place, later): (usize, &Range<usize>)| {
+        let before = passes[..place].iter().rev().find(|before| is_alike(before.start, later.start))?;
+        let is_later: Vec<bool> = (0..points.len()).map(|place| later.contains(&place)).collect();
+        let part_of: Vec<Option<u32>> =
+            (0..points.len()).map(|place| (later.contains(&place) || before.contains(&place)).then_some(0)).collect();
+        Some(of_parts(points, &is_later, left, &part_of))
+    };
+    passes.iter().enumerate().filter_map(of_pass).collect()
 }
 
 /// The mean over the bins, each counting alike, its error for noise of one, and what each point weighs.
@@ -251,7 +330,7 @@ fn mean_of(differences: &[Difference]) -> (f64, f64, Weights) {
     (value, differences.iter().map(|own| own.error.powi(2)).sum::<f64>().sqrt() / bins, weights)
 }
 
-/// One direction's points in a bin.
+/// One direction's points, or those of one pass, in a bin.
 #[derive(Default)]
 struct Direction {
     sum: f64,
@@ -270,25 +349,8 @@ impl Direction {
 
 /// Heating less cooling in each bin, within a log: from one log to the next the rate may jump for reasons of its own.
 fn differences(points: &[TracePoint], warming: &[bool], left: &[f64]) -> Vec<Difference> {
-    let (min, max) = span(points);
-    let mut bins: BTreeMap<(usize, u32), [Direction; 2]> = BTreeMap::new();
-    for ((point, warming), left) in points.iter().zip(warming).zip(left) {
-        // Below 40.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let bin = (((point.temperature - min) / (max - min) * BINS as f64) as usize).min(BINS - 1);
-        let direction = &mut bins.entry((bin, point.log)).or_default()[usize::from(*warming)];
-        direction.sum += left;
-        direction.places.push((point.log, point.time_s));
-    }
-    let of_log = |((bin, _), [cooling, heating]): (&(usize, u32), &[Direction; 2])| {
-        let value = heating.sum / heating.count() - cooling.sum / cooling.count();
-        value.is_finite().then(|| {
-            let mut weights = heating.weights(1.0);
-            weights.add(&cooling.weights(1.0), -1.0);
-            Difference { bin: *bin, value, error: (1.0 / heating.count() + 1.0 / cooling.count()).sqrt(), weights }
-        })
-    };
-    let of_logs: Vec<Difference> = bins.iter().filter_map(of_log).collect();
+    let log_of: Vec<Option<u32>> = points.iter().map(|point| Some(point.log)).collect();
+    let of_logs = of_parts(points, warming, left, &log_of);
     // Each log's difference counts by how well it is known.
     let joined = |logs: &[Difference]| {
         let weight = |own: &Difference| own.error.powi(-2);
@@ -299,4 +361,29 @@ fn differences(points: &[TracePoint], warming: &[bool], left: &[f64]) -> Vec<Dif
         Difference { bin: logs[0].bin, value, error: whole.sqrt().recip(), weights }
     };
     of_logs.chunk_by(|a, b| a.bin == b.bin).map(joined).collect()
+}
+
+/// Heating less cooling, or one kind of points less the other, in each bin and each part of the recording, by bin and then by part;
+/// points of no part are left out.
+fn of_parts(points: &[TracePoint], is_one: &[bool], left: &[f64], part_of: &[Option<u32>]) -> Vec<Difference> {
+    let (min, max) = span(points);
+    let mut bins: BTreeMap<(usize, u32), [Direction; 2]> = BTreeMap::new();
+    for (((point, is_one), left), part) in points.iter().zip(is_one).zip(left).zip(part_of) {
+        let Some(part) = *part else { continue };
+        // Below 40.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let bin = (((point.temperature - min) / (max - min) * BINS as f64) as usize).min(BINS - 1);
+        let direction = &mut bins.entry((bin, part)).or_default()[usize::from(*is_one)];
+        direction.sum += left;
+        direction.places.push((point.log, point.time_s));
+    }
+    let of_part = |((bin, _), [other, one]): (&(usize, u32), &[Direction; 2])| {
+        let value = one.sum / one.count() - other.sum / other.count();
+        value.is_finite().then(|| {
+            let mut weights = one.weights(1.0);
+            weights.add(&other.weights(1.0), -1.0);
+            Difference { bin: *bin, value, error: (1.0 / one.count() + 1.0 / other.count()).sqrt(), weights }
+        })
+    };
+    bins.iter().filter_map(of_part).collect()
 }

@@ -1,5 +1,6 @@
 //! One who looks on: its request, and what it is sent.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
@@ -37,7 +38,7 @@ pub fn serve(mut stream: TcpStream, guard: &Guard, page: &str, parts: &Parts) ->
     match decide(&head, guard, local) {
         Ok(Wanted::Page) => whole(&mut stream, "200 OK", "text/html; charset=utf-8", page),
         Ok(Wanted::Events) if parts.enter(MOST_READERS) => {
-            let served = events(&mut stream, parts);
+            let served = events(&mut stream, page, parts);
             parts.leave();
             served
         }
@@ -79,8 +80,12 @@ fn whole(stream: &mut TcpStream, status: &str, kind: &str, body: &str) -> io::Re
     stream.flush()
 }
 
-fn events(stream: &mut TcpStream, parts: &Parts) -> io::Result<()> {
-    let head = format!("HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n{ALWAYS}\r\nretry: {AGAIN_AFTER_MS}\n\n");
+fn events(stream: &mut TcpStream, page: &str, parts: &Parts) -> io::Result<()> {
+    // First, which page the parts are of: an open page may be that of a server that was here before.
+    let head = format!(
+        "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n{ALWAYS}\r\nretry: {AGAIN_AFTER_MS}\nevent: page\ndata: {:016x}\n\n",
+        mark(page)
+    );
     stream.write_all(head.as_bytes())?;
     let mut changes = 0;
     loop {
@@ -101,6 +106,13 @@ fn events(stream: &mut TcpStream, parts: &Parts) -> io::Result<()> {
             return Ok(());
         }
     }
+}
+
+/// Tells pages apart.
+fn mark(page: &str) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    page.hash(&mut hasher);
+    hasher.finish()
 }
 
 /// A part as an event: its id in the first line, its HTML in the others.

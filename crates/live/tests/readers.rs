@@ -56,6 +56,21 @@ fn beyond_loopback_a_token_is_needed() {
 }
 
 #[test]
+fn the_first_event_tells_pages_apart() {
+    let first = |page: &str| {
+        let live =
+            Live::open(&"127.0.0.1:0".parse().unwrap(), page.to_owned(), || vec![("now", "1".to_owned())]).unwrap();
+        let lines = BufReader::new(ask(&live, "/events", "")).lines().map(Result::unwrap);
+        let [event, mark] =
+            lines.skip_while(|line| !line.starts_with("event: ")).take(2).collect::<Vec<_>>().try_into().unwrap();
+        assert_eq!(event, "event: page");
+        mark
+    };
+    assert_eq!(first(PAGE), first(PAGE));
+    assert_ne!(first(PAGE), first("<!DOCTYPE html><title>Another run</title>"));
+}
+
+#[test]
 fn a_part_with_lines_is_one_event() {
     let live = live("127.0.0.1:0", || vec![("notes", "<pre>a\nb</pre>".to_owned())]);
     let mut lines = BufReader::new(ask(&live, "/events", "")).lines().map(Result::unwrap);

@@ -3,20 +3,24 @@
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
 use crate::devtools::{DevTools, SCREENS};
 use crate::faults;
 use crate::workspace::Workspace;
 
 /// How long the page may take to say what it is to say: the browser's own patience with a lost connection is in it.
-const SAID_WITHIN_MS: u32 = 120_000;
+const SAID_WITHIN: Duration = Duration::from_secs(120);
+const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// Opens the recording that the report's calibration has left, on each screen in each scheme, and lists what is wrong. The last
-/// page sees the server end, and another come in its place.
+/// page sees the server end, another come in its place, and one of another recording after that.
 pub fn look<W: Write>(workspace: &Workspace, page: &mut DevTools<W>, pictures: &Path) -> Result<Vec<String>> {
-    let recording = workspace.target.join("report-calibration/full-temperature.parquet");
+    let recordings = workspace.target.join("report-calibration");
+    let recording = recordings.join("full-temperature.parquet");
     println!("    zerorate live {}", recording.display());
     let server = Server::start(workspace, &recording, "127.0.0.1:0")?;
     let (url, place) = (server.url.clone(), server.place());
@@ -36,21 +40,33 @@ pub fn look<W: Write>(workspace: &Workspace, page: &mut DevTools<W>, pictures: &
     }
     drop(server);
     says(page, "lost")?;
-    let _again = Server::start(workspace, &recording, &place)?;
+    let again = Server::start(workspace, &recording, &place)?;
+    says(page, "Connected")?;
+    drop(again);
+    says(page, "lost")?;
+    let _another = Server::start(workspace, &recordings.join("compensation-test.parquet"), &place)?;
+    becomes(page, "document.title", "compensation test")?;
     says(page, "Connected")?;
     Ok(faults)
 }
 
 /// Waits until the page's line about its connection has a word in it.
 fn says<W: Write>(page: &mut DevTools<W>, word: &str) -> Result<()> {
-    let look = format!(
-        "new Promise((done, late) => {{
-            setTimeout(() => late(new Error('it says: ' + document.getElementById('line').textContent)), {SAID_WITHIN_MS});
-            const look = () => document.getElementById('line').textContent.includes('{word}') ? done(0) : setTimeout(look, 50);
-            look();
-        }})"
-    );
-    page.evaluate(&look).map(drop).with_context(|| format!("the page as it goes never says '{word}'"))
+    becomes(page, "document.getElementById('line').textContent", word)
+}
+
+/// Waits until a text of the page has words in it. A page that goes elsewhere meanwhile takes the question with it: it is asked
+/// again.
+fn becomes<W: Write>(page: &mut DevTools<W>, text: &str, words: &str) -> Result<()> {
+    let until = Instant::now() + SAID_WITHIN;
+    loop {
+        let says = page.evaluate(text);
+        match says {
+            Ok(says) if says.as_str().is_some_and(|says| says.contains(words)) => return Ok(()),
+            says if Instant::now() > until => bail!("the page as it goes never says '{words}': {says:?}"),
+            _ => thread::sleep(LOOK_EVERY),
+        }
+    }
 }
 
 /// `zerorate live`, which ends with this.

@@ -1,5 +1,7 @@
-use super::*;
 use zerorate_cal::units::TemperatureUnit;
+
+use super::*;
+use crate::tests::normal;
 
 /// A log at 10 Hz: a ramp of 200 s, a soak of 400 s, a ramp again; white noise of 0.01 a sample.
 fn log(drift: f64) -> Source {
@@ -101,17 +103,6 @@ fn a_long_log_is_averaged_until_it_fits_and_a_gap_stays_one() {
     let allan = Allan::of(&series.values(0), series.period_s());
     // Of four rows of 0, 1, 0, 1 the mean is always a half.
     assert_eq!(allan, Err(NoAllan::Constant));
-}
-
-/// Normal noise of one: a sum of twelve (Irwin and Hall) of SplitMix64 (Steele, Lea and Flood, 2014).
-fn normal(state: &mut u64) -> f64 {
-    let draw = |state: &mut u64| {
-        *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (*state ^ (*state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        (z ^ (z >> 31)) as f64 / u64::MAX as f64
-    };
-    (0..12).map(|_| draw(state)).sum::<f64>() - 6.0
 }
 
 /// A log at 10 Hz of N = 0.005, made of the time: a temperature and the part of the rate that is no noise.

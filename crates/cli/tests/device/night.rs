@@ -215,6 +215,50 @@ fn a_night_by_servers_of_others_loses_no_group_when_the_line_to_the_chamber_is_c
     assert_eq!((set_point, output.as_str()), (25.0, "0"));
 }
 
+/// A line to the bench's chamber, and its address for `--chamber`.
+fn faulty(bench: &Bench) -> (FaultLine, String) {
+    let line = FaultLine::tcp(port(&bench.chamber).parse().unwrap());
+    let address = format!("modbus-tcp:{}", line.place);
+    (line, address)
+}
+
+#[test]
+fn a_controller_that_is_busy_is_waited_for() {
+    let bench = Bench::start("tcp:127.0.0.1:0");
+    let (line, chamber) = faulty(&bench);
+    let mut run = bench.calibrate_by(&chamber, &bench.supply, &[]);
+    let recording = bench.path().join("calibration/in-progress/full-temperature.arrows");
+    let head = await_file(&recording, 0);
+    await_file(&recording, head);
+    line.does(Does::Refuse(&[], 6));
+    std::thread::sleep(Duration::from_secs(4));
+    line.does(Does::Pass);
+    let told = told(&mut run);
+    assert_eq!(await_end(&mut run), Some(0), "{told}");
+    assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
+}
+
+/// All was measured, and the chamber heats on: that is what whoever is woken by the message must hear first.
+#[test]
+fn a_controller_that_does_not_stop_at_the_end_is_told_of_first() {
+    let bench = Bench::start("tcp:127.0.0.1:0");
+    let (line, chamber) = faulty(&bench);
+    // Off, 62, is refused as a failure.
+    line.does(Does::Refuse(&[6, 0x0A, 0xAA, 0, 62], 4));
+    let mut run = bench.calibrate_by(
+        &chamber,
+        &bench.supply,
+        &["--notify", "echo $ZERORATE_RESULT: $ZERORATE_MESSAGE > message"],
+    );
+    let told = told(&mut run);
+    assert_eq!(await_end(&mut run), Some(2), "{told}");
+    let message = fs::read_to_string(bench.path().join("message")).unwrap();
+    for told in [&told, &message] {
+        assert!(told.contains("GO THERE AND SWITCH IT OFF BY HAND") && told.contains("all was measured"), "{told}");
+    }
+    assert!(bench.path().join("calibration/summary.json").is_file());
+}
+
 #[test]
 fn a_run_that_is_stopped_leaves_the_chamber_safe_and_the_supply_off() {
     let bench = Bench::start("tcp:127.0.0.1:0");
@@ -224,7 +268,7 @@ fn a_run_that_is_stopped_leaves_the_chamber_safe_and_the_supply_off() {
     send("TERM", run.id());
     let told = told(&mut run);
     assert_eq!(await_end(&mut run), Some(2), "{told}");
-    assert!(told.contains("stopped by Ctrl-C"), "{told}");
+    assert!(told.contains("stopped by Ctrl-C, or by a signal to end"), "{told}");
     assert_eq!(fs::read_to_string(bench.path().join("message")).unwrap(), "stopped\n");
     assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
 }

@@ -147,9 +147,11 @@ fn a_board_whose_line_is_cut_leaves_the_others_running_and_one_page_shows_them_a
 fn boards_that_cannot_be_run_together_are_told_so() {
     let bench = Bench::start(2);
     let twice = [bench.supplies.clone(), bench.supplies.clone()].concat();
+    let same = [bench.supplies[0].clone(), bench.supplies[0].clone()];
     for (supplies, more, expected) in [
         (&twice[..], &[][..], "4 supplies for 2 boards"),
         (&[], &[], "0 supplies for 2 boards"),
+        (&same, &[], "was given twice"),
         (&bench.supplies, &["--serial", "ZR-1"], "several boards say themselves who they are"),
         (&bench.supplies, &["--device", "native"], "several boards at once are real ones"),
     ] {

@@ -20,6 +20,8 @@ pub enum Does {
     Half,
     /// Another unit answers: the byte at this place is another.
     OtherUnit(usize),
+    /// Answers of Modbus TCP that begin so after the unit become exceptions of this number: 6 is busy, 4 a failure.
+    Refuse(&'static [u8], u8),
     /// Nothing comes.
     Cut,
 }
@@ -96,8 +98,14 @@ fn between(
                 Does::Twice(after) => again = Some(after),
                 Does::Half => answer.truncate(length / 2),
                 Does::OtherUnit(place) => answer[place] ^= 4,
+                Does::Refuse(these, exception) if answer[7..].starts_with(these) => {
+                    answer[4..6].copy_from_slice(&[0, 3]);
+                    answer[7] |= 0x80;
+                    answer[8] = exception;
+                    answer.truncate(9);
+                }
                 Does::Cut => continue,
-                Does::Pass | Does::Late(_) => {}
+                Does::Pass | Does::Late(_) | Does::Refuse(..) => {}
             }
             if back.write_all(&answer).is_err() {
                 break;

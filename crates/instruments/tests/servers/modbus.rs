@@ -92,6 +92,24 @@ fn half_answers_and_another_unit_are_errors_and_gone_when_the_line_is_mended() {
 
 #[test]
 #[ignore = "needs pymodbus: cargo xtask test instruments"]
+fn a_controller_that_is_busy_may_answer_later() {
+    let server = Server::start("chamber.py", &[]);
+    let line = FaultLine::tcp(server.port);
+    let mut chamber = controller("modbus-tcp", &line.place, "watlow-f4t");
+    for (exception, may_pass) in [(6, true), (4, false)] {
+        line.does(Does::Refuse(&[], exception));
+        let error = chamber.actual().unwrap_err();
+        assert!(
+            matches!(error, Fault::Refused { code, .. } if code == exception) && error.may_pass() == may_pass,
+            "{error}"
+        );
+    }
+    line.does(Does::Pass);
+    assert!((chamber.actual().unwrap().0 - 25.0).abs() < 1e-6);
+}
+
+#[test]
+#[ignore = "needs pymodbus: cargo xtask test instruments"]
 fn a_line_that_is_cut_is_silence_and_goes_on_when_it_is_back() {
     for (_server, line, mut chamber, _) in both(&[]) {
         chamber.send(Celsius(40.0)).unwrap();

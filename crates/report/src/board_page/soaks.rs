@@ -14,10 +14,14 @@ fn points<'a>(soaks: &'a Soaks, axis: &BoardAxis) -> &'a [SoakPoint] {
     soaks.axes.get(axis.axis.name()).map_or(&[], |axis| &axis.points)
 }
 
-/// The largest distance of a soak from the ramp's curve, in words.
-fn largest_difference(soaks: &Soaks, axis: &BoardAxis) -> String {
-    let largest = soaks.axes.get(axis.axis.name()).and_then(|axis| axis.max_difference_counts);
-    largest.map_or("an unknown number of".to_owned(), |counts| fixed(counts, 1))
+/// The largest distances of a soak from the ramp's curve, in words; `None` where no axis has a soak to compare.
+fn largest_differences(soaks: &Soaks, axes: &[BoardAxis]) -> Option<String> {
+    let largest = |axis: &BoardAxis| {
+        let counts = soaks.axes.get(axis.axis.name())?.max_difference_counts?;
+        Some(format!("{} counts ({})", fixed(counts, 1), axis.name))
+    };
+    let largest: Vec<String> = axes.iter().filter_map(largest).collect();
+    (!largest.is_empty()).then(|| largest.join(" and "))
 }
 
 /// The set points of the soaks that are not compared with the ramp, on any axis.
@@ -41,8 +45,10 @@ pub(super) fn chapter(soaks: &Soaks, board: &Board) -> Markup {
             (counted(count, "temperature")) ", as the traditional test does. "
             @if outside.is_empty() { "All of them lie on the ramp, or within half a kelvin of an end of it." }
             @else {
-                (count - outside.len()) " of them lie on the ramp and are compared with it; at " (outside.join(", "))
-                "\u{a0}°C it measured nothing."
+                @match count - outside.len() { 0 => "None", on_the_ramp => (on_the_ramp) }
+                " of them can be compared with the ramp: at " (outside.join(", "))
+                "\u{a0}°C the board was colder or warmer than at any time of the ramp. Where it had not yet come to the chamber’s \
+                 temperature, hold soaks longer (" code { "chamber.soak_s" } ")."
             }
         }
         p.lead {
@@ -50,12 +56,7 @@ pub(super) fn chapter(soaks: &Soaks, board: &Board) -> Markup {
             (fixed(soaks.soak_hours, 1))
             @if !outside.is_empty() { ", those on the ramp " (fixed(soaks.ramp_hours + soaks.hours_saved, 1)) }
             ": " @if soaks.hours_saved > 0.0 { (fixed(soaks.hours_saved, 1)) " hours saved. " } @else { "none saved. " }
-            "The curves differ by at most "
-            @for (place, axis) in board.axes.iter().enumerate() {
-                @if place > 0 { " and " }
-                (largest_difference(soaks, axis)) " counts (" (axis.name) ")"
-            }
-            "."
+            @if let Some(largest) = largest_differences(soaks, &board.axes) { "The curves differ by at most " (largest) "." }
         }
         (figure(soaks, board).markup())
         div.pair { @for axis in &board.axes { (table(soaks, axis, board)) } }

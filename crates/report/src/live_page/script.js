@@ -4,7 +4,7 @@
   const line = document.getElementById("line");
   const tell = text => { if (line.textContent !== text) line.textContent = text; };
   const clock = () => new Date().toLocaleTimeString();
-  let source, heard = null;
+  let source, page = null, heard = null;
   const open = () => {
     source = new EventSource("events" + location.search);
     source.onmessage = event => {
@@ -14,6 +14,8 @@
       heard = clock();
       tell("Connected.");
     };
+    // Another run is served where this page's was: it has a page of its own.
+    source.addEventListener("page", event => { if (page !== null && page !== event.data) location.reload(); page = event.data; });
     source.addEventListener("over", () => { source.close(); tell("It is over; what is shown is the last."); });
     source.onerror = () => {
       tell(heard ? `The connection is lost; what is shown is from ${heard}. It is being opened again.` : "Nobody answers yet.");

@@ -84,13 +84,23 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
     ]);
     if summary.plant.is_none() {
         page.gap();
-        page.sentence(
-            "",
-            "The calibration is stored on the board, which compensates from its next power-up on; `zerorate device mode` turns \
-             an axis on before.",
-        );
+        page.sentence("", stored(summary.verdict));
     }
     page
+}
+
+/// What the board does with its calibration from now on.
+const fn stored(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Rejected => {
+            "The unit is rejected, and yet its calibration is stored on the board, which was tested with it: from its next power-up on it \
+             compensates. Do not use the unit as it is; `zerorate device deploy` puts another calibration in its place."
+        }
+        Verdict::Good | Verdict::Warning => {
+            "The calibration is stored on the board, which compensates from its next power-up on; `zerorate device mode` turns \
+             an axis on before."
+        }
+    }
 }
 
 fn headline(page: &mut Page, summary: &Summary) {

@@ -108,6 +108,12 @@ impl SharedInstruments {
             "{} supplies for {boards} boards: give one for each, or one for all (--supply)",
             supplies.len()
         );
+        let twice = supplies.iter().enumerate().find(|(place, one)| supplies[..*place].contains(one));
+        if let Some((_, Instrument::Remote(address))) = twice {
+            bail!(
+                "--supply {address} was given twice, and each of its boards would switch the other's gyros: give one for each, or one for all"
+            );
+        }
         let (chamber, Found { told, label }) = RemoteChamber::open(chamber, setup)?;
         let (chamber, mut found) = ((chamber, label), vec![told]);
         let supplies = supplies.iter().map(|supply| match supply {
