@@ -11,6 +11,7 @@ use std::thread;
 
 use anyhow::{Context, Result, ensure};
 
+use crate::cargo::Lots;
 use crate::provide;
 use crate::steps::Outcome;
 use crate::workspace::Workspace;
@@ -26,11 +27,16 @@ pub struct Beside {
 
 impl Beside {
     /// Starts steps; what they say goes to a log.
-    pub fn start(workspace: &Workspace, names: &[&str]) -> Result<Self> {
+    pub fn start(workspace: &Workspace, names: &[&str], lots: Lots) -> Result<Self> {
         let log = workspace.target.join("beside.log");
         let says = File::create(&log).with_context(|| log.display().to_string())?;
         let mut command = Command::new(std::env::current_exe()?);
-        command.args(["test", "--beside"]).args(names).stdout(says.try_clone()?).stderr(says);
+        command
+            .args(["test", "--beside"])
+            .args((lots == Lots::LeftOut).then_some("--no-lots"))
+            .args(names)
+            .stdout(says.try_clone()?)
+            .stderr(says);
         // A group of its own, to be ended with all that it started; it lives as long as its input is open.
         let child = command.stdin(Stdio::piped()).process_group(0).spawn()?;
         println!("beside: {}; what they say stands in {} and follows at the end", names.join(", "), log.display());

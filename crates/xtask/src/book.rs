@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 
 use crate::cargo;
 use crate::provide;
@@ -50,7 +50,7 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
     }
     if left_out > 0 {
         println!(
-            "    {left_out} commands of zerorate-lot were not run: it is not built (`cargo xtask test lot` builds it)"
+            "    {left_out} commands of zerorate-lot were not run: it is not built (`cargo build -p zerorate-lot` does)"
         );
     }
     Ok(Outcome::Passed)
@@ -90,21 +90,16 @@ fn prepared(workspace: &Workspace) -> Result<PathBuf> {
     Ok(book)
 }
 
-/// The built programs in a folder alone; whether zerorate-lot is among them.
+/// The built programs in a folder alone; whether zerorate-lot is among them, which the tests have built.
 fn put_programs(workspace: &Workspace, folder: &Path) -> Result<bool> {
     emptied(folder)?;
-    let release = workspace.zerorate()?.parent().context("a program without a folder")?.to_owned();
-    let mut found = Vec::new();
-    for name in ["zerorate", "zerorate-lot"] {
-        let name = format!("{name}{}", env::consts::EXE_SUFFIX);
-        let there = release.join(&name);
-        found.push(there.is_file());
-        if there.is_file() {
-            fs::copy(&there, folder.join(&name)).with_context(|| there.display().to_string())?;
-        }
+    let lot = workspace.target.join("debug").join(format!("zerorate-lot{}", env::consts::EXE_SUFFIX));
+    let has_lot = lot.is_file();
+    for program in [workspace.zerorate()?].into_iter().chain(has_lot.then_some(lot)) {
+        let name = program.file_name().context("a program without a name")?;
+        fs::copy(&program, folder.join(name)).with_context(|| program.display().to_string())?;
     }
-    ensure!(found[0], "zerorate is missing");
-    Ok(found[1])
+    Ok(has_lot)
 }
 
 fn emptied(folder: &Path) -> Result<()> {

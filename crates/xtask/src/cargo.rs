@@ -10,31 +10,44 @@ use crate::provide;
 use crate::steps::Outcome;
 use crate::workspace::Workspace;
 
-/// Every crate of an ordinary check. What builds some of them says so with `--workspace` too, and a feature instead of a
-/// package: then cargo chooses the same features of every dependency, and builds it once.
-/// zerorate-lot is none: its query engine is built by the step `lot`.
-pub const EVERY_CRATE: [&str; 3] = ["--workspace", "--exclude", "zerorate-lot"];
+/// Every crate but zerorate-lot, whose query engine takes longer to build than all others together.
+const BUT_LOTS: [&str; 3] = ["--workspace", "--exclude", "zerorate-lot"];
 
 /// Every file stands as rustfmt would write it.
 pub fn format(workspace: &Workspace) -> Result<Outcome> {
     run(workspace, &["fmt", "--all", "--check"])
 }
 
-/// Clippy and the compiler have nothing to say, tests, benchmarks and examples included.
-pub fn lint(workspace: &Workspace) -> Result<Outcome> {
-    run(workspace, &[&["clippy"], &EVERY_CRATE[..], &["--all-targets", "--", "-D", "warnings"]].concat())
-}
-
-/// The documentation of our own crates builds, and no link in it is broken.
+/// The documentation of our own crates builds, and no link in it is broken. That of zerorate-lot is left out: cargo would go through
+/// its query engine once more.
 pub fn document(workspace: &Workspace) -> Result<Outcome> {
     println!("    with RUSTDOCFLAGS='-D warnings'");
     let mut document = command(workspace);
-    run_with(document.env("RUSTDOCFLAGS", "-D warnings"), &[&["doc"], &EVERY_CRATE[..], &["--no-deps"]].concat())
+    run_with(document.env("RUSTDOCFLAGS", "-D warnings"), &[&["doc"], &BUT_LOTS[..], &["--no-deps"]].concat())
 }
 
-/// All tests pass.
-pub fn test(workspace: &Workspace) -> Result<Outcome> {
-    run(workspace, &[&["test"], &EVERY_CRATE[..]].concat())
+/// All tests pass, and clippy and the compiler have nothing to say meanwhile: to lint first, cargo would go through all that others
+/// wrote twice.
+pub fn test(workspace: &Workspace, lots: Lots) -> Result<Outcome> {
+    test_some(workspace, lots, &[], |_| ())
+}
+
+/// Whether zerorate-lot is among the crates that are tested.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Lots {
+    /// It is.
+    Tested,
+    /// It is not.
+    LeftOut,
+}
+
+/// Some tests; `prepare` is given what they are run by. All tests are chosen from the same crates, by what they are called and not by
+/// their packages: then cargo chooses the same features of every dependency, and builds it once.
+pub fn test_some(workspace: &Workspace, lots: Lots, some: &[&str], prepare: impl Fn(&mut Command)) -> Result<Outcome> {
+    let crates = if lots == Lots::Tested { &["--workspace"] } else { &BUT_LOTS[..] };
+    let mut test = command(workspace);
+    prepare(&mut test);
+    run_with(lint_as_built(&mut test), &[&["test"], crates, some].concat())
 }
 
 /// Builds the command as its users do, for the steps that run it.

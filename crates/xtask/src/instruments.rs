@@ -2,23 +2,21 @@
 
 use anyhow::Result;
 
-use crate::cargo;
-use crate::provide;
+use crate::cargo::{self, Lots};
 use crate::python;
 use crate::steps::Outcome;
 use crate::workspace::Workspace;
 
 /// Runs the tests that need pymodbus and sinstruments: of the client, and of a whole run.
-pub fn check(workspace: &Workspace) -> Result<Outcome> {
+pub fn check(workspace: &Workspace, lots: Lots) -> Result<Outcome> {
     if !cfg!(unix) {
         return Ok(Outcome::Skipped("its lines are pseudo-terminals, which this system has not".into()));
     }
     let python = python::instruments_venv(workspace)?;
-    for (package, test, filter) in [("zerorate-instruments", "servers", ""), ("zerorate", "device", "night")] {
-        let mut tests = cargo::program();
-        tests.current_dir(&workspace.root).args(["test", "--quiet", "--package", package, "--test", test]);
-        tests.args(["--", "--ignored", filter]).env("ZERORATE_INSTRUMENTS_PYTHON", &python);
-        provide::succeed(&mut tests)?;
+    for (test, filter) in [("servers", ""), ("device", "night")] {
+        cargo::test_some(workspace, lots, &["--test", test, "--", "--ignored", filter], |tests| {
+            tests.env("ZERORATE_INSTRUMENTS_PYTHON", &python);
+        })?;
     }
     Ok(Outcome::Passed)
 }

@@ -1,5 +1,4 @@
-//! The chores of zerorate-lot, apart from the other crates': its query engine takes longer to build than everything else
-//! together.
+//! What zerorate-lot is compared with.
 
 use std::env;
 use std::fs;
@@ -17,13 +16,6 @@ use crate::workspace::Workspace;
 
 /// Rows of raw samples that are compared.
 const ROWS: &str = "100000000";
-
-/// Its lints and tests in one build. To lint first, or to make the documentation, cargo would go through the engine once more,
-/// which takes minutes.
-pub fn check(workspace: &Workspace) -> Result<Outcome> {
-    let arguments = ["test", "--profile", "lot", "--package", "zerorate-lot"];
-    cargo::run_with(cargo::lint_as_built(&mut cargo::command(workspace)), &arguments)
-}
 
 /// The speed of the raw stage beside DuckDB's and a plain loop's, on the same hundred million rows.
 pub fn compare(workspace: &Workspace, rows: Option<u64>) -> Result<Outcome> {

@@ -43,6 +43,7 @@ use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 
 use beside::Beside;
+use cargo::Lots;
 use figures::{Comparison, Extent};
 use steps::{Outcome, Step};
 use workspace::Workspace;
@@ -60,12 +61,11 @@ enum Chore {
     ///
     /// In order, with circuit, gateware, firmware and chip beside the others: what those say follows at the end.
     ///
-    /// Formatting, lints, documentation and tests by cargo; the rules of ARCHITECTURE.md by reading the sources; then
+    /// Formatting, documentation and tests by cargo, with clippy as the tests' compiler; the rules of ARCHITECTURE.md by reading the sources; then
     /// the built command against numpy and against damaged recordings; what would be published, installed, and the Python
     /// package against the command; the circuit in ngspice and the gateware by the FPGA tools, the firmware in QEMU and the image for the chip in Unicorn, as the chores `circuit`, `gateware`, `firmware` and
     /// `chip` do; the report in a headless browser, and the
-    /// page that fits a log held against the command;
-    /// zerorate-lot, whose query engine takes longer to build than everything else together; last the book, whose commands are run. What that needs is
+    /// page that fits a log held against the command; last the book, whose commands are run. What that needs is
     /// installed if this runs as root on Debian, and named if it does not.
     ///
     /// Recordings are looked for in ../shared/data, or in the folder that the variable ZERORATE_DATA names.
@@ -73,18 +73,21 @@ enum Chore {
         /// Leave out what needs Python, ngspice, the FPGA tools or a browser, and whole lots
         #[arg(long)]
         fast: bool,
+        /// Leave out the tests of whole lots, and so the query engine, which is long to build: `cargo test -p zerorate-lot` makes good for it
+        #[arg(long)]
+        no_lots: bool,
         /// Every step, as without options
-        #[arg(long, conflicts_with_all = ["fast", "without", "only"])]
+        #[arg(long, conflicts_with_all = ["fast", "no_lots", "without", "only"])]
         all: bool,
-        /// Leave out this step; `--without lot` saves some ten minutes, for its query engine is long to build
+        /// Leave out this step
         #[arg(long, value_name = "STEP")]
         without: Vec<String>,
         /// For steps that this command runs beside the others: they end when the standard input does
         #[arg(long, hide = true)]
         beside: bool,
-        /// Run these steps only: format, clippy, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house,
+        /// Run these steps only: format, rustdoc, tests, publish, no_std, wasm, arrows, circles, unused, house,
         /// wiring, build, numpy, numbers, damage, instruments, install, python,
-        /// circuit, gateware, firmware, chip, report, web, lot, book
+        /// circuit, gateware, firmware, chip, report, web, book
         #[arg(value_name = "STEP")]
         only: Vec<String>,
     },
@@ -195,12 +198,13 @@ fn main() -> Result<ExitCode> {
     let chore = Arguments::parse().chore;
     let workspace = Workspace::of_this_run()?;
     Ok(match chore {
-        Chore::Test { fast, all: _, without, beside, only } => {
+        Chore::Test { fast, no_lots, all: _, without, beside, only } => {
             if beside {
                 beside::end_with_the_input();
             }
-            let chosen = steps::chosen(checks(&workspace, fast), &only, &without)?;
-            run_in_two_lanes(&workspace, chosen, fast || beside)?
+            let lots = if fast || no_lots { Lots::LeftOut } else { Lots::Tested };
+            let chosen = steps::chosen(checks(&workspace, fast, lots), &only, &without)?;
+            run_in_two_lanes(&workspace, chosen, fast || beside, lots)?
         }
         Chore::CompareLot { rows } => {
             steps::run(&[Step::new("compare-lot", "see crates/xtask/python/compare_lot.py", || {
@@ -240,26 +244,27 @@ fn circuit(workspace: &Workspace) -> Step<'_> {
 
 /// Runs steps in order, and beside them those that can be run so; all `in_order` where that is asked, and where there are no
 /// others.
-fn run_in_two_lanes(workspace: &Workspace, steps: Vec<Step>, in_order: bool) -> Result<ExitCode> {
+fn run_in_two_lanes(workspace: &Workspace, steps: Vec<Step>, in_order: bool, lots: Lots) -> Result<ExitCode> {
     let is_aside = |step: &Step| beside::STEPS.contains(&step.name());
     if in_order || steps.iter().all(is_aside) || !steps.iter().any(is_aside) {
         return Ok(steps::run(&steps));
     }
     let (aside, mut here): (Vec<_>, Vec<_>) = steps.into_iter().partition(is_aside);
     let names: Vec<&str> = aside.iter().map(Step::name).collect();
-    let beside = Beside::start(workspace, &names)?;
+    let beside = Beside::start(workspace, &names, lots)?;
     here.push(Step::new("beside", "run the step alone that failed", move || beside.finish()));
     Ok(steps::run(&here))
 }
 
 /// Every check: cargo's, which say the most, then those that read, then those that need the built command.
-fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
+fn checks(workspace: &Workspace, fast: bool, lots: Lots) -> Vec<Step<'_>> {
     let within = |check: fn(&Workspace) -> Result<Outcome>| move || check(workspace);
     vec![
         Step::new("format", "run `cargo fmt`", within(cargo::format)),
-        Step::new("clippy", "mend what it points at", within(cargo::lint)),
         Step::new("rustdoc", "mend what it points at", within(cargo::document)),
-        Step::new("tests", "`cargo test -p CRATE NAME` runs one", within(cargo::test)),
+        Step::new("tests", "`cargo test -p CRATE NAME` runs one, `cargo clippy` lints alone", move || {
+            cargo::test(workspace, lots)
+        }),
         Step::new("publish", "mend what cannot be published", within(publish::check)),
         Step::new("no_std", "see ARCHITECTURE.md, Arrows", within(targets::no_std)).skipped_if(fast, "--fast"),
         Step::new("wasm", "see ARCHITECTURE.md, Where things happen", within(targets::wasm)).skipped_if(fast, "--fast"),
@@ -279,8 +284,10 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
             .skipped_if(fast, "--fast"),
         Step::new("damage", "see crates/xtask/python/damaged_recordings.py", within(python::damaged_recordings))
             .skipped_if(fast, "--fast"),
-        Step::new("instruments", "see docs/instruments.md, What was tried", within(instruments::check))
-            .skipped_if(fast, "--fast"),
+        Step::new("instruments", "see docs/instruments.md, What was tried", move || {
+            instruments::check(workspace, lots)
+        })
+        .skipped_if(fast, "--fast"),
         Step::new(
             "install",
             "mend what cannot be published, or what differs where it is installed",
@@ -294,15 +301,13 @@ fn checks(workspace: &Workspace, fast: bool) -> Vec<Step<'_>> {
         Step::new(
             "firmware",
             "`cargo xtask firmware --cost` builds it and counts; see firmware/README.md",
-            within(firmware::check),
+            move || firmware::check(workspace, lots),
         )
         .skipped_if(fast, "--fast"),
         Step::new("chip", "`cargo xtask chip` runs its cases alone; see chip/README.md", within(chip::check))
             .skipped_if(fast, "--fast"),
         Step::new("report", "look at target/report-screenshots", within(report::check)).skipped_if(fast, "--fast"),
         Step::new("web", "see crates/web/README.md; look at target/web-screenshots", within(web::check))
-            .skipped_if(fast, "--fast"),
-        Step::new("lot", "`cargo test --profile lot -p zerorate-lot NAME` runs one", within(lot::check))
             .skipped_if(fast, "--fast"),
         Step::new("book", "mend the page, or what the command prints", within(book::check)).skipped_if(fast, "--fast"),
     ]

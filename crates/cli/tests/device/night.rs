@@ -175,6 +175,15 @@ fn a_night_without_anybody_ends_with_a_report_a_message_and_everything_off() {
     assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
 }
 
+/// Waits until the ramp of the full-temperature test is under way.
+fn await_the_ramp(bench: &Bench) {
+    // Its head is there from the beginning. Groups come after the soak: four of it, then those of the ramp.
+    let recording = bench.path().join("calibration/in-progress/full-temperature.arrows");
+    let head = await_file(&recording, 0);
+    let group = await_file(&recording, head) - head;
+    await_file(&recording, head + 20 * group);
+}
+
 /// The last number of an address.
 fn port(address: &str) -> &str {
     address.rsplit(':').next().unwrap()
@@ -190,11 +199,7 @@ fn a_night_by_servers_of_others_loses_no_group_when_the_line_to_the_chamber_is_c
     let line = FaultLine::tcp(chamber.port);
     let mut run =
         bench.calibrate_by(&format!("modbus-tcp:{}", line.place), &format!("scpi:127.0.0.1:{}", supply.port), &[]);
-    // Its head is there from the beginning. Groups come after the soak: four of it, then those of the ramp.
-    let recording = bench.path().join("calibration/in-progress/full-temperature.arrows");
-    let head = await_file(&recording, 0);
-    let group = await_file(&recording, head) - head;
-    await_file(&recording, head + 20 * group);
+    await_the_ramp(&bench);
     line.does(Does::Cut);
     // Three times as long as an answer may take, and more.
     std::thread::sleep(Duration::from_millis(4500));
@@ -224,12 +229,11 @@ fn faulty(bench: &Bench) -> (FaultLine, String) {
 
 #[test]
 fn a_controller_that_is_busy_is_waited_for() {
-    let bench = Bench::start("tcp:127.0.0.1:0");
+    // A ramp of ten minutes takes six seconds.
+    let bench = Bench::start_at("100", "tcp:127.0.0.1:0");
     let (line, chamber) = faulty(&bench);
     let mut run = bench.calibrate_by(&chamber, &bench.supply, &[]);
-    let recording = bench.path().join("calibration/in-progress/full-temperature.arrows");
-    let head = await_file(&recording, 0);
-    await_file(&recording, head);
+    await_the_ramp(&bench);
     line.does(Does::Refuse(&[], 6));
     std::thread::sleep(Duration::from_secs(4));
     line.does(Does::Pass);
