@@ -70,6 +70,11 @@ pub enum BenchError {
         /// The reasons.
         reasons: String,
     },
+    /// A ramp was none.
+    #[error(
+        "the chamber was away during the ramp and came back with another set point: what was recorded is of no ramp, and nothing is made of it"
+    )]
+    OffCourse,
     /// The A/D saturates.
     #[error(
         "axis {}: the A/D saturates {}: the reading is at the converter's end, and nothing can be measured there. {}", axis.name(), whence, remedy

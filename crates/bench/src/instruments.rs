@@ -29,6 +29,12 @@ pub trait Chamber {
         true
     }
 
+    /// Whether it may have gone where it was not to go, since the last call: it took a set point and its answer was lost, or it came
+    /// back with another.
+    fn take_astray(&mut self) -> bool {
+        false
+    }
+
     /// What people should know of it, since the last call.
     fn take_notes(&mut self) -> Vec<String> {
         Vec::new()

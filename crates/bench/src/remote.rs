@@ -97,6 +97,11 @@ pub struct RemoteChamber {
     set_point: Celsius,
     /// Whether it was sent anywhere, and not brought to rest since.
     is_under_way: bool,
+    /// Whether it is to be told once more where it was sent: it was away, or did not take it.
+    is_owed: bool,
+    /// How long it has not done as it was told, though it may answer.
+    obedience: Patience,
+    is_astray: bool,
     /// Where its air was, when that was asked, and how long the answer took.
     last: Option<(Celsius, Instant, Duration)>,
 }
@@ -124,18 +129,51 @@ impl RemoteChamber {
         let who = identity.map_or_else(String::new, |identity| format!(" ({identity})"));
         let told = format!("{}{who} shows {:.1} C and is set to {:.1} C", contact.name, air.0, set_point.0);
         let found = Found { told, label: format!("{address}{who}") };
-        Ok((Self { controller, contact, set_point: air, is_under_way: false, last: None }, found))
+        let chamber = Self {
+            controller,
+            contact,
+            set_point: air,
+            is_under_way: false,
+            is_owed: false,
+            obedience: Patience::with("chamber"),
+            is_astray: false,
+            last: None,
+        };
+        Ok((chamber, found))
     }
 
-    /// Sends a chamber that was away where it should be, if it has forgotten.
-    fn remind(&mut self) -> Result<(), Fault> {
-        if !self.is_under_way {
+    /// Sends a chamber that was away where it should be, if it has forgotten. One that is busy is told again later.
+    fn remind(&mut self) -> Result<(), InstrumentError> {
+        if !self.is_owed || !self.obedience.may_ask(Instant::now()) {
             return Ok(());
         }
+        let done = self.send_again();
+        self.obeyed(&done);
+        match done {
+            Err(fault) if !fault.may_pass() => Err(self.contact.error(fault)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Takes in whether it did as it was told.
+    fn obeyed(&mut self, done: &Result<(), Fault>) {
+        let now = Instant::now();
+        self.is_owed = done.is_err();
+        let told = match done {
+            Ok(()) => self.obedience.heard(now).1,
+            // Its silence is told already.
+            Err(_) if self.contact.patience.is_silent() => None,
+            Err(fault) => self.obedience.silent(now, &fault.to_string()),
+        };
+        self.contact.notes.extend(told);
+    }
+
+    fn send_again(&mut self) -> Result<(), Fault> {
         let (is, should) = (self.controller.set_point()?, self.set_point);
         // With the same set point too: it may have come back without running.
         self.controller.send(should)?;
         if !self.controller.is_same(is, should) {
+            self.is_astray = true;
             self.contact.notes.push(format!(
                 "the chamber was away and came back set to {:.1} C: it was sent to {:.1} C again",
                 is.0, should.0
@@ -148,10 +186,19 @@ impl RemoteChamber {
 impl Chamber for RemoteChamber {
     fn set(&mut self, set_point: Celsius) -> Result<(), InstrumentError> {
         self.is_under_way = true;
-        let controller = &mut self.controller;
-        self.contact.attempt(|| controller.send(set_point))?;
+        // Whether it took it or not: one that was away is sent there, and not back.
         self.set_point = set_point;
-        Ok(())
+        if !self.contact.patience.may_ask(Instant::now()) || !self.obedience.may_ask(Instant::now()) {
+            return Err(InstrumentError::Away(self.contact.what));
+        }
+        let done = self.controller.send(set_point);
+        self.is_astray |= done.is_err();
+        self.obeyed(&done);
+        done.map_err(|fault| self.contact.error(fault))
+    }
+
+    fn take_astray(&mut self) -> bool {
+        std::mem::take(&mut self.is_astray)
     }
 
     fn set_point(&self) -> Celsius {
@@ -169,16 +216,11 @@ impl Chamber for RemoteChamber {
         let answer = self.contact.attempt(|| controller.actual());
         self.last = answer.as_ref().ok().map(|(air, _)| (*air, asked, asked.elapsed()));
         match answer {
-            Ok((air, false)) => Ok(air),
-            Ok((air, true)) => match self.remind() {
-                Ok(()) => Ok(air),
-                Err(fault) if fault.may_pass() => {
-                    // It is asked again, and then reminded.
-                    self.contact.notes.extend(self.contact.patience.silent(Instant::now(), &fault.to_string()));
-                    Ok(Celsius(f64::NAN))
-                }
-                Err(fault) => Err(self.contact.error(fault)),
-            },
+            Ok((air, was_away)) => {
+                self.is_owed |= was_away && self.is_under_way;
+                self.remind()?;
+                Ok(air)
+            }
             Err(error) if error.may_pass() => Ok(Celsius(f64::NAN)),
             Err(error) => Err(error),
         }
@@ -222,9 +264,20 @@ impl RemoteSupply {
         let table = setup.supply.clone().unwrap_or_default();
         let mut supply = PowerSupply::new(address, &table).map_err(RemoteError::SetUp)?;
         let contact = Contact::with("supply", address);
-        let identity = supply.identity().map_err(|fault| contact.error(fault))?;
-        let found = Found { told: format!("{} is {identity}", contact.name), label: format!("{address} ({identity})") };
-        Ok((Self { supply, contact, is_on: false }, found))
+        let asked = (|| Ok((supply.identity()?, supply.is_on()?, supply.try_voltmeters()?)))();
+        let (identity, is_on, ()) = asked.map_err(|fault| contact.error(fault))?;
+        let on = if is_on { "; its output is on, and is switched off before the run begins" } else { "" };
+        let told = format!("{} is {identity}{on}", contact.name);
+        Ok((Self { supply, contact, is_on: false }, Found { told, label: format!("{address} ({identity})") }))
+    }
+
+    /// Makes ready what others have left: nothing is fed, and what it complained of before is none of this run's.
+    ///
+    /// # Errors
+    /// [`InstrumentError`].
+    pub fn make_ready(&mut self) -> Result<(), InstrumentError> {
+        let supply = &mut self.supply;
+        self.contact.attempt(|| supply.forget_errors().and_then(|()| supply.off())).map(drop)
     }
 }
 

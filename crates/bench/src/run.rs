@@ -235,7 +235,8 @@ impl<'b> Session<'b> {
             .as_mut()
             .and_then(|witness| witness.take().into_iter().find(|truth| truth.set == group.report.group.0));
         let air = self.air()?;
-        let about = if air.0.is_nan() { self.warmth(&group) } else { air };
+        // One that is never seen is as warm as the board, about; one that is away is nowhere.
+        let about = if self.bench.chamber.is_seen() { air } else { self.warmth(&group) };
         self.progress.step(about.0);
         let period = self.setup.group_period();
         self.elapsed = self.elapsed + period;

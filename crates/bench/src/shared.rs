@@ -36,6 +36,7 @@ struct Room {
     air: Option<(Celsius, Instant)>,
     /// For each board, what it has not been told yet.
     notes: Vec<Vec<String>>,
+    astray: Vec<bool>,
 }
 
 impl Room {
@@ -101,7 +102,8 @@ pub struct SharedChamber {
 #[must_use]
 pub fn chamber(chamber: Box<dyn Chamber + Send>, boards: usize) -> Vec<SharedChamber> {
     let notes = vec![Vec::new(); boards];
-    let room = Room { chamber, seats: vec![Seat::AtWork; boards], wishes: 0, air: None, notes };
+    let astray = vec![false; boards];
+    let room = Room { chamber, seats: vec![Seat::AtWork; boards], wishes: 0, air: None, notes, astray };
     let room = Arc::new(Mutex::new(room));
     (0..boards).map(|board| SharedChamber { room: Arc::clone(&room), board }).collect()
 }
@@ -121,6 +123,14 @@ impl Chamber for SharedChamber {
 
     fn is_seen(&self) -> bool {
         lock(&self.room).chamber.is_seen()
+    }
+
+    fn take_astray(&mut self) -> bool {
+        let mut room = lock(&self.room);
+        if room.chamber.take_astray() {
+            room.astray.fill(true);
+        }
+        std::mem::take(&mut room.astray[self.board])
     }
 
     fn take_notes(&mut self) -> Vec<String> {

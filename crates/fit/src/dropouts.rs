@@ -86,6 +86,13 @@ pub fn dropouts(shown: &[Shown], margin: f64) -> Vec<Range<usize>> {
 #[must_use]
 pub fn jumps_that_stay(shown: &[Shown], margin: f64) -> Vec<usize> {
     let sizes: Vec<f64> = shown.iter().map(|shown| shown.leap.1.max(-shown.leap.0)).collect();
+    // What went away and comes back is a dropout, however near the ramp is to where it goes.
+    let comes_back = |place: usize| {
+        let (down, up) = shown[place].leap;
+        let back = |shown: &Shown| if up > -down { -shown.leap.0 } else { shown.leap.1 };
+        let beside = &shown[place.saturating_sub(1)..(place + 2).min(shown.len())];
+        beside.iter().any(|shown| 2.0 * back(shown) > up.max(-down))
+    };
     let stays = |place: &usize| {
         let around = place.saturating_sub(NEIGHBOURS)..(place + NEIGHBOURS + 1).min(sizes.len());
         let size = sizes[*place];
@@ -94,6 +101,7 @@ pub fn jumps_that_stay(shown: &[Shown], margin: f64) -> Vec<usize> {
         size > margin
             && size > JUMP * median(&mut sizes[around].to_vec())
             && beside.is_some_and(|(before, after)| 2.0 * (after - before).abs() > size)
+            && !comes_back(*place)
     };
     (0..shown.len()).filter(stays).collect()
 }
@@ -162,5 +170,9 @@ mod tests {
         for other in [&fast, &stairs, &ramp()] {
             assert_eq!(jumps_that_stay(&of_rows(other), 4.0), []);
         }
+        // It drops to 0 now and then, and the ramp goes through 0.
+        let mut dropping: Vec<f64> = (0..400).map(|row: u32| -20.0 + 0.1 * f64::from(row)).collect();
+        (0..40).for_each(|group| dropping[10 * group + 3] = 0.0);
+        assert_eq!(jumps_that_stay(&of_rows(&dropping), 1.0), []);
     }
 }

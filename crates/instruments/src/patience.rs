@@ -29,6 +29,12 @@ impl Patience {
         self.silent_since.is_none() || self.asked.is_none_or(|asked| now.duration_since(asked) >= ASK_AGAIN)
     }
 
+    /// Whether it has not answered since it was last asked.
+    #[must_use]
+    pub const fn is_silent(&self) -> bool {
+        self.silent_since.is_some()
+    }
+
     /// It did not answer for a reason; returns what is to be said.
     pub fn silent(&mut self, now: Instant, why: &str) -> Option<String> {
         let since = *self.silent_since.get_or_insert(now);

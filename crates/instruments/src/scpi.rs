@@ -12,6 +12,8 @@ use crate::line::Line;
 const TRIES: u32 = 3;
 /// How long a line is quiet before the next question: an answer that comes twice is over by then.
 const QUIET: Duration = Duration::from_millis(30);
+/// Errors that a queue holds at most: instruments keep ten to thirty.
+const LONGEST_QUEUE: u32 = 100;
 /// An answer longer than this is none of an instrument.
 const LONGEST: usize = 4096;
 
@@ -45,10 +47,33 @@ impl Scpi {
     /// [`Fault::Scpi`] with the instrument's own words.
     pub fn order(&mut self, command: &str) -> Result<(), Fault> {
         self.tell(command)?;
+        match self.next_error()? {
+            None => Ok(()),
+            Some(error) => Err(Fault::Scpi { command: command.into(), error }),
+        }
+    }
+
+    /// Takes out what is in the instrument's error queue.
+    ///
+    /// # Errors
+    /// [`Fault`]; [`Fault::Scpi`] of one whose queue has no end.
+    pub fn forget_errors(&mut self) -> Result<(), Fault> {
+        let mut last = String::new();
+        for _ in 0..LONGEST_QUEUE {
+            match self.next_error()? {
+                None => return Ok(()),
+                Some(error) => last = error,
+            }
+        }
+        Err(Fault::Scpi { command: "SYST:ERR?".into(), error: last })
+    }
+
+    /// The oldest error in the instrument's queue.
+    fn next_error(&mut self) -> Result<Option<String>, Fault> {
         // 0,"No error": SCPI-99, volume 2, 21.8.
         let code = |answer: &str| answer.split_once(',').and_then(|(code, _)| code.trim().parse::<i32>().ok());
         let (code, error) = self.ask_for("SYST:ERR?", code)?;
-        if code == 0 { Ok(()) } else { Err(Fault::Scpi { command: command.into(), error }) }
+        Ok((code != 0).then_some(error))
     }
 
     /// Asks, and returns the answer's line.

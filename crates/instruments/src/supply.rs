@@ -46,6 +46,30 @@ impl PowerSupply {
         self.scpi.ask("*IDN?")
     }
 
+    /// Whether its output is on.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn is_on(&mut self) -> Result<bool, Fault> {
+        self.scpi.ask_switch(&format!("OUTP?{}", self.table.output.alone()))
+    }
+
+    /// Whether the voltmeters answer as the table asks them: an hour later would be late.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn try_voltmeters(&mut self) -> Result<(), Fault> {
+        Axis::BOTH.into_iter().try_for_each(|axis| self.gyro_output(axis).map(drop))
+    }
+
+    /// Empties its queue of errors: those in it are of what somebody said before.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn forget_errors(&mut self) -> Result<(), Fault> {
+        self.scpi.forget_errors()
+    }
+
     /// Feeds a voltage: set, switched on, measured.
     ///
     /// # Errors
@@ -91,7 +115,7 @@ impl PowerSupply {
     pub fn off(&mut self) -> Result<(), Fault> {
         let output = self.table.output;
         self.scpi.order(&format!("OUTP OFF{}", output.as_argument()))?;
-        if self.scpi.ask_switch(&format!("OUTP?{}", output.alone()))? {
+        if self.is_on()? {
             return Err(Fault::Scpi { command: "OUTP OFF".into(), error: "its output is still on".into() });
         }
         Ok(())

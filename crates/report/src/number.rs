@@ -2,6 +2,7 @@
 //! ten raised. On a terminal they are plain, so that they can be searched and copied.
 
 use maud::{Markup, html};
+use zerorate_cal::units::decimal;
 
 /// What a page has where there is no number.
 const NONE: &str = "\u{2013}";
@@ -71,7 +72,7 @@ pub fn aligned(values: &[f64]) -> Vec<String> {
         value if !value.is_finite() => "-".to_owned(),
         value if decimals > MOST_DECIMALS && value.abs() > least => format!("{value:.2e}"),
         _ if decimals > MOST_DECIMALS => "0".to_owned(),
-        value => format!("{value:.decimals$}"),
+        value => decimal(*value, decimals),
     };
     values.iter().map(text).collect()
 }
@@ -187,6 +188,7 @@ mod tests {
 
     #[test]
     fn on_a_terminal_a_column_has_as_many_decimals_as_its_smallest_number_needs() {
+        assert_eq!(aligned(&[1.5, -1e-9]), ["1.50", "0.00"]);
         assert_eq!(aligned(&[20.44, 53.2, 10.7]), ["20.4", "53.2", "10.7"]);
         assert_eq!(aligned(&[4.151, 0.951, 1.4]), ["4.15", "0.95", "1.40"]);
         assert_eq!(aligned(&[0.0, f64::NAN, 8200.0]), ["0", "-", "8200"]);

@@ -26,48 +26,69 @@ impl Session<'_> {
             self.start(SampleWindow::NONE)?;
         }
         self.patiently(Phase::Soak, &mut Recorder::discarding(), |bench| bench.chamber.set(set_point))?;
-        self.arrive(set_point)?;
+        let nobody = &mut Recorder::discarding();
+        self.arrive(set_point, nobody)?;
         if !on_the_boards_time {
-            self.wait(hold)?;
+            self.wait(hold, nobody)?;
             let air = self.air()?;
             self.progress.step(air.0);
             return Ok(());
         }
-        while !self.hold(set_point, hold)? {
-            self.arrive(set_point)?;
-        }
+        self.hold(set_point, hold, nobody)?;
         self.stop()
     }
 
+    /// Sends the chamber off from where it was held. One that did not answer may have gone without a word: then it is sent back and
+    /// held once more, for a ramp begins where everything inside is at one temperature.
+    pub(super) fn leave(&mut self, to: Celsius, recorder: &mut Recorder) -> Result<(), BenchError> {
+        let from = self.bench.chamber.set_point();
+        // What it did on the way to where it was held is over.
+        self.bench.chamber.take_astray();
+        loop {
+            self.patiently(Phase::Soak, recorder, |bench| bench.chamber.set(to))?;
+            if !self.bench.chamber.take_astray() {
+                return Ok(());
+            }
+            self.warn(format!(
+                "the chamber may have left {} C while it did not answer, before the ramp began: it is sent back and held there again",
+                from.0
+            ));
+            self.patiently(Phase::Soak, recorder, |bench| bench.chamber.set(from))?;
+            self.arrive(from, recorder)?;
+            self.hold(from, Seconds(self.setup.chamber.soak_s), recorder)?;
+        }
+    }
+
     /// Waits until the air is at the set point.
-    fn arrive(&mut self, set_point: Celsius) -> Result<(), BenchError> {
+    fn arrive(&mut self, set_point: Celsius, recorder: &mut Recorder) -> Result<(), BenchError> {
         let mut way = Way::to(set_point);
         let mut air = self.air()?;
         while !way.has_ended(air, LOOK_EVERY)? {
-            self.wait(LOOK_EVERY)?;
+            self.wait(LOOK_EVERY, recorder)?;
             air = self.air()?;
             self.progress.step(air.0);
         }
         Ok(())
     }
 
-    /// Holds the chamber for so long, the time left out in which nobody knows where it is; `false` if it has left its set point.
-    fn hold(&mut self, set_point: Celsius, time: Seconds) -> Result<bool, BenchError> {
+    /// Holds the chamber for so long, the time left out in which nobody knows where it is; anew if it has left its set point.
+    fn hold(&mut self, set_point: Celsius, time: Seconds, recorder: &mut Recorder) -> Result<(), BenchError> {
         let mut hold = Hold::at(set_point, time);
         while hold.left().0 > 0.0 {
             let step = Seconds(LOOK_EVERY.0.min(hold.left().0));
-            self.wait(step)?;
+            self.wait(step, recorder)?;
             let air = self.air()?;
             if hold.held(air, step) == Held::Strayed {
                 self.warn(hold.strayed(air));
-                return Ok(false);
+                self.arrive(set_point, recorder)?;
+                hold = Hold::at(set_point, time);
             }
         }
-        Ok(true)
+        Ok(())
     }
 
     /// Lets time pass: the plant's, or that of the board's groups.
-    fn wait(&mut self, time: Seconds) -> Result<(), BenchError> {
+    fn wait(&mut self, time: Seconds, recorder: &mut Recorder) -> Result<(), BenchError> {
         if let Some(clock) = &mut self.bench.clock {
             clock.wait(time)?;
             self.elapsed = self.elapsed + time;
@@ -75,7 +96,7 @@ impl Session<'_> {
         }
         let until = self.elapsed + time;
         while self.elapsed.0 < until.0 {
-            self.take(Phase::Soak, &mut Recorder::discarding())?;
+            self.take(Phase::Soak, recorder)?;
         }
         Ok(())
     }

@@ -30,9 +30,10 @@ impl Session<'_> {
         recorder: &mut Recorder,
     ) -> Result<Vec<Taken>, BenchError> {
         let from = self.bench.chamber.set_point();
-        self.patiently(Phase::Soak, recorder, |bench| bench.chamber.set(set_point))?;
+        self.leave(set_point, recorder)?;
         if self.bench.chamber.is_seen() {
-            return self.until(self.taken + groups, phase, recorder);
+            let taken = self.until(self.taken + groups, phase, recorder)?;
+            return if self.bench.chamber.take_astray() { Err(BenchError::OffCourse) } else { Ok(taken) };
         }
         let period = self.setup.group_period();
         let mut watch = RampWatch::new(from, set_point, period * f64::from(groups), period);

@@ -228,7 +228,7 @@ pub(super) fn is_coarse(sensor: &Gathered) -> bool {
 
 fn of_excluded(interval: &Excluded, unit: TemperatureUnit) -> Option<Reason> {
     let (kind, what) = match interval.reason {
-        DropReason::Rotation => (ReasonKind::Rotation, "the unit was moved"),
+        DropReason::Rotation => (ReasonKind::Rotation, moved(interval.time_s)),
         DropReason::StartUp => (ReasonKind::StartUp, "the readings settled after the start"),
         DropReason::TemperatureSpike => (ReasonKind::Spikes, "the temperature jumped faster than a part can heat"),
         DropReason::FrozenTemperature => (ReasonKind::FrozenTemperature, "the temperature stood still"),
@@ -253,6 +253,17 @@ fn of_excluded(interval: &Excluded, unit: TemperatureUnit) -> Option<Reason> {
     };
     let place = place(interval.time_s, interval.rows, interval.temperature, unit.name());
     Some(Reason::new(kind, format!("{what} {place}: these rows were left out")))
+}
+
+/// What is said of rows that scatter or deviate as if the unit was moved. Nobody moves one for minutes without end: then it may be its
+/// noise.
+fn moved((from, to): (f64, f64)) -> &'static str {
+    const LONG_S: f64 = 120.0;
+    if to - from > LONG_S {
+        "the unit was moved or shaken, or its noise is several times larger,"
+    } else {
+        "the unit was moved"
+    }
 }
 
 /// Where in a log something is. A log without a time column has rows alone.

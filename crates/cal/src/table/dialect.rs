@@ -36,6 +36,10 @@ pub(super) struct Heading {
 
 /// The dialect, the column names and the units.
 pub(super) fn detect(start: &[u8]) -> Result<Heading, TableFault> {
+    // Its marks of byte order; every other byte of plain text is a zero in it.
+    if start.starts_with(b"\xFF\xFE") || start.starts_with(b"\xFE\xFF") {
+        return Err(TableFault::Utf16);
+    }
     if start.contains(&0) {
         return Err(TableFault::NotATable);
     }

@@ -25,6 +25,9 @@ pub enum TableFault {
     /// The file is binary and not Parquet, or has no second column under any delimiter.
     #[error("neither Parquet nor text in columns (delimited by comma, semicolon, tab or space)")]
     NotATable,
+    /// Text of two bytes a letter.
+    #[error("text in UTF-16: save it as UTF-8 (a spreadsheet's \"CSV UTF-8\")")]
+    Utf16,
     /// A row has more or fewer cells than the first.
     #[error("line {line}: {found} cells where the first line has {expected}: the line is cut off or damaged")]
     Ragged {

@@ -75,6 +75,9 @@ fn what_is_no_table_says_so() {
     assert!(matches!(read("\n\n").unwrap_err().fault, TableFault::Empty));
     assert!(matches!(read("hello\n").unwrap_err().fault, TableFault::NotATable));
     assert!(matches!(read("a\0b").unwrap_err().fault, TableFault::NotATable));
+    let wide: Vec<u8> = "\u{feff}a,b\n1,2\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let told = Table::open(&Source::bytes("log.csv", wide)).unwrap_err().to_string();
+    assert!(told.contains("UTF-16: save it as UTF-8"), "{told}");
     assert!(matches!(read("PAR1 and then nothing").unwrap_err().fault, TableFault::Parquet { .. }));
     let missing = Table::open(&"/nowhere/log.csv".into()).unwrap_err().to_string();
     assert!(missing.starts_with("/nowhere/log.csv: cannot be read"), "{missing}");

@@ -61,9 +61,7 @@ impl RateScale {
         let rate = self.of_rate(rate);
         let written = format!("{rate:.3e}");
         match written.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok()) {
-            Some(exponent @ LEAST_PLAIN..=MOST_PLAIN) => {
-                format!("{rate:.*}", usize::try_from(3 - exponent).unwrap_or(0))
-            }
+            Some(exponent @ LEAST_PLAIN..=MOST_PLAIN) => decimal(rate, usize::try_from(3 - exponent).unwrap_or(0)),
             _ => written,
         }
     }
@@ -82,13 +80,23 @@ impl RateScale {
         let exponent = written.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok());
         // Without an error that is a number, as many as a rate has alone.
         let places = exponent.map_or(3, |exponent| usize::try_from(1 - exponent).unwrap_or(0).min(12));
-        format!("{rate:.places$} \u{b1} {error:.places$} {}", self.name)
+        format!("{} \u{b1} {error:.places$} {}", decimal(rate, places), self.name)
     }
 
     /// The unit's name.
     #[must_use]
     pub fn unit(self) -> &'static str {
         self.name
+    }
+}
+
+/// A number with so many decimals; what is zero by then has no sign.
+#[must_use]
+pub fn decimal(number: f64, decimals: usize) -> String {
+    let text = format!("{number:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(zero) if zero.bytes().all(|letter| b"0.".contains(&letter)) => zero.to_owned(),
+        _ => text,
     }
 }
 
@@ -137,6 +145,7 @@ mod tests {
         assert_eq!(told(RateUnit::Counts, 40_123.4), "40123 counts");
         assert_eq!(told(RateUnit::RadPerS, 2.5e-9), "2.500e-6 mrad/s");
         assert_eq!(told(RateUnit::Counts, f64::NAN), "NaN counts");
+        assert_eq!(told(RateUnit::Dps, -0.0), "0.000 dps");
     }
 
     #[test]
@@ -146,6 +155,7 @@ mod tests {
         assert_eq!(told(12.346, 1.51), "12.3 \u{b1} 1.5 dps");
         assert_eq!(told(1234.6, 151.0), "1235 \u{b1} 151 dps");
         assert_eq!(told(1.0, f64::NAN), "1.000 \u{b1} NaN dps");
+        assert_eq!(told(-0.000_4, 0.012), "0.000 \u{b1} 0.012 dps");
     }
 
     #[test]

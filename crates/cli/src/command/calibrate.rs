@@ -423,7 +423,8 @@ impl Progress for Bar {
     fn step(&mut self, air_c: f64) {
         // A message for every group would cost more than the group.
         if self.bar.position().is_multiple_of(32) && !self.bar.is_hidden() {
-            self.show(&format!(", {air_c:+.0} C"));
+            // A chamber that does not answer is nowhere.
+            self.show(&if air_c.is_nan() { String::new() } else { format!(", {air_c:+.0} C") });
         }
         self.bar.inc(1);
     }

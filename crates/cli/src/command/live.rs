@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::Args;
 use zerorate_bench::setup::SetUp;
-use zerorate_cal::recording::Recording;
+use zerorate_cal::recording::{ChamberRecording, Recording};
 use zerorate_live::Listen;
 use zerorate_report::{LiveRun, RunGroup};
 
@@ -44,17 +44,20 @@ Examples:
 
 impl LookOn {
     pub fn run(&self) -> Result<Outcome> {
-        let file = self.recording.as_path();
-        let mut length = length(file)?;
-        let live = LookingOn::on(&self.on, so_far(file)?)?;
+        let mut file = self.recording.clone();
+        let mut length = length(&file)?;
+        let live = LookingOn::on(&self.on, so_far(&file)?)?;
         interrupt::watch()?;
         screen::note(&live.told());
         while !interrupt::was_asked_for() {
             thread::sleep(LOOK_EVERY);
-            // A recording that is finished goes elsewhere; what was read of it stays.
-            let Ok(now) = self::length(file) else { continue };
+            // A recording that is finished goes elsewhere; until it is there, what was read of it stays.
+            let Ok(now) = self::length(&file) else {
+                file = finished(&file).unwrap_or(file);
+                continue;
+            };
             if now != length
-                && let Ok(run) = so_far(file)
+                && let Ok(run) = so_far(&file)
             {
                 length = now;
                 live.change(|shown| *shown = run);
@@ -68,9 +71,24 @@ fn length(file: &Path) -> Result<u64> {
     Ok(fs::metadata(file).with_context(|| file.display().to_string())?.len())
 }
 
+/// Where a recording that was being written is when it is finished: beside it, or out of the folder of what is in progress.
+fn finished(file: &Path) -> Option<PathBuf> {
+    let beside = file.with_extension("parquet");
+    let outside = file.parent()?.parent()?.join(beside.file_name()?);
+    [beside, outside].into_iter().find(|place| place.is_file())
+}
+
 /// What a recording has so far.
 fn so_far(file: &Path) -> Result<LiveRun> {
-    let recording = Recording::read(&file.into())?;
+    let recording = Recording::read(&file.into()).map_err(|error| {
+        if ChamberRecording::read(&file.into()).is_err() {
+            return error.into();
+        }
+        anyhow!(
+            "{} is a chamber's own recording, without a board: `zerorate info` shows it, and `zerorate fit LOG --chamber` joins it to a log",
+            file.display()
+        )
+    })?;
     let info = &recording.info;
     // A recording of another's set-up is shown by the paper's scales, as `monitor` does.
     let setup = SetUp::parse(&info.set_up, "of the recording").unwrap_or_else(|_| SetUp::paper());

@@ -151,6 +151,13 @@ fn told(child: &mut Child) -> String {
 #[test]
 fn a_night_without_anybody_ends_with_a_report_a_message_and_everything_off() {
     let bench = Bench::start("tcp:127.0.0.1:0");
+    // Somebody has left the supply on, with an error in its queue.
+    let mut supply = TcpStream::connect(bench.supply.strip_prefix("scpi:").unwrap()).unwrap();
+    supply.write_all(b"FOO\nVOLT 2.5\nOUTP ON\nOUTP?\n").unwrap();
+    let mut output = String::new();
+    BufReader::new(&supply).read_line(&mut output).unwrap();
+    assert_eq!(output.trim(), "1");
+    drop(supply);
     let mut run = bench.calibrate(&["--notify", "echo $ZERORATE_RESULT: $ZERORATE_MESSAGE > message"]);
     let mut summary = String::new();
     run.stdout.take().unwrap().read_to_string(&mut summary).unwrap();
@@ -167,6 +174,7 @@ fn a_night_without_anybody_ends_with_a_report_a_message_and_everything_off() {
     assert_eq!(recording.info.labels.get("supply"), Some(&supply));
     assert_eq!(recording.info.labels.get("chamber"), Some(&bench.chamber));
     assert!(summary["started"].as_str().unwrap().starts_with("20"));
+    assert!(told.contains("its output is on, and is switched off before the run begins"), "{told}");
     assert!(told.contains("step 7 of 7: soaks to compare with") && !told.contains(">>"), "{told}");
     assert_eq!(
         fs::read_to_string(bench.path().join("message")).unwrap(),
@@ -240,6 +248,22 @@ fn a_controller_that_is_busy_is_waited_for() {
     let told = told(&mut run);
     assert_eq!(await_end(&mut run), Some(0), "{told}");
     assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
+}
+
+/// The word that sends it off arrives, and its answer does not: it heats for twenty minutes, and nobody sees it.
+#[test]
+fn a_chamber_that_has_left_before_its_ramp_is_held_once_more() {
+    let bench = Bench::start("tcp:127.0.0.1:0");
+    let (line, chamber) = faulty(&bench);
+    let mut run = bench.calibrate_by(&chamber, &bench.supply, &[]);
+    let recording = bench.path().join("calibration/in-progress/full-temperature.arrows");
+    let head = await_file(&recording, 0);
+    await_file(&recording, head);
+    line.does(Does::Refuse(&[], 6));
+    std::thread::sleep(Duration::from_secs(4));
+    line.does(Does::Pass);
+    let told = told(&mut run);
+    assert_eq!(await_end(&mut run), Some(0), "{told}");
 }
 
 /// All was measured, and the chamber heats on: that is what whoever is woken by the message must hear first.

@@ -73,6 +73,12 @@ impl SupplyTable {
                 found.push(format!("supply.{name} is {value}: it must be above 0"));
             }
         }
+        if self.gyro_v > self.most_v {
+            found.push(format!(
+                "supply.gyro_v {} is above supply.most_v {}: it could not be fed",
+                self.gyro_v, self.most_v
+            ));
+        }
         if self.voltmeter_x.is_empty() != self.voltmeter_y.is_empty() {
             found.push("supply.voltmeter_x and voltmeter_y belong together: give both or neither".into());
         }
@@ -91,6 +97,8 @@ mod tests {
     fn a_supply_that_cannot_be_is_told() {
         assert_eq!(SupplyTable::default().contradictions(), Vec::<String>::new());
         let wrong = SupplyTable { most_v: f64::NAN, voltmeter_x: "READ?".into(), ..SupplyTable::default() };
+        let low = SupplyTable { most_v: 2.4, gyro_v: 2.5, ..SupplyTable::default() };
+        assert_eq!(low.contradictions(), ["supply.gyro_v 2.5 is above supply.most_v 2.4: it could not be fed"]);
         let told = wrong.contradictions().join("; ");
         assert!(told.contains("most_v is NaN") && told.contains("belong together"), "{told}");
     }

@@ -76,7 +76,7 @@ impl Calibrate {
         }
         interrupt::watch()?;
         instruments.found.iter().for_each(|found| screen::note(found));
-        let mut places: Vec<_> = boards.into_iter().zip(instruments.each(setup)).collect();
+        let mut places: Vec<_> = boards.into_iter().zip(instruments.each(setup)?).collect();
         // What was finished before is not run again, and the others do not wait for it.
         for (board, _) in places.extract_if(.., |(board, _)| self.resume && board.is_done()) {
             screen::note(&format!("{}: was done before; its results are in {}", board.serial, board.out.display()));

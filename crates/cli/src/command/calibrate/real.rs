@@ -60,7 +60,8 @@ impl Instruments {
     }
 
     /// The bench. Who is there for one of them turns the board's switch too; where nobody is, it stays on.
-    pub fn bench(self, device: DeviceClient, operator: impl FnOnce() -> AtTerminal) -> Result<Bench> {
+    pub fn bench(mut self, device: DeviceClient, operator: impl FnOnce() -> AtTerminal) -> Result<Bench> {
+        self.supply.iter_mut().try_for_each(RemoteSupply::make_ready)?;
         let (chamber, supply, power): (Box<dyn Chamber>, Box<dyn Supply>, Box<dyn Power>) =
             match (self.chamber, self.supply) {
                 (Some(chamber), Some(supply)) => (Box::new(chamber), Box::new(supply), Box::new(LeftOn)),
@@ -129,7 +130,14 @@ impl SharedInstruments {
     }
 
     /// Each board's part of them, and the set-up with their names among its labels.
-    pub fn each(self, setup: &SetUp) -> impl Iterator<Item = (SharedChamber, Box<dyn Supply + Send>, SetUp)> {
+    ///
+    /// # Errors
+    /// A supply that cannot be made ready.
+    pub fn each(
+        mut self,
+        setup: &SetUp,
+    ) -> Result<impl Iterator<Item = (SharedChamber, Box<dyn Supply + Send>, SetUp)>> {
+        self.supplies.iter_mut().try_for_each(|(supply, _)| supply.make_ready())?;
         let ((chamber, chamber_label), boards) = (self.chamber, self.boards);
         let supplies: Vec<(Box<dyn Supply + Send>, String)> = match <[_; 1]>::try_from(self.supplies) {
             Ok([(supply, label)]) => {
@@ -139,8 +147,8 @@ impl SharedInstruments {
             Err(own) => own.into_iter().map(|(supply, label)| (Box::new(supply) as _, label)).collect(),
         };
         let seats = shared::chamber(Box::new(chamber), boards);
-        seats.into_iter().zip(supplies).map(move |(seat, (supply, label))| {
+        Ok(seats.into_iter().zip(supplies).map(move |(seat, (supply, label))| {
             (seat, supply, named_in(setup, &[("chamber", chamber_label.clone()), ("supply", label)]))
-        })
+        }))
     }
 }
