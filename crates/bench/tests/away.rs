@@ -6,6 +6,7 @@ use std::cell::Cell;
 use std::ops::Range;
 use std::rc::Rc;
 
+use zerorate_bench::error::BenchError;
 use zerorate_bench::instruments::{Bench, Chamber, InstrumentError};
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::run::{Phase, Progress, Recorder, Session, Silent};
@@ -47,6 +48,70 @@ impl Chamber for Flaky {
         let strayed = if self.strays.contains(&self.calls.get()) { 3.0 } else { 0.0 };
         self.chamber.air().map(|air| air + Kelvins(strayed))
     }
+}
+
+/// The simulated chamber, which says at some of the times it is asked that it may have gone elsewhere.
+struct Astray {
+    chamber: Box<dyn Chamber>,
+    asked: u32,
+    /// What it is sent to, and how often.
+    sent: Rc<Cell<u32>>,
+    at: u32,
+}
+
+impl Chamber for Astray {
+    fn set(&mut self, set_point: Celsius) -> Result<(), InstrumentError> {
+        self.sent.set(self.sent.get() + 1);
+        self.chamber.set(set_point)
+    }
+
+    fn set_point(&self) -> Celsius {
+        self.chamber.set_point()
+    }
+
+    fn air(&mut self) -> Result<Celsius, InstrumentError> {
+        self.chamber.air()
+    }
+
+    fn take_astray(&mut self) -> bool {
+        self.asked += 1;
+        self.asked == self.at
+    }
+}
+
+/// A ramp of ten groups from 25 C, whose chamber says so the given time it is asked: how it ends, how often the chamber was sent
+/// anywhere, what is told, and how long it took.
+fn ramp_astray(at: u32) -> (Result<usize, BenchError>, u32, Vec<String>, f64) {
+    let setup = SetUp::parse("[chamber]\nsoak_s = 600.0\n", "x").unwrap();
+    let mut bench = simulated::bench(PlantKind::Paper.build(1), &setup, &UnitSerial::new());
+    bench.clock = None;
+    let sent = Rc::default();
+    bench.chamber = Box::new(Astray { chamber: bench.chamber, asked: 0, sent: Rc::clone(&sent), at });
+    let mut silent = Silent;
+    let mut session = Session::new(&mut bench, &setup, &mut silent);
+    session.begin().unwrap();
+    session.start(SampleWindow::NONE).unwrap();
+    let mut recorder = Recorder::discarding();
+    session.until(4, Phase::Soak, &mut recorder).unwrap();
+    let ramp = session.ramp(Celsius(40.0), 10, Phase::Heating, &mut recorder);
+    let warnings = session.warnings.sentences().collect();
+    (ramp.map(|ramp| ramp.len()), sent.get(), warnings, session.elapsed.0)
+}
+
+#[test]
+fn a_chamber_that_may_have_left_before_its_ramp_is_held_once_more_and_one_that_was_elsewhere_in_it_makes_none() {
+    let (ramp, sent, warnings, elapsed_s) = ramp_astray(u32::MAX);
+    assert_eq!((ramp.unwrap(), sent, warnings.len()), (10, 1, 0));
+    assert!((elapsed_s - 14.0 * 1.5).abs() < 1e-6, "{elapsed_s}");
+    // What was before the ramp is asked first, and is over.
+    let (ramp, sent, warnings, _) = ramp_astray(1);
+    assert_eq!((ramp.unwrap(), sent, warnings.len()), (10, 1, 0));
+    // Sent, sent back, sent again; ten minutes and the ramp.
+    let (ramp, sent, warnings, elapsed_s) = ramp_astray(2);
+    assert_eq!((ramp.unwrap(), sent), (10, 3));
+    assert!(warnings[0].contains("sent back and held there again") && elapsed_s > 600.0, "{warnings:?}, {elapsed_s}");
+    let (ramp, _, _, _) = ramp_astray(3);
+    assert!(matches!(ramp, Err(BenchError::OffCourse)));
 }
 
 /// The simulated bench on the time of the board's groups, as a real one is.

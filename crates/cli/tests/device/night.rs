@@ -183,6 +183,15 @@ fn a_night_without_anybody_ends_with_a_report_a_message_and_everything_off() {
     assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
 }
 
+/// The summary of a run that has passed.
+fn passed(run: &mut Child) -> Value {
+    let mut summary = String::new();
+    run.stdout.take().unwrap().read_to_string(&mut summary).unwrap();
+    let told = told(run);
+    assert_eq!(await_end(run), Some(0), "{told}");
+    serde_json::from_str(&summary).unwrap()
+}
+
 /// Waits until the ramp of the full-temperature test is under way.
 fn await_the_ramp(bench: &Bench) {
     // Its head is there from the beginning. Groups come after the soak: four of it, then those of the ramp.
@@ -212,11 +221,7 @@ fn a_night_by_servers_of_others_loses_no_group_when_the_line_to_the_chamber_is_c
     // Three times as long as an answer may take, and more.
     std::thread::sleep(Duration::from_millis(4500));
     line.does(Does::Pass);
-    let mut summary = String::new();
-    run.stdout.take().unwrap().read_to_string(&mut summary).unwrap();
-    let told = told(&mut run);
-    assert_eq!(await_end(&mut run), Some(0), "{told}");
-    hold_against_the_simulated(&bench, &serde_json::from_str(&summary).unwrap());
+    hold_against_the_simulated(&bench, &passed(&mut run));
     let rows = Recording::read(&(&bench.path().join("calibration/full-temperature.parquet")).into()).unwrap().rows;
     let mut groups: Vec<u32> = rows.iter().map(|row| row.group).collect();
     groups.dedup();
@@ -245,8 +250,7 @@ fn a_controller_that_is_busy_is_waited_for() {
     line.does(Does::Refuse(&[], 6));
     std::thread::sleep(Duration::from_secs(4));
     line.does(Does::Pass);
-    let told = told(&mut run);
-    assert_eq!(await_end(&mut run), Some(0), "{told}");
+    hold_against_the_simulated(&bench, &passed(&mut run));
     assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
 }
 
@@ -262,8 +266,7 @@ fn a_chamber_that_has_left_before_its_ramp_is_held_once_more() {
     line.does(Does::Refuse(&[], 6));
     std::thread::sleep(Duration::from_secs(4));
     line.does(Does::Pass);
-    let told = told(&mut run);
-    assert_eq!(await_end(&mut run), Some(0), "{told}");
+    hold_against_the_simulated(&bench, &passed(&mut run));
 }
 
 /// All was measured, and the chamber heats on: that is what whoever is woken by the message must hear first.
