@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(told(RateUnit::Counts, 40_123.4), "40123 counts");
         assert_eq!(told(RateUnit::RadPerS, 2.5e-9), "2.500e-6 mrad/s");
         assert_eq!(told(RateUnit::Counts, f64::NAN), "NaN counts");
-        assert_eq!(told(RateUnit::Dps, -0.0), "0.000 dps");
+        assert_eq!(told(RateUnit::Counts, -0.0), "0.000 counts");
     }
 
     #[test]

@@ -84,6 +84,8 @@ fn three_boards_go_through_a_night_together_and_one_that_cannot_begin_is_not_wai
     assert!(of("message")[0].contains("report.html"), "{ended}");
     assert_eq!(fs::read_to_string(bench.path().join("message")).unwrap(), "failed\n");
     assert!(told.contains("ZR-0042-3: step 7 of 7"), "{told}");
+    // At once, and not when the others are done.
+    assert!(told.contains("ZR-0042-2: it ended before it was done"), "{told}");
     // Units of their own, in one chamber: none lost a group, and all were as warm.
     for unit in ["ZR-0042-1", "ZR-0042-3"] {
         let recording = bench.path().join("lot").join(unit).join("full-temperature.parquet");

@@ -92,10 +92,16 @@ impl Calibrate {
         let bars = MultiProgress::new();
         let ended = thread::scope(|scope| {
             let runs = places.into_iter().zip(lives).map(|((board, (chamber, supply, setup)), live)| {
-                let bar = Bar::one_of(&bars, &board.serial);
+                let (bars, bar) = (&bars, Bar::one_of(&bars, &board.serial));
                 scope.spawn(move || {
                     let run = Run { setup: &setup, out: &board.out, live, keep: self.keep() };
                     let result = self.run_one(&board, run, chamber, supply, bar);
+                    // The others go on for hours.
+                    if let Err(error) = &result {
+                        let told =
+                            format!("{}: it ended before it was done: {}", board.serial, sentence(error.as_ref()));
+                        bars.suspend(|| screen::note(&told));
+                    }
                     ended(board, result)
                 })
             });
