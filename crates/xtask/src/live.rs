@@ -44,8 +44,8 @@ pub fn look<W: Write>(workspace: &Workspace, page: &mut DevTools<W>, pictures: &
     says(page, "Connected")?;
     drop(again);
     says(page, "lost")?;
-    let _another = Server::start(workspace, &recordings.join("compensation-test.parquet"), &place)?;
-    becomes(page, "document.title", "compensation test")?;
+    let _another = Server::start(workspace, &recordings.join("compensation-test-trim.parquet"), &place)?;
+    becomes(page, "document.title", "compensation-test")?;
     says(page, "Connected")?;
     Ok(faults)
 }
