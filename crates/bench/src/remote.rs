@@ -144,7 +144,7 @@ impl RemoteChamber {
 
     /// Sends a chamber that was away where it should be, if it has forgotten. One that is busy is told again later.
     fn remind(&mut self) -> Result<(), InstrumentError> {
-        if !self.is_owed || !self.obedience.may_ask(Instant::now()) {
+        if !self.is_under_way || !self.is_owed || !self.obedience.may_ask(Instant::now()) {
             return Ok(());
         }
         let done = self.send_again();
@@ -161,8 +161,8 @@ impl RemoteChamber {
         self.is_owed = done.is_err();
         let told = match done {
             Ok(()) => self.obedience.heard(now).1,
-            // Its silence is told already.
-            Err(_) if self.contact.patience.is_silent() => None,
+            // It answers nothing: that is told, and it is let alone, once.
+            Err(fault) if self.contact.patience.is_silent() => self.contact.patience.silent(now, &fault.to_string()),
             Err(fault) => self.obedience.silent(now, &fault.to_string()),
         };
         self.contact.notes.extend(told);
@@ -217,7 +217,7 @@ impl Chamber for RemoteChamber {
         self.last = answer.as_ref().ok().map(|(air, _)| (*air, asked, asked.elapsed()));
         match answer {
             Ok((air, was_away)) => {
-                self.is_owed |= was_away && self.is_under_way;
+                self.is_owed |= was_away;
                 self.remind()?;
                 Ok(air)
             }

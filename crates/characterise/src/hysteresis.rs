@@ -186,12 +186,7 @@ impl Weights {
 fn walk(differences: &[Difference], from_pass_to_pass: &[Vec<Difference>], averages: Averages) -> f64 {
     let of_cycles = from_temperature_to_temperature(from_pass_to_pass, averages);
     // A drift that goes on evenly is nowhere but in how far the passes are apart.
-    let apart: Vec<Step> = from_pass_to_pass
-        .iter()
-        .flatten()
-        .map(|own| Step::of(own, None, averages))
-        .filter(|step| step.of_walk > 0.0)
-        .collect();
+    let apart: Vec<Step> = from_pass_to_pass.iter().flatten().filter_map(|own| Step::of(own, None, averages)).collect();
     let of_cycles = of_cycles.max(likely(&apart));
     let least = from_temperature_to_temperature(&[differences], averages).min(of_cycles);
     if least.is_finite() { least.sqrt() } else { 0.0 }
@@ -202,13 +197,13 @@ fn walk(differences: &[Difference], from_pass_to_pass: &[Vec<Difference>], avera
 fn from_temperature_to_temperature(differences: &[impl AsRef<[Difference]>], averages: Averages) -> f64 {
     let of_step = |step: usize| {
         let steps = differences.iter().map(AsRef::as_ref).flat_map(|own| {
-            own.iter().zip(own.iter().skip(step)).map(|(one, other)| Step::of(other, Some(one), averages))
+            own.iter().zip(own.iter().skip(step)).filter_map(|(one, other)| Step::of(other, Some(one), averages))
         });
-        let steps: Vec<Step> = steps.filter(|step| step.of_walk > 0.0).collect();
+        let steps: Vec<Step> = steps.collect();
         // Steps that overlap tell as one.
         if steps.len() < step { f64::INFINITY } else { allowed(&steps, step as f64) }
     };
-    STEPS.into_iter().map(of_step).filter(|square| square.is_finite()).fold(f64::INFINITY, f64::min)
+    STEPS.into_iter().map(of_step).fold(f64::INFINITY, f64::min)
 }
 
 /// The square of K that steps allow, of which so many tell as one: the likely one and its standard error.
@@ -252,17 +247,15 @@ struct Step {
 }
 
 impl Step {
-    /// A difference, less another if there is one.
-    fn of(own: &Difference, less: Option<&Difference>, averages: Averages) -> Self {
+    /// A difference, less another if there is one; `None` where nothing of a walk is in it.
+    fn of(own: &Difference, less: Option<&Difference>, averages: Averages) -> Option<Self> {
         let mut weights = own.weights.clone();
         less.iter().for_each(|less| weights.add(&less.weights, -1.0));
         let [value, error] = less.map_or([0.0; 2], |less| [less.value, less.error]);
         let of_noise_of_one = own.error.powi(2) + error.powi(2);
-        Self {
-            square: (own.value - value).powi(2),
-            of_walk: weights.spread().powi(2) - averages.period_s / 3.0 * of_noise_of_one,
-            of_noise: averages.noise.powi(2) * of_noise_of_one,
-        }
+        let of_walk = weights.spread().powi(2) - averages.period_s / 3.0 * of_noise_of_one;
+        let (square, of_noise) = ((own.value - value).powi(2), averages.noise.powi(2) * of_noise_of_one);
+        (of_walk > 0.0).then_some(Self { square, of_walk, of_noise })
     }
 
     fn expected(&self, walk: f64) -> f64 {

@@ -14,7 +14,11 @@ const MOST_DECIMALS: usize = 6;
 
 /// For a page: a number with so many decimals; an en dash when it is none.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
-    if value.is_finite() { set(&format!("{:.decimals$}", value.abs()), value < 0.0) } else { NONE.to_owned() }
+    if !value.is_finite() {
+        return NONE.to_owned();
+    }
+    let text = decimal(value, decimals);
+    set(text.trim_start_matches('-'), text.starts_with('-'))
 }
 
 /// How many times smaller something has become; no gain is told as none, and a loss as one.
@@ -86,8 +90,7 @@ pub fn three_digits(value: f64) -> String {
 /// Digits with a sign and thousands set apart.
 fn set(digits: &str, negative: bool) -> String {
     let (whole, fraction) = digits.split_at(digits.find('.').unwrap_or(digits.len()));
-    let is_zero = digits.bytes().all(|digit| matches!(digit, b'0' | b'.'));
-    format!("{}{}{fraction}", if negative && !is_zero { "\u{2212}" } else { "" }, grouped(whole, '\u{202f}'))
+    format!("{}{}{fraction}", if negative { "\u{2212}" } else { "" }, grouped(whole, '\u{202f}'))
 }
 
 /// Whole digits with thousands set apart, from five on: four are read at a glance.

@@ -25,8 +25,8 @@ impl Session<'_> {
         if on_the_boards_time {
             self.start(SampleWindow::NONE)?;
         }
-        self.patiently(Phase::Soak, &mut Recorder::discarding(), |bench| bench.chamber.set(set_point))?;
         let nobody = &mut Recorder::discarding();
+        self.patiently(Phase::Soak, nobody, |bench| bench.chamber.set(set_point))?;
         self.arrive(set_point, nobody)?;
         if !on_the_boards_time {
             self.wait(hold, nobody)?;
