@@ -49,8 +49,12 @@ impl Bench {
     }
 
     fn start_at(speed: &str, chamber_on: &str) -> Self {
+        Self::of(NIGHT, speed, chamber_on)
+    }
+
+    fn of(setup: &str, speed: &str, chamber_on: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("night.toml"), NIGHT).unwrap();
+        fs::write(folder.path().join("night.toml"), setup).unwrap();
         let more =
             ["--chamber-on", chamber_on, "--supply-on", "tcp:127.0.0.1:0", "--speed", speed, "--setup", "night.toml"];
         let mut board = Board::start("tcp:127.0.0.1:0", &more, folder.path());
@@ -257,7 +261,8 @@ fn a_controller_that_is_busy_is_waited_for() {
 /// The word that sends it off arrives, and its answer does not: it heats for twenty minutes, and nobody sees it.
 #[test]
 fn a_chamber_that_has_left_before_its_ramp_is_held_once_more() {
-    let bench = Bench::start("tcp:127.0.0.1:0");
+    // The whole board is at one temperature after twenty minutes, from wherever it came; after one it is not.
+    let bench = Bench::of(&NIGHT.replace("soak_s = 60.0", "soak_s = 1200.0"), "300", "tcp:127.0.0.1:0");
     let (line, chamber) = faulty(&bench);
     let mut run = bench.calibrate_by(&chamber, &bench.supply, &[]);
     let recording = bench.path().join("calibration/in-progress/full-temperature.arrows");
