@@ -1,10 +1,21 @@
 //! What stands on a bench beside the device: chamber, supply, power, and a simulated one's time.
 
+use std::time::Duration;
+
 use zerorate_core::units::{Axis, Celsius, Seconds, Volts};
 use zerorate_instruments::fault::Fault;
 use zerorate_sim::Truth;
 
 use crate::client::DeviceClient;
+
+/// Whether an instrument that is away is told to rest once more, after so long.
+pub type OnceMore<'a> = &'a dyn Fn(Duration) -> bool;
+
+/// Where somebody has pressed Ctrl-C they wait for it, and can go there; nobody is there at night, when a line is cut for minutes.
+#[must_use]
+pub fn rests_again(waited: Duration, is_interrupted: bool) -> bool {
+    waited < Duration::from_secs(if is_interrupted { 30 } else { 600 })
+}
 
 /// A temperature chamber.
 pub trait Chamber {
@@ -44,7 +55,7 @@ pub trait Chamber {
     ///
     /// # Errors
     /// [`InstrumentError`]; then somebody has to go there.
-    fn rest(&mut self) -> Result<(), InstrumentError> {
+    fn rest(&mut self, _: OnceMore) -> Result<(), InstrumentError> {
         Ok(())
     }
 }
@@ -78,7 +89,7 @@ pub trait Supply {
     ///
     /// # Errors
     /// [`InstrumentError`]; then somebody has to go there.
-    fn rest(&mut self) -> Result<(), InstrumentError> {
+    fn rest(&mut self, _: OnceMore) -> Result<(), InstrumentError> {
         Ok(())
     }
 }
@@ -215,9 +226,21 @@ impl Bench {
     ///
     /// # Errors
     /// [`InstrumentError::NotAtRest`].
-    pub fn rest(&mut self) -> Result<(), InstrumentError> {
-        let supply = self.supply.rest();
-        let chamber = self.chamber.rest();
+    pub fn rest(&mut self, once_more: OnceMore) -> Result<(), InstrumentError> {
+        let supply = self.supply.rest(once_more);
+        let chamber = self.chamber.rest(once_more);
         supply.and(chamber)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn at_night_an_instrument_is_told_to_rest_for_longer_than_a_line_is_cut() {
+        let minutes = |minutes: u64| Duration::from_secs(60 * minutes);
+        assert!(rests_again(minutes(5), false) && !rests_again(minutes(10), false));
+        assert!(rests_again(Duration::from_secs(20), true) && !rests_again(minutes(1), true));
     }
 }

@@ -10,7 +10,7 @@ use zerorate_cal::units::TemperatureUnit;
 use zerorate_core::drift::Drift;
 use zerorate_core::record::{AxisModel, DeviceRecord};
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps};
-use zerorate_core::wire::Request;
+use zerorate_core::wire::{CalibrationState, Request};
 use zerorate_fit::trim::{TrimFit, fit_trim, tap_effects};
 
 use crate::checkpoint::Checkpoints;
@@ -69,7 +69,12 @@ pub const TRIM_SWEEP: &str = "trim-sweep";
 /// [`BenchError`].
 pub fn first_time(session: &mut Session<'_>) -> Result<(), BenchError> {
     if session.bench.clock.is_none() {
-        session.progress.note("a new board? `zerorate device first-time` makes the middle tap that of power-up, once");
+        // One that was calibrated before is not new.
+        if session.bench.device.identify()?.calibration == CalibrationState::Blank {
+            session
+                .progress
+                .note("a new board? `zerorate device first-time` makes the middle tap that of power-up, once");
+        }
         return Ok(());
     }
     session.begin()?;

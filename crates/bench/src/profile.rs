@@ -101,6 +101,9 @@ struct WrittenStep {
 }
 
 impl Profile {
+    /// The limits of no chamber, for a profile that is only looked at.
+    pub const ANYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
     /// A profile to begin with, as text.
     pub const EXAMPLE: &'static str = "\
 # What the chamber does, in order, a line each.

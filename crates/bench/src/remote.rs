@@ -12,12 +12,11 @@ use zerorate_instruments::fault::Fault;
 use zerorate_instruments::patience::Patience;
 use zerorate_instruments::supply::PowerSupply;
 
-use crate::instruments::{Chamber, Cycled, InstrumentError, Power, Supply};
+use crate::instruments::{Chamber, Cycled, InstrumentError, OnceMore, Power, Supply, rests_again};
 use crate::setup::SetUp;
 
-/// How often an instrument that is away is told to rest, and how long between two of them: half a minute.
-const REST_TRIES: u32 = 6;
-const REST_AGAIN: Duration = Duration::from_secs(5);
+/// How long after an instrument that is away was told to rest it is told again.
+const REST_AGAIN: Duration = Duration::from_secs(1);
 
 /// Why a remote instrument cannot stand on a bench.
 #[derive(Debug, thiserror::Error)]
@@ -77,15 +76,18 @@ impl Contact {
     }
 
     /// Does what makes it safe, again and again where it is away.
-    fn bring_to_rest(&self, mut act: impl FnMut() -> Result<(), Fault>) -> Result<(), InstrumentError> {
-        let mut tries = 1;
+    fn bring_to_rest(
+        &self,
+        once_more: OnceMore,
+        mut act: impl FnMut() -> Result<(), Fault>,
+    ) -> Result<(), InstrumentError> {
+        let began = Instant::now();
         loop {
             match act() {
                 Ok(()) => return Ok(()),
-                Err(fault) if fault.may_pass() && tries < REST_TRIES => thread::sleep(REST_AGAIN),
+                Err(fault) if fault.may_pass() && once_more(began.elapsed()) => thread::sleep(REST_AGAIN),
                 Err(fault) => return Err(InstrumentError::NotAtRest { what: self.name.clone(), fault }),
             }
-            tries += 1;
         }
     }
 }
@@ -230,10 +232,10 @@ impl Chamber for RemoteChamber {
         std::mem::take(&mut self.contact.notes)
     }
 
-    fn rest(&mut self) -> Result<(), InstrumentError> {
+    fn rest(&mut self, once_more: OnceMore) -> Result<(), InstrumentError> {
         if std::mem::take(&mut self.is_under_way) {
             let controller = &mut self.controller;
-            self.contact.bring_to_rest(|| controller.rest())?;
+            self.contact.bring_to_rest(once_more, || controller.rest())?;
             self.set_point = self.controller.safe();
         }
         Ok(())
@@ -243,7 +245,7 @@ impl Chamber for RemoteChamber {
 impl Drop for RemoteChamber {
     fn drop(&mut self) {
         // Whoever ends in order has seen the error of `rest`.
-        let _ = self.rest();
+        let _ = self.rest(&|waited| rests_again(waited, true));
     }
 }
 
@@ -304,10 +306,10 @@ impl Supply for RemoteSupply {
         std::mem::take(&mut self.contact.notes)
     }
 
-    fn rest(&mut self) -> Result<(), InstrumentError> {
+    fn rest(&mut self, once_more: OnceMore) -> Result<(), InstrumentError> {
         if std::mem::take(&mut self.is_on) {
             let supply = &mut self.supply;
-            self.contact.bring_to_rest(|| supply.off())?;
+            self.contact.bring_to_rest(once_more, || supply.off())?;
         }
         Ok(())
     }
@@ -316,7 +318,7 @@ impl Supply for RemoteSupply {
 impl Drop for RemoteSupply {
     fn drop(&mut self) {
         // As the chamber's.
-        let _ = self.rest();
+        let _ = self.rest(&|waited| rests_again(waited, true));
     }
 }
 

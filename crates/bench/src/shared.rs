@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use zerorate_core::units::{Axis, Celsius, Volts};
 
-use crate::instruments::{Chamber, InstrumentError, Supply};
+use crate::instruments::{Chamber, InstrumentError, OnceMore, Supply, rests_again};
 
 /// A chamber's air is asked for once in this time, whoever wants to know.
 const ASKED_EVERY: Duration = Duration::from_millis(50);
@@ -86,9 +86,9 @@ impl Room {
         Ok(air)
     }
 
-    fn leave(&mut self, board: usize) -> Result<(), InstrumentError> {
+    fn leave(&mut self, board: usize, once_more: OnceMore) -> Result<(), InstrumentError> {
         self.seats[board] = Seat::Left;
-        if self.seats.iter().all(|seat| *seat == Seat::Left) { self.chamber.rest() } else { Ok(()) }
+        if self.seats.iter().all(|seat| *seat == Seat::Left) { self.chamber.rest(once_more) } else { Ok(()) }
     }
 }
 
@@ -140,15 +140,15 @@ impl Chamber for SharedChamber {
         std::mem::take(&mut room.notes[self.board])
     }
 
-    fn rest(&mut self) -> Result<(), InstrumentError> {
-        lock(&self.room).leave(self.board)
+    fn rest(&mut self, once_more: OnceMore) -> Result<(), InstrumentError> {
+        lock(&self.room).leave(self.board, once_more)
     }
 }
 
 impl Drop for SharedChamber {
     fn drop(&mut self) {
         // Whoever ends in order has seen the error of `rest`.
-        let _ = self.rest();
+        let _ = self.rest(&|waited| rests_again(waited, true));
     }
 }
 
@@ -204,10 +204,11 @@ impl Supply for SharedSupply {
         if turns.of == Some(self.board) { turns.supply.take_notes() } else { Vec::new() }
     }
 
-    fn rest(&mut self) -> Result<(), InstrumentError> {
+    fn rest(&mut self, _: OnceMore) -> Result<(), InstrumentError> {
         let mut turns = lock(&self.turns);
         if turns.of == Some(self.board) {
-            turns.supply.rest()?;
+            // The others wait meanwhile, and their groups: not as long as an own one is told.
+            turns.supply.rest(&|waited| rests_again(waited, true))?;
             turns.of = None;
         }
         Ok(())
@@ -217,7 +218,7 @@ impl Supply for SharedSupply {
 impl Drop for SharedSupply {
     fn drop(&mut self) {
         // As the chamber's.
-        let _ = self.rest();
+        let _ = self.rest(&|waited| rests_again(waited, true));
     }
 }
 
@@ -252,7 +253,7 @@ mod tests {
         fn air(&mut self) -> Result<Celsius, InstrumentError> {
             Ok(Celsius(25.0))
         }
-        fn rest(&mut self) -> Result<(), InstrumentError> {
+        fn rest(&mut self, _: OnceMore) -> Result<(), InstrumentError> {
             self.hears("rest".into())
         }
     }
@@ -267,7 +268,7 @@ mod tests {
         fn gyro_output(&mut self, _: Axis) -> Result<Volts, InstrumentError> {
             Ok(Volts(2.5))
         }
-        fn rest(&mut self) -> Result<(), InstrumentError> {
+        fn rest(&mut self, _: OnceMore) -> Result<(), InstrumentError> {
             self.hears("off".into())
         }
     }
@@ -296,10 +297,10 @@ mod tests {
         drop(boards.remove(2));
         assert!(boards[1].set(hot).is_ok() && boards[0].set(hot).is_ok());
         assert_eq!(heard(&told), ["to 60"]);
-        boards[0].rest().unwrap();
+        boards[0].rest(&|_| false).unwrap();
         drop(boards.remove(0));
         assert!(heard(&told).is_empty());
-        boards[0].rest().unwrap();
+        boards[0].rest(&|_| false).unwrap();
         assert_eq!(heard(&told), ["rest"]);
     }
 

@@ -27,6 +27,13 @@ pub const HYBRID_TEST: &str = "compensation-test-hybrid.parquet";
 /// The files that [`BoardRun::read`] reads.
 pub const FILES: [&str; 5] = [CALIBRATION, SUMMARY, FULL_TEMPERATURE, TRIM_TEST, HYBRID_TEST];
 
+/// The label that says what became of the power between the tests; those of a simulated run have none.
+pub const POWER: &str = "power";
+/// Nobody was there to switch it.
+pub const POWER_LEFT_ON: &str = "left on through the whole run";
+/// A person has switched it.
+pub const POWER_SWITCHED: &str = "switched off and on before each test";
+
 /// A board's run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoardRun {
@@ -63,6 +70,16 @@ pub enum BoardRunError {
 }
 
 impl BoardRun {
+    /// Whether the power was off between the tests; `None` where the run does not tell.
+    #[must_use]
+    pub fn was_switched(&self) -> Option<bool> {
+        match self.calibration.labels.get(POWER).map(String::as_str) {
+            Some(POWER_LEFT_ON) => Some(false),
+            Some(POWER_SWITCHED) => Some(true),
+            _ => self.summary.plant.is_some().then_some(true),
+        }
+    }
+
     /// Reads the files of a folder. The summary names every recording by its hash, the calibration those it rests on.
     ///
     /// # Errors

@@ -148,9 +148,14 @@ fn of_axis(run: &BoardRun, axis: Axis) -> Vec<Budget> {
                 Evaluation::A,
                 Part::Known(repeated.counts),
                 format!(
-                    "what curve and taps leave of {} heating ramps: rms in {} parts of the range, less noise; of the switch-on too where the power was switched between them",
+                    "what curve and taps leave of {} heating ramps: rms in {} parts of the range, less noise; {}",
                     repeated.ramps,
-                    Bins::COUNT
+                    Bins::COUNT,
+                    match run.was_switched() {
+                        Some(true) => "of the switch-on too, for the power was switched between them",
+                        Some(false) => "not of the switch-on, for the power was left on",
+                        None => "of the switch-on too where the power was switched between them",
+                    }
                 ),
             )
         },

@@ -12,8 +12,11 @@ pub fn stamp(seconds: f64) -> String {
     later(Local::now(), seconds).to_rfc3339_opts(SecondsFormat::Secs, false)
 }
 
-/// A time as `2 h 40 min`, to five minutes where it has hours.
+/// A time as `2 h 40 min`, to five minutes where it has hours; less than a minute in seconds.
 pub fn time(seconds: f64) -> String {
+    if seconds < 59.5 {
+        return format!("{seconds:.0} s");
+    }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // days at most
     let minutes = (seconds / 60.0).round() as u64;
     if minutes < 60 {
@@ -44,7 +47,8 @@ mod tests {
 
     #[test]
     fn a_time_is_said_as_people_say_it() {
-        assert_eq!([59.0 * 60.0, 3600.0, 9570.0].map(time), ["59 min", "1 h 00 min", "2 h 40 min"]);
+        let told = ["20 s", "1 min", "59 min", "1 h 00 min", "2 h 40 min"];
+        assert_eq!([20.4, 59.6, 59.0 * 60.0, 3600.0, 9570.0].map(time), told);
     }
 
     #[test]

@@ -126,10 +126,10 @@ const fn is_busy(code: u8) -> bool {
 
 /// What is to be done about it.
 const fn remedy(code: u8) -> &'static str {
-    if is_busy(code) {
-        "See whether a programme runs on it, somebody is in its menus, or its gateway is cut off"
-    } else {
-        "Check the registers in chamber.controller, and that the controller may be set from outside"
+    match code {
+        _ if is_busy(code) => "See whether a programme runs on it, somebody is in its menus, or its gateway is cut off",
+        4 | 8 => "Look at its display, which says what has failed, and at its manual",
+        _ => "Check the registers in chamber.controller, and that the controller may be set from outside",
     }
 }
 
@@ -159,8 +159,11 @@ mod tests {
         for code in [5, 6, 10, 11] {
             assert!(refused(code).may_pass() && !refused(code).to_string().contains("Check the registers"), "{code}");
         }
-        for code in [1, 2, 3, 4, 8, 99] {
+        for code in [1, 2, 3, 99] {
             assert!(!refused(code).may_pass() && refused(code).to_string().contains("Check the registers"), "{code}");
+        }
+        for code in [4, 8] {
+            assert!(!refused(code).may_pass() && refused(code).to_string().contains("Look at its display"), "{code}");
         }
     }
 }

@@ -175,8 +175,10 @@ fn the_results_are_the_recordings_extremes_with_their_temperatures() {
             is(&cells[at], counts);
             is(&cells[at + 1], counts / 54.6);
         }
+        let means: Vec<f64> = own.map(|row| row.corrected_counts).collect();
+        is(&cells[5], means.iter().sum::<f64>() / means.len() as f64 - 8200.0);
         // 8500 and 11 900 counts by 34 counts a degree, and 9860 at zero.
-        assert_eq!(cells[5], "-40.0 to 60.0\u{a0}°C");
+        assert_eq!(cells[6], "-40.0 to 60.0\u{a0}°C");
     }
 }
 
@@ -219,6 +221,24 @@ fn instruments_are_named_by_the_labels_with_their_dates_or_are_said_not_to_be() 
     assert!(page.contains("scpi:10.0.0.9, Maker,T-40,1, calibrated 2026-02-01"));
     assert!(page.contains("PT-100 no. 4, calibrated 2026-03-01"));
     assert!(page.contains("<dt>room</dt><dd>2.17</dd>") && !page.contains("<dt>chamber_calibrated"));
+}
+
+#[test]
+fn it_says_whether_the_power_was_switched_and_for_how_long_nobody_knew_where_the_chamber_was() {
+    let mut run = sample::board_run();
+    assert!(words(&run).contains("changes is in it: the power was switched"));
+    run.summary.plant = None;
+    let page = words(&run);
+    assert!(page.contains("in it where the power was switched") && !page.contains("did not say where it was"));
+    run.calibration.labels.insert("power".into(), "left on through the whole run".into());
+    let rows: Vec<&mut GroupRow> = run.full_temperature.rows.iter_mut().filter(|row| row.axis == Axis::X).collect();
+    rows.into_iter().take(7).for_each(|row| row.chamber_c = f64::NAN);
+    let page = words(&run);
+    assert!(page.contains("<dt>Power</dt><dd>left on through the whole run</dd>"));
+    assert!(page.contains("<b>not in it</b>: the power was left on") && page.contains("not of the switch-on"));
+    let recordings = [&run.full_temperature].into_iter().chain(&run.tests);
+    let all = recordings.flat_map(|recording| &recording.rows).filter(|row| row.axis == Axis::X).count();
+    assert!(page.contains(&format!("for 7 of {all} groups the chamber did not say where it was")));
 }
 
 #[test]

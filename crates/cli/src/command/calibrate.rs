@@ -160,29 +160,42 @@ Exit codes: 0 the unit passed; 1 it was rejected, with reasons; 2 error.";
 
 impl Calibrate {
     pub fn run(&self) -> Result<Outcome> {
-        let outcome = self.carry_through();
+        let end = self.carry_through();
         if let Some(command) = self.notify.as_ref().filter(|_| !self.dry_run) {
-            let one = self.devices.len() == 1;
-            let (passed, rejected) = match one {
-                true => ("the unit passed; the report is in", "the unit was rejected; the report is in"),
-                false => ("all units passed; the reports are in", "not all units passed; the reports are in"),
-            };
-            let (result, message) = match &outcome {
-                Ok(Outcome::Done) => ("passed", format!("{passed} {}", self.out.display())),
-                Ok(Outcome::Rejected) => ("rejected", format!("{rejected} {}", self.out.display())),
-                Ok(Outcome::Failed) => {
-                    let result = if interrupt::was_asked_for() { "stopped" } else { "failed" };
-                    (result, format!("not all runs came to their end; what there is is in {}", self.out.display()))
-                }
-                Err(error) if interrupt::was_asked_for() => ("stopped", sentence(error.as_ref())),
-                Err(error) => ("failed", sentence(error.as_ref())),
-            };
+            let (result, message) = self.told(&end);
             notify::tell(command, result, &message, &self.out);
         }
-        outcome
+        Ok(match end? {
+            End::Planned | End::Carried(Verdict::Good | Verdict::Warning) => Outcome::Done,
+            End::Carried(Verdict::Rejected) => Outcome::Rejected,
+            End::NotAll => Outcome::Failed,
+        })
     }
 
-    fn carry_through(&self) -> Result<Outcome> {
+    /// What is told of an end: a word for programs, and a sentence.
+    fn told(&self, end: &Result<End>) -> (&'static str, String) {
+        let of_several = self.devices.len() > 1;
+        let out = self.out.display();
+        let stopped = if interrupt::was_asked_for() { "stopped" } else { "failed" };
+        match end {
+            Ok(End::Carried(worst)) => {
+                let result = if *worst == Verdict::Rejected { "rejected" } else { "passed" };
+                let message = match worst {
+                    verdict if !of_several => format!("the unit {}; the report is in {out}", words(*verdict)),
+                    Verdict::Good => format!("all units passed; the reports are in {out}"),
+                    Verdict::Warning => format!("all units passed, not all without warnings; the reports are in {out}"),
+                    Verdict::Rejected => format!("not all units passed; the reports are in {out}"),
+                };
+                (result, message)
+            }
+            Ok(End::Planned | End::NotAll) => {
+                (stopped, format!("not all runs came to their end; what there is is in {out}"))
+            }
+            Err(error) => (stopped, sentence(error.as_ref())),
+        }
+    }
+
+    fn carry_through(&self) -> Result<End> {
         let kind = self.plant.kind();
         let setup = match &self.setup {
             Some(file) => SetUp::read(file)?,
@@ -208,7 +221,7 @@ impl Calibrate {
         );
         if self.dry_run {
             dry_run::print(&setup, &[], self.json)?;
-            return Ok(Outcome::Done);
+            return Ok(End::Planned);
         }
         let unit = Unit::new(self.serial.as_deref().unwrap_or("ZR-0001"), Some((kind, self.seed)))?;
         let mut bench = self.bench(device, kind, &setup, &unit)?;
@@ -218,7 +231,7 @@ impl Calibrate {
     }
 
     /// A real board, and a person or instruments about it.
-    fn run_real(&self, choice: &DeviceChoice, setup: &SetUp) -> Result<Outcome> {
+    fn run_real(&self, choice: &DeviceChoice, setup: &SetUp) -> Result<End> {
         let [chamber, supply] =
             [self.chamber.as_ref(), self.supplies.first()].map(|own| own.unwrap_or(&Instrument::Manual));
         ensure!(self.supplies.len() < 2, "--supply was given more often than --device: a board has one");
@@ -238,7 +251,7 @@ impl Calibrate {
         if self.dry_run {
             instruments.found.push(format!("the board at {choice} is {serial}"));
             dry_run::print(setup, &instruments.found, self.json)?;
-            return Ok(Outcome::Done);
+            return Ok(End::Planned);
         }
         interrupt::watch()?;
         let setup = &instruments.named_in(setup);
@@ -284,13 +297,13 @@ impl Calibrate {
         result.map_err(|error| with_what_is_left(error, out, *keep))
     }
 
-    fn end_with(&self, summary: &Summary) -> Result<Outcome> {
+    fn end_with(&self, summary: &Summary) -> Result<End> {
         if self.json {
             screen::print_json(summary)?;
         } else {
             page::page(summary, &self.out).print()?;
         }
-        Ok(if summary.verdict == Verdict::Rejected { Outcome::Rejected } else { Outcome::Done })
+        Ok(End::Carried(summary.verdict))
     }
 
     fn bench(&self, device: &DeviceChoice, kind: PlantKind, setup: &SetUp, unit: &Unit) -> Result<Bench> {
@@ -305,6 +318,16 @@ impl Calibrate {
             other => bail!("{other} cannot stand on the simulated bench: give native or emulated"),
         }
     }
+}
+
+/// How all that was asked for has ended.
+enum End {
+    /// Nothing but the plan was asked for.
+    Planned,
+    /// Everything was carried through, and this is the worst verdict.
+    Carried(Verdict),
+    /// Of several units' runs not all came to their end.
+    NotAll,
 }
 
 /// What a verdict makes of a unit.

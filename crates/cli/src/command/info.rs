@@ -158,7 +158,7 @@ fn content(file: &Path) -> Result<Content> {
     if start.starts_with(b"<!DOCTYPE html") {
         return Ok(Content::Other { what: "a report: open it in a browser" });
     }
-    if ends_with("toml") && Profile::read(file, [f64::NEG_INFINITY, f64::INFINITY]).is_ok() {
+    if ends_with("toml") && Profile::read(file, Profile::ANYWHERE).is_ok() {
         return Ok(Content::Other {
             what: "a chamber's profile: zerorate chamber runs it, and says the plan with --dry-run",
         });

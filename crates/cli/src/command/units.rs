@@ -21,7 +21,7 @@ use crate::screen::{self, Grid, Page};
 /// List the units whose results lie in a folder: their last calibration, what it left, what has changed since the one before
 ///
 /// Every folder beneath it that a run of `calibrate` has left is one calibration; those of one serial number are one unit's, in
-/// the order in which they were made. What has changed is the largest distance between the fitted curves of a calibration
+/// the order in which they were made; simulated ones are a unit of their own. What has changed is the largest distance between the fitted curves of a calibration
 /// and of the one before, over the temperatures of both. Nothing is written but the page of `--report`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -136,7 +136,7 @@ fn cells(unit: &Unit, place: usize, run: &Run) -> [String; 8] {
         told.collect::<Vec<_>>().join(" / ")
     };
     [
-        unit.serial.clone(),
+        unit.name(),
         (place + 1).to_string(),
         run.made(),
         run.verdict.name().to_owned(),

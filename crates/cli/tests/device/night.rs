@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 use zerorate_cal::recording::Recording;
 
-use crate::board::{Board, await_end, send};
+use crate::board::{Board, await_end, await_that, send};
 use crate::fault_line::{Does, FaultLine};
 use crate::schema;
 use crate::server::Server;
@@ -182,7 +182,7 @@ fn a_night_without_anybody_ends_with_a_report_a_message_and_everything_off() {
     assert!(told.contains("step 7 of 7: soaks to compare with") && !told.contains(">>"), "{told}");
     assert_eq!(
         fs::read_to_string(bench.path().join("message")).unwrap(),
-        "passed: the unit passed; the report is in calibration\n"
+        "passed: the unit passed, with warnings; the report is in calibration\n"
     );
     assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
 }
@@ -293,6 +293,21 @@ fn a_controller_that_does_not_stop_at_the_end_is_told_of_first() {
         assert!(told.contains("GO THERE AND SWITCH IT OFF BY HAND") && told.contains("all was measured"), "{told}");
     }
     assert!(bench.path().join("calibration/summary.json").is_file());
+}
+
+#[test]
+fn a_controller_that_is_busy_at_the_end_is_told_to_stop_until_it_does() {
+    let bench = Bench::start("tcp:127.0.0.1:0");
+    let (line, chamber) = faulty(&bench);
+    line.does(Does::Refuse(&[6, 0x0A, 0xAA, 0, 62], 6));
+    let mut run = bench.calibrate_by(&chamber, &bench.supply, &[]);
+    // The last that is written before all is brought to rest.
+    await_that("the results are there", || bench.path().join("calibration/summary.json").is_file());
+    std::thread::sleep(Duration::from_secs(4));
+    assert!(run.try_wait().unwrap().is_none(), "it waits for a chamber that heats on");
+    line.does(Does::Pass);
+    passed(&mut run);
+    assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
 }
 
 #[test]

@@ -8,6 +8,8 @@ use crate::modbus::Modbus;
 
 /// What controllers put into a register when a sensor is broken lies this near to the ends of an i16: 32767, 32766, -32768.
 const NEAR_THE_END: i16 = 32_760;
+/// No sensor is so near to 0: the words of an ordinary temperature, taken in the other order, mostly are (25.0 is 2e-41).
+const NEARLY_NOTHING: f32 = 1e-6;
 /// A float's last digit that is told: controllers show tenths, and keep hundredths.
 const FLOAT_RESOLUTION: f64 = 0.02;
 
@@ -33,14 +35,22 @@ impl ByRegisters {
             }
             Form::F32 => {
                 let words = self.modbus.read(register, 2)?;
-                let (high, low) = match self.registers.word_order {
-                    WordOrder::HighFirst => (words[0], words[1]),
-                    WordOrder::LowFirst => (words[1], words[0]),
-                };
-                Ok(f64::from(f32::from_bits(u32::from(high) << 16 | u32::from(low))) / self.registers.scale)
+                Ok(f64::from(float([words[0], words[1]], self.registers.word_order)?) / self.registers.scale)
             }
         }
     }
+}
+
+fn float(words: [u16; 2], order: WordOrder) -> Result<f32, Fault> {
+    let (high, low) = match order {
+        WordOrder::HighFirst => (words[0], words[1]),
+        WordOrder::LowFirst => (words[1], words[0]),
+    };
+    let value = f32::from_bits(u32::from(high) << 16 | u32::from(low));
+    if value != 0.0 && value.abs() < NEARLY_NOTHING {
+        return Err(Fault::NoTemperature { what: "a pair of registers", raw: format!("{value:e}") });
+    }
+    Ok(value)
 }
 
 const fn halves(bits: u32) -> [[u8; 2]; 2] {
@@ -107,5 +117,22 @@ impl Speech for ByRegisters {
 
     fn identity(&mut self) -> Result<Option<String>, Fault> {
         Ok(None)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 25.0 is 0x41C8_0000 by IEEE 754, and -10.0 is 0xC120_0000.
+    #[test]
+    fn a_temperature_in_the_other_word_order_is_none() {
+        for (words, celsius) in [([0x41C8, 0], 25.0), ([0xC120, 0], -10.0), ([0, 0], 0.0)] {
+            assert!((float(words, WordOrder::HighFirst).unwrap() - celsius).abs() < 1e-6);
+        }
+        for words in [[0x41C8, 0], [0xC120, 0]] {
+            let told = float(words, WordOrder::LowFirst).unwrap_err().to_string();
+            assert!(told.contains("no temperature of a chamber") && told.contains("word_order"), "{told}");
+        }
     }
 }

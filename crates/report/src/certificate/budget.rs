@@ -38,7 +38,13 @@ fn quantity(run: &BoardRun) -> Markup {
             @if let Some(centre) = centre { " of " (fixed(centre, 0)) " counts" }
             ", the mean of one group"
             @if let Some(period) = run.calibration.group_period_s { " of " (fixed(period, 1)) " s" }
-            ", at a temperature of the range, rising or falling as the ramp’s. What another switch-on changes is in it where the power was switched between the ramps. U = "
+            ", at a temperature of the range, rising or falling as the ramp’s. What another switch-on changes is "
+            @match run.was_switched() {
+                Some(true) => "in it: the power was switched off and on before each test",
+                Some(false) => { b { "not in it" } ": the power was left on through the whole run" },
+                None => "in it where the power was switched between the ramps",
+            }
+            ". U = "
             i { "k" } " " i { "u" } " with " i { "k" } " = " (fixed(COVERAGE_FACTOR, 0)) ", by the GUM (JCGM 100:2008): about 95 % where no part is much larger than the others, and more where one is that has ends, as a tap’s."
         }
     }

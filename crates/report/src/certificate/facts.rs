@@ -1,7 +1,7 @@
 //! Who, when, with what: the facts of a certificate.
 
 use maud::{Markup, html};
-use zerorate_cal::board_run::BoardRun;
+use zerorate_cal::board_run::{BoardRun, POWER};
 use zerorate_cal::recording::{GroupRow, Phase};
 use zerorate_core::units::Axis;
 
@@ -36,8 +36,9 @@ pub(super) fn section(run: &BoardRun) -> Markup {
     facts.extend(instruments(run));
     facts.push(("Board", board(run)));
     facts.push(("Ramp", ramp(run)));
+    facts.extend(labels.get(POWER).map(|power| ("Power", html! { (power) })));
     let told = |name: &str| {
-        ["operator", "station"].contains(&name) || is_instrument(run, name) || instrument_of(name).is_some()
+        ["operator", "station", POWER].contains(&name) || is_instrument(run, name) || instrument_of(name).is_some()
     };
     let others = labels.iter().filter(|(name, _)| !told(name));
     facts.extend(others.map(|(name, label)| (name.as_str(), html! { (label) })));
@@ -105,7 +106,16 @@ fn ramp(run: &BoardRun) -> Markup {
         @if let Some([mean, fastest]) = rates(run) {
             "; by the unit’s own reading " (fixed(mean, 1)) " K/min on average, at most " (fixed(fastest, 1)) " K in a minute"
         }
+        @if let Some((away, all)) = away(run) { "; for " (away) " of " (all) " groups the chamber did not say where it was" }
     }
+}
+
+/// How many groups of all recordings have no temperature of the chamber, of how many, where it told others.
+fn away(run: &BoardRun) -> Option<(usize, usize)> {
+    let recordings = [&run.full_temperature].into_iter().chain(&run.tests);
+    let rows = || recordings.clone().flat_map(|recording| &recording.rows).filter(|row| row.axis == Axis::X);
+    let (away, all) = (rows().filter(|row| row.chamber_c.is_nan()).count(), rows().count());
+    (0 < away && away < all).then_some((away, all))
 }
 
 /// A set-up's number to a tenth, without one that is none.

@@ -20,6 +20,7 @@ pub(super) fn section(run: &BoardRun) -> Markup {
             dps(summary, test.uncompensated_pp_counts),
             html! { (fixed(test.residual_pp_counts, 1)) },
             dps(summary, test.residual_pp_counts),
+            off_centre(run, test),
             range(run, test),
         ]
     };
@@ -31,9 +32,9 @@ pub(super) fn section(run: &BoardRun) -> Markup {
                 (Table {
                     caption: html! {
                         "Zero-rate output, peak to peak of group means: the drift without compensation, and the residual with it in a "
-                        "second ramp that no fit has seen."
+                        "second ramp that no fit has seen; its mean less the centre is what U, below, is of."
                     },
-                    heads: &["Axis, mode, ramp", "Drift, counts", "Drift, deg/s", "Residual, counts", "Residual, deg/s", "Temperature"],
+                    heads: &["Axis, mode, ramp", "Drift, counts", "Drift, deg/s", "Residual, counts", "Residual, deg/s", "Mean, counts", "Temperature"],
                     rows: summary.tests.iter().map(row).collect(),
                     numbers_from: 1,
                 }.wide_markup())
@@ -41,6 +42,15 @@ pub(super) fn section(run: &BoardRun) -> Markup {
             (checks(&summary.checks))
         }
     }
+}
+
+/// The mean of a test's ramp less the counts that the axis is led to.
+fn off_centre(run: &BoardRun, test: &TestResult) -> Markup {
+    let trim = run.calibration.axes.get(test.axis.name()).and_then(|axis| axis.trim.as_ref());
+    html! { @match trim {
+        Some(trim) => (fixed(test.mean_counts - trim.trim.line.centre().0, 1)),
+        None => "\u{2013}",
+    } }
 }
 
 /// The temperatures of a test's ramp: degrees C where the set-up has a scale, else counts.

@@ -20,9 +20,8 @@ use zerorate_cal::summary::Summary;
 use zerorate_words::sentence;
 
 use super::real::SharedInstruments;
-use super::{Bar, Calibrate, Run, dry_run, words};
+use super::{Bar, Calibrate, End, Run, dry_run, words};
 use crate::clock::time;
-use crate::command::Outcome;
 use crate::interrupt;
 use crate::looking_on::LookingOnAll;
 use crate::screen::{self, Grid, Page};
@@ -58,7 +57,7 @@ struct AllEnded {
 }
 
 impl Calibrate {
-    pub(super) fn run_many(&self, devices: &[DeviceChoice], setup: &SetUp) -> Result<Outcome> {
+    pub(super) fn run_many(&self, devices: &[DeviceChoice], setup: &SetUp) -> Result<End> {
         if let Some(simulated) = devices.iter().find(|device| !device.is_real()) {
             bail!(
                 "--device {simulated}: several boards at once are real ones; simulated units are for `zerorate study`"
@@ -72,7 +71,7 @@ impl Calibrate {
             let found = boards.iter().map(|board| format!("the board at {} is {}", board.device, board.serial));
             instruments.found.extend(found);
             dry_run::print(setup, &instruments.found, self.json)?;
-            return Ok(Outcome::Done);
+            return Ok(End::Planned);
         }
         interrupt::watch()?;
         instruments.found.iter().for_each(|found| screen::note(found));
@@ -113,7 +112,7 @@ impl Calibrate {
         if let Some(all) = all {
             all.end();
         }
-        self.told(ended)
+        self.end_with_all(ended)
     }
 
     /// The boards, asked who they are.
@@ -156,19 +155,15 @@ impl Calibrate {
         self.carry_out(&mut bench, run, Unit::new(&board.serial, None)?, bar)
     }
 
-    fn told(&self, ended: Vec<Ended>) -> Result<Outcome> {
-        let failed = ended.iter().any(|unit| unit.summary.is_none());
-        let rejected = ended.iter().any(|unit| unit.result == "rejected");
+    fn end_with_all(&self, ended: Vec<Ended>) -> Result<End> {
+        let verdicts: Option<Vec<Verdict>> =
+            ended.iter().map(|unit| unit.summary.as_ref().map(|summary| summary.verdict)).collect();
         if self.json {
             screen::print_json(&AllEnded { schema: 1, units: ended })?;
         } else {
             page(&ended).print()?;
         }
-        Ok(match (failed, rejected) {
-            (true, _) => Outcome::Failed,
-            (_, true) => Outcome::Rejected,
-            _ => Outcome::Done,
-        })
+        Ok(verdicts.and_then(|verdicts| verdicts.into_iter().max()).map_or(End::NotAll, End::Carried))
     }
 }
 

@@ -10,6 +10,7 @@ use zerorate_bench::manual::{self, Person};
 use zerorate_bench::remote::{Found, LeftOn, RemoteChamber, RemoteSupply};
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::shared::{self, SharedChamber};
+use zerorate_cal::board_run::{POWER, POWER_LEFT_ON, POWER_SWITCHED};
 
 use super::instrument::Instrument;
 use super::operator::AtTerminal;
@@ -20,7 +21,7 @@ pub struct Instruments {
     supply: Option<RemoteSupply>,
     /// A sentence each.
     pub found: Vec<String>,
-    /// Which they are, by `chamber` and `supply`, as a record says it.
+    /// Which they are, by `chamber` and `supply`, and what became of the power, as a record says it.
     labels: Vec<(&'static str, String)>,
 }
 
@@ -50,6 +51,8 @@ impl Instruments {
                 Some(supply)
             }
         };
+        let nobody_there = chamber.is_some() && supply.is_some();
+        labels.push((POWER, if nobody_there { POWER_LEFT_ON } else { POWER_SWITCHED }.to_owned()));
         Ok(Self { chamber, supply, found, labels })
     }
 
@@ -148,7 +151,14 @@ impl SharedInstruments {
         };
         let seats = shared::chamber(Box::new(chamber), boards);
         Ok(seats.into_iter().zip(supplies).map(move |(seat, (supply, label))| {
-            (seat, supply, named_in(setup, &[("chamber", chamber_label.clone()), ("supply", label)]))
+            (
+                seat,
+                supply,
+                named_in(
+                    setup,
+                    &[("chamber", chamber_label.clone()), ("supply", label), (POWER, POWER_LEFT_ON.to_owned())],
+                ),
+            )
         }))
     }
 }

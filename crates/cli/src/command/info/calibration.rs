@@ -98,7 +98,7 @@ impl Facts {
         let Some(scale) = self.scale else { return };
         page.gap();
         let mut grid = Grid::new("llrrrr");
-        grid.head(["", "", "calibrated", "drift", "in-sample", "held out"]);
+        grid.head(["", "", "calibrated", "curve", "in-sample", "held out"]);
         let unit = scale.unit();
         grid.head([
             "axis",

@@ -2,6 +2,7 @@
 
 use chrono::SecondsFormat;
 use serde::Serialize;
+use zerorate_bench::profile::Profile;
 use zerorate_cal::recording::ChamberRecording;
 
 use super::recording::{duration, range};
@@ -17,6 +18,8 @@ pub struct Facts {
     chamber_c: [f64; 2],
     /// The profile's last step that was begun; 0 where none was.
     last_step: u32,
+    /// How many it has, cycles counted through.
+    steps: Option<usize>,
     away: usize,
 }
 
@@ -30,17 +33,26 @@ impl Facts {
             seconds: moments.last().map_or(0.0, |moment| moment.t_s),
             chamber_c: range(moments.iter().map(|moment| moment.air_c)),
             last_step: moments.last().map_or(0, |moment| moment.step),
+            steps: Profile::parse("", recording.info.profile.clone(), Profile::ANYWHERE)
+                .ok()
+                .map(|profile| profile.steps.len()),
             away: moments.iter().filter(|moment| moment.air_c.is_nan()).count(),
         }
     }
 
     pub fn show(&self, file: &str, page: &mut Page) {
-        let state = if self.cut { "CUT: it was not finished, or is still being written" } else { "whole" };
+        let was_stopped = self.steps.is_some_and(|steps| (self.last_step as usize) < steps);
+        let state = match (self.cut, was_stopped) {
+            (true, _) => "CUT: it was not finished, or is still being written",
+            (false, true) => "whole, of a profile that was stopped",
+            (false, false) => "whole",
+        };
+        let of_all = self.steps.map_or_else(String::new, |steps| format!(" of {steps}"));
         page.sentence("", &format!("{file}: a chamber's recording, {state}"));
         let mut facts = vec![
             ("started", self.started.clone()),
             ("moments", format!("{}, {}", thousands(self.moments as u64), duration(self.seconds))),
-            ("last step", self.last_step.to_string()),
+            ("last step", format!("{}{of_all}", self.last_step)),
         ];
         if self.chamber_c[0].is_finite() {
             facts.push(("chamber", format!("{:.1} to {:.1} C", self.chamber_c[0], self.chamber_c[1])));

@@ -15,10 +15,11 @@ use zerorate_cal::recording::Phase;
 use zerorate_cal::summary::{Summary, TestResult};
 use zerorate_words::sentence;
 
-/// A unit and its calibrations, the first first.
+/// A unit and its calibrations, the first first. A simulated one is another than the real one of its serial number.
 #[derive(Debug, Serialize)]
 pub struct Unit {
     pub serial: String,
+    pub simulated: bool,
     pub runs: Vec<Run>,
 }
 
@@ -35,13 +36,20 @@ pub struct Run {
     written: SystemTime,
 }
 
+impl Unit {
+    /// As people are told which it is.
+    pub fn name(&self) -> String {
+        if self.simulated { format!("{}, simulated", self.serial) } else { self.serial.clone() }
+    }
+}
+
 impl Run {
     /// When it was made, as people read it.
     pub fn made(&self) -> String {
         match &self.started {
             // Whole minutes of a time as RFC 3339 has it.
             Some(started) => started.get(..16).unwrap_or(started).replace('T', " "),
-            None if self.simulated => "simulated".to_owned(),
+            None if self.simulated => "-".to_owned(),
             None => "not known".to_owned(),
         }
     }
@@ -57,9 +65,9 @@ pub struct AxisOfRun {
     pub change_counts: Option<f64>,
 }
 
-/// The units beneath a folder by their serial numbers, and a sentence for each result that cannot be read.
+/// The units beneath a folder by their serial numbers, a real one before the simulated one of the same, and a sentence for each result that cannot be read.
 pub fn units(folder: &Path) -> Result<(Vec<Unit>, Vec<String>)> {
-    let mut units: BTreeMap<String, Vec<Run>> = BTreeMap::new();
+    let mut units: BTreeMap<(String, bool), Vec<Run>> = BTreeMap::new();
     let mut unreadable = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
@@ -72,13 +80,17 @@ pub fn units(folder: &Path) -> Result<(Vec<Unit>, Vec<String>)> {
                 }
             } else if entry.file_name() == "summary.json" {
                 match run(&folder, &entry.path()) {
-                    Ok((serial, run)) => units.entry(serial).or_default().push(run),
+                    Ok((serial, run)) => units.entry((serial, run.simulated)).or_default().push(run),
                     Err(error) => unreadable.push(sentence(error.as_ref())),
                 }
             }
         }
     }
-    let units = units.into_iter().map(|(serial, runs)| Unit { serial, runs: in_order(runs, &mut unreadable) });
+    let units = units.into_iter().map(|((serial, simulated), runs)| Unit {
+        serial,
+        simulated,
+        runs: in_order(runs, &mut unreadable),
+    });
     let units = units.collect();
     unreadable.sort();
     Ok((units, unreadable))

@@ -12,7 +12,7 @@ const DAY_S: f64 = 86_400.0;
 /// The page's contents.
 pub fn of(folder: &str, units: &[Unit], unreadable: &[String]) -> UnitsReport {
     let unit = |unit: &Unit| UnitCalibrations {
-        serial: unit.serial.clone(),
+        serial: unit.name(),
         calibrations: unit.runs.iter().map(calibration).collect(),
     };
     UnitsReport { folder: folder.to_owned(), units: units.iter().map(unit).collect(), unreadable: unreadable.to_vec() }
