@@ -3,6 +3,8 @@
 use zerorate_core::units::Seconds;
 
 const PERIOD: Seconds = Seconds(1.0);
+/// A plant's time is in whole nanoseconds, and waiting for less lets none pass.
+const NOTHING: Seconds = Seconds(1e-9);
 
 /// When the next tick is due.
 pub(crate) struct Tick {
@@ -28,10 +30,11 @@ impl Tick {
         if late > self.group_period.0 {
             self.next = now;
         }
-        if late >= 0.0 {
+        let is_due = late > -NOTHING.0;
+        if is_due {
             self.next = self.next + PERIOD;
         }
-        late >= 0.0
+        is_due
     }
 }
 
@@ -44,6 +47,7 @@ mod tests {
         let mut tick = Tick::after(Seconds(0.5), Seconds(1.5));
         let mut due = |now| std::iter::from_fn(|| tick.is_due(Seconds(now)).then_some(())).count();
         assert_eq!([0.5, 1.4, 1.5, 1.6, 3.0, 4.5].map(&mut due), [0, 0, 1, 0, 1, 2]);
-        assert_eq!([12.0, 12.9, 13.0].map(due), [1, 0, 1]);
+        assert_eq!([12.0, 12.9, 13.0].map(&mut due), [1, 0, 1]);
+        assert_eq!([14.0 - 2e-9, 14.0 - 0.5e-9, 14.0].map(due), [0, 1, 0]);
     }
 }

@@ -231,8 +231,9 @@ fn it_says_whether_the_power_was_switched_and_for_how_long_nobody_knew_where_the
     let page = words(&run);
     assert!(page.contains("in it where the power was switched") && !page.contains("did not say where it was"));
     run.calibration.labels.insert("power".into(), "left on through the whole run".into());
-    let rows: Vec<&mut GroupRow> = run.full_temperature.rows.iter_mut().filter(|row| row.axis == Axis::X).collect();
-    rows.into_iter().take(7).for_each(|row| row.chamber_c = f64::NAN);
+    let recordings = [&mut run.full_temperature].into_iter().chain(&mut run.tests);
+    let rows = recordings.flat_map(|recording| &mut recording.rows).filter(|row| row.axis == Axis::X);
+    rows.skip(7).for_each(|row| row.chamber_c = 20.0);
     let page = words(&run);
     assert!(page.contains("<dt>Power</dt><dd>left on through the whole run</dd>"));
     assert!(page.contains("<b>not in it</b>: the power was left on") && page.contains("not of the switch-on"));

@@ -315,6 +315,19 @@ mod tests {
     use crate::plants::PlantKind;
 
     #[test]
+    fn the_tick_comes_at_whatever_fraction_of_a_second_a_board_was_started() {
+        // From 8192 s on a second's fraction has a binary digit less: a tick may be a trillionth of a second off the plant's time.
+        for nanoseconds in (0..200).map(|n| f64::from(n) * 4_999_961.0) {
+            let plant = PlantKind::Paper.build(1);
+            let mut device =
+                NativeDevice::<PortAcquisition<PortSpi>>::of_plant(plant, &SetUp::paper(), &UnitSerial::default());
+            device.leave_out(Seconds(8180.0 + nanoseconds * 1e-9));
+            device.stand(Seconds(20.0));
+            assert!(device.tick.next().0 > device.board.now().0);
+        }
+    }
+
+    #[test]
     fn a_board_that_stands_still_on_a_quiet_line_is_not_reset() {
         let plant = PlantKind::Paper.build(1);
         let mut device =
