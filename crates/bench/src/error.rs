@@ -72,7 +72,7 @@ pub enum BenchError {
     },
     /// A ramp was none.
     #[error(
-        "the chamber was away during the ramp and came back with another set point: what was recorded is of no ramp, and nothing is made of it"
+        "the controller started anew during the ramp, or somebody sent it elsewhere: what was recorded is of no ramp, and nothing is made of it"
     )]
     OffCourse,
     /// The A/D saturates.

@@ -41,9 +41,12 @@ pub trait Chamber {
     }
 
     /// Whether it may have gone where it was not to go, since the last call: it took a set point and its answer was lost, or it came
-    /// back with another.
-    fn take_astray(&mut self) -> bool {
-        false
+    /// back with another, or stopped. It is looked at for that.
+    ///
+    /// # Errors
+    /// [`InstrumentError`], while it is away too.
+    fn take_astray(&mut self) -> Result<bool, InstrumentError> {
+        Ok(false)
     }
 
     /// What people should know of it, since the last call.
@@ -73,6 +76,14 @@ pub trait Supply {
     /// # Errors
     /// [`InstrumentError`].
     fn connect_gyros(&mut self) -> Result<(), InstrumentError>;
+
+    /// Looks whether what it feeds is what it fed.
+    ///
+    /// # Errors
+    /// [`InstrumentError`].
+    fn hold(&mut self) -> Result<(), InstrumentError> {
+        Ok(())
+    }
 
     /// What a voltmeter shows at a gyro's rate output.
     ///

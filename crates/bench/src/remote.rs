@@ -17,6 +17,8 @@ use crate::setup::SetUp;
 
 /// How long after an instrument that is away was told to rest it is told again.
 const REST_AGAIN: Duration = Duration::from_secs(1);
+/// How often one that answers and does not rest is told.
+const REST_TRIES: u32 = 3;
 
 /// Why a remote instrument cannot stand on a bench.
 #[derive(Debug, thiserror::Error)]
@@ -81,13 +83,16 @@ impl Contact {
         once_more: OnceMore,
         mut act: impl FnMut() -> Result<(), Fault>,
     ) -> Result<(), InstrumentError> {
-        let began = Instant::now();
+        let (began, mut tries) = (Instant::now(), 1);
         loop {
             match act() {
                 Ok(()) => return Ok(()),
                 Err(fault) if fault.may_pass() && once_more(began.elapsed()) => thread::sleep(REST_AGAIN),
+                // What is not done may not have been heard.
+                Err(_) if tries < REST_TRIES => thread::sleep(REST_AGAIN),
                 Err(fault) => return Err(InstrumentError::NotAtRest { what: self.name.clone(), fault }),
             }
+            tries += 1;
         }
     }
 }
@@ -103,6 +108,8 @@ pub struct RemoteChamber {
     is_owed: bool,
     /// How long it has not done as it was told, though it may answer.
     obedience: Patience,
+    /// When it was last looked at whether it is where it was sent.
+    looked: Instant,
     is_astray: bool,
     /// Where its air was, when that was asked, and how long the answer took.
     last: Option<(Celsius, Instant, Duration)>,
@@ -111,6 +118,8 @@ pub struct RemoteChamber {
 /// No more than a quarter of the time goes by with asking where the air is: groups wait meanwhile, and where those come faster
 /// than answers the last one stands for several.
 const SHARE_OF_TIME: u32 = 4;
+/// How often a chamber is looked at whether it is where it was sent.
+const LOOK_EVERY: Duration = Duration::from_secs(5);
 
 impl RemoteChamber {
     /// A chamber that was asked who it is and what it shows; it is not moved.
@@ -138,23 +147,41 @@ impl RemoteChamber {
             is_under_way: false,
             is_owed: false,
             obedience: Patience::with("chamber"),
+            looked: Instant::now(),
             is_astray: false,
             last: None,
         };
         Ok((chamber, found))
     }
 
-    /// Sends a chamber that was away where it should be, if it has forgotten. One that is busy is told again later.
+    /// Looks now and then whether it is where it was sent, and at once where it was away: it may start anew between two answers.
     fn remind(&mut self) -> Result<(), InstrumentError> {
-        if !self.is_under_way || !self.is_owed || !self.obedience.may_ask(Instant::now()) {
+        if !self.is_owed && self.looked.elapsed() < LOOK_EVERY {
             return Ok(());
         }
-        let done = self.send_again();
-        self.obeyed(&done);
-        match done {
-            Err(fault) if !fault.may_pass() => Err(self.contact.error(fault)),
-            _ => Ok(()),
+        match self.look() {
+            // One that is busy is told again later.
+            Err(error) if error.may_pass() => Ok(()),
+            done => done,
         }
+    }
+
+    /// Looks whether it is where it was sent, and sends it there if not.
+    fn look(&mut self) -> Result<(), InstrumentError> {
+        if !self.is_under_way {
+            return Ok(());
+        }
+        if !self.may_ask() {
+            return Err(InstrumentError::Away(self.contact.what));
+        }
+        self.looked = Instant::now();
+        let done = self.put_right();
+        self.obeyed(&done);
+        done.map_err(|fault| self.contact.error(fault))
+    }
+
+    fn may_ask(&self) -> bool {
+        self.contact.patience.may_ask(Instant::now()) && self.obedience.may_ask(Instant::now())
     }
 
     /// Takes in whether it did as it was told.
@@ -170,15 +197,18 @@ impl RemoteChamber {
         self.contact.notes.extend(told);
     }
 
-    fn send_again(&mut self) -> Result<(), Fault> {
-        let (is, should) = (self.controller.set_point()?, self.set_point);
-        // With the same set point too: it may have come back without running.
-        self.controller.send(should)?;
-        if !self.controller.is_same(is, should) {
+    fn put_right(&mut self) -> Result<(), Fault> {
+        let should = self.set_point;
+        let strayed = self.controller.strayed_from(should)?;
+        // After a silence with the same set point too: it may have come back without running, and not every one tells.
+        if strayed.is_some() || self.is_owed {
+            self.controller.send(should)?;
+        }
+        if let Some(strayed) = strayed {
             self.is_astray = true;
             self.contact.notes.push(format!(
-                "the chamber was away and came back set to {:.1} C: it was sent to {:.1} C again",
-                is.0, should.0
+                "the chamber is {strayed}, which it was not told: it was sent to {:.1} C again",
+                should.0
             ));
         }
         Ok(())
@@ -190,7 +220,7 @@ impl Chamber for RemoteChamber {
         self.is_under_way = true;
         // Whether it took it or not: one that was away is sent there, and not back.
         self.set_point = set_point;
-        if !self.contact.patience.may_ask(Instant::now()) || !self.obedience.may_ask(Instant::now()) {
+        if !self.may_ask() {
             return Err(InstrumentError::Away(self.contact.what));
         }
         let done = self.controller.send(set_point);
@@ -199,8 +229,9 @@ impl Chamber for RemoteChamber {
         done.map_err(|fault| self.contact.error(fault))
     }
 
-    fn take_astray(&mut self) -> bool {
-        std::mem::take(&mut self.is_astray)
+    fn take_astray(&mut self) -> Result<bool, InstrumentError> {
+        self.look()?;
+        Ok(std::mem::take(&mut self.is_astray))
     }
 
     fn set_point(&self) -> Celsius {
@@ -295,6 +326,11 @@ impl Supply for RemoteSupply {
         self.contact.attempt(|| supply.off())?;
         self.is_on = false;
         Ok(())
+    }
+
+    fn hold(&mut self) -> Result<(), InstrumentError> {
+        let supply = &mut self.supply;
+        self.contact.attempt(|| supply.hold()).map(drop)
     }
 
     fn gyro_output(&mut self, axis: Axis) -> Result<Volts, InstrumentError> {

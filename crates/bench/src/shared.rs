@@ -125,12 +125,12 @@ impl Chamber for SharedChamber {
         lock(&self.room).chamber.is_seen()
     }
 
-    fn take_astray(&mut self) -> bool {
+    fn take_astray(&mut self) -> Result<bool, InstrumentError> {
         let mut room = lock(&self.room);
-        if room.chamber.take_astray() {
+        if room.chamber.take_astray()? {
             room.astray.fill(true);
         }
-        std::mem::take(&mut room.astray[self.board])
+        Ok(std::mem::take(&mut room.astray[self.board]))
     }
 
     fn take_notes(&mut self) -> Vec<String> {
@@ -193,6 +193,10 @@ impl Supply for SharedSupply {
             turns.of = None;
         }
         Ok(())
+    }
+
+    fn hold(&mut self) -> Result<(), InstrumentError> {
+        lock(&self.turns).take(self.board)?.hold()
     }
 
     fn gyro_output(&mut self, axis: Axis) -> Result<Volts, InstrumentError> {

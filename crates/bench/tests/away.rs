@@ -73,9 +73,9 @@ impl Chamber for Astray {
         self.chamber.air()
     }
 
-    fn take_astray(&mut self) -> bool {
+    fn take_astray(&mut self) -> Result<bool, InstrumentError> {
         self.asked += 1;
-        self.asked == self.at
+        Ok(self.asked == self.at)
     }
 }
 

@@ -31,9 +31,10 @@ pub fn plan(steps: &str, seconds: f64) -> String {
     format!("the plan: {steps}, about {}; without delay it ends {}", time(seconds), from_now(seconds))
 }
 
+/// No later than a thousand years: nobody waits for what takes longer.
 fn later(now: DateTime<Local>, seconds: f64) -> DateTime<Local> {
-    #[allow(clippy::cast_possible_truncation)] // days at most
-    let seconds = seconds as i64;
+    #[allow(clippy::cast_possible_truncation)] // within a thousand years
+    let seconds = seconds.clamp(0.0, 1000.0 * 365.25 * 86_400.0) as i64;
     now + TimeDelta::seconds(seconds)
 }
 

@@ -38,6 +38,8 @@ trait Speech: Send {
     fn send(&mut self, value: f64) -> Result<(), Fault>;
     fn run(&mut self) -> Result<(), Fault>;
     fn stop(&mut self) -> Result<(), Fault>;
+    /// Whether it says that it stands still, or that it runs; `None` of one that says neither.
+    fn stopped(&mut self) -> Result<Option<bool>, Fault>;
     /// The least difference that it knows, degrees.
     fn resolution(&self) -> f64;
     fn identity(&mut self) -> Result<Option<String>, Fault>;
@@ -113,8 +115,31 @@ impl Controller {
     /// [`Fault`]; then somebody has to go there.
     pub fn rest(&mut self) -> Result<(), Fault> {
         let written = self.write(self.safe);
-        let stopped = self.speech.stop();
+        let stopped = self.speech.stop().and_then(|()| self.stands());
         written.and(stopped)
+    }
+
+    /// Looks whether it has stopped, if it tells.
+    fn stands(&mut self) -> Result<(), Fault> {
+        for _ in 0..LOOKS {
+            if self.speech.stopped()? != Some(false) {
+                return Ok(());
+            }
+            thread::sleep(LOOK_AGAIN);
+        }
+        Err(Fault::RunsOn)
+    }
+
+    /// What has become of a controller that was sent somewhere, where it is not on its way any more: a phrase.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn strayed_from(&mut self, to: Celsius) -> Result<Option<String>, Fault> {
+        let is = self.set_point()?;
+        if !self.is_same(is, to) {
+            return Ok(Some(format!("set to {:.1} C", is.0)));
+        }
+        Ok((self.speech.stopped()? == Some(true)).then(|| "stopped".to_owned()))
     }
 
     /// Where it is sent at the end.
@@ -124,7 +149,6 @@ impl Controller {
     }
 
     /// Whether two set points are one to it.
-    #[must_use]
     pub fn is_same(&self, one: Celsius, other: Celsius) -> bool {
         // Half of the last digit is rounding, and a Fahrenheit's is smaller.
         (one - other).0.abs() <= 0.51 * self.speech.resolution() + 1e-3

@@ -88,6 +88,19 @@ pub enum Fault {
         /// What is read back.
         read_back: f64,
     },
+    /// A controller that was stopped says that it runs.
+    #[error("it was stopped, and says that it runs on: see whether a programme runs on it, and its lock")]
+    RunsOn,
+    /// A supply has not held what it fed.
+    #[error(
+        "the supply fed {volts:.4} V and gives {given:.4} V now: what was measured meanwhile is not of it. See whether it has started anew or limits its current"
+    )]
+    NotHeld {
+        /// What it fed, volts.
+        volts: f64,
+        /// What it gives, volts.
+        given: f64,
+    },
     /// A supply limits its current.
     #[error(
         "the supply is in current limit: set to {volts:.4} V it gives {given:.4} V and {amperes:.4} A, its limit: look for a short circuit, or raise the limit"

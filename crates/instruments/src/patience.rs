@@ -44,7 +44,7 @@ impl Patience {
         }
         self.was_told = true;
         Some(format!(
-            "the {} has not answered for {} minutes: the run pauses until it is back, and what the board says is recorded meanwhile. {why}. Ctrl-C ends the run",
+            "the {} has not answered for {} minutes: what needs it waits until it is back, and what the board says is recorded meanwhile. {why}. Ctrl-C ends the run",
             self.what,
             TELL_AFTER.as_secs() / 60
         ))
@@ -76,7 +76,7 @@ mod tests {
         assert!(!patience.may_ask(at(4)) && patience.may_ask(at(5)));
         assert_eq!(patience.silent(at(179), "no answer"), None);
         let told = patience.silent(at(180), "no answer").unwrap();
-        assert!(told.contains("chamber has not answered for 3 minutes: the run pauses"), "{told}");
+        assert!(told.contains("chamber has not answered for 3 minutes: what needs it waits"), "{told}");
         assert_eq!(patience.silent(at(300), "no answer"), None);
         let (was_silent, told) = patience.heard(at(600));
         assert!(was_silent && told.unwrap().contains("answers again, after 10 minutes"));

@@ -1,7 +1,8 @@
 //! SCPI as a client: lines of text, one answer a question.
 //!
 //! What was not answered is asked again only after the line was made anew or was quiet, and what came unasked is dropped
-//! before each question: so a late answer, or one that came twice, is never taken for the next.
+//! before each question: so a late answer, or one that came twice within 30 ms, is never taken for the next. SCPI numbers nothing:
+//! one that comes twice, later than that, cannot be told from the next.
 
 use std::time::{Duration, Instant};
 
@@ -152,7 +153,9 @@ impl Scpi {
         let mut heard = Vec::new();
         loop {
             if let Some(end) = heard.iter().position(|&byte| byte == b'\n') {
-                return Ok(String::from_utf8_lossy(&heard[..end]).trim().to_owned());
+                let line = String::from_utf8_lossy(&heard[..end]);
+                // A terminal would obey what is none of a text.
+                return Ok(line.trim().chars().filter(|letter| !letter.is_control()).collect());
             }
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() || heard.len() > LONGEST {

@@ -16,6 +16,10 @@ use crate::scpi::Scpi;
 /// How often the output is measured before it is not what was set, and how long between two: it settles.
 const LOOKS: u32 = 5;
 const LOOK_AGAIN: Duration = Duration::from_millis(100);
+/// How often a command is given before it is not obeyed: one may be lost with its connection, and nothing answers it.
+const COMMANDED: u32 = 2;
+/// Two measurements of one voltage differ by less.
+const NOISE_V: f64 = 1e-3;
 /// A current of this share of its limit is the limit's.
 const AT_LIMIT: f64 = 0.95;
 
@@ -23,6 +27,8 @@ const AT_LIMIT: f64 = 0.95;
 pub struct PowerSupply {
     scpi: Scpi,
     table: SupplyTable,
+    /// What it feeds: as it was sent, and as it was measured.
+    fed: Option<[f64; 2]>,
 }
 
 impl PowerSupply {
@@ -35,7 +41,7 @@ impl PowerSupply {
             return Err(format!("{address}: a supply is spoken to by SCPI: give scpi:HOST:PORT or scpi:PATH"));
         }
         let scpi = Scpi::new(address.line(), Duration::from_millis(table.time_out_ms));
-        Ok(Self { scpi, table: table.clone() })
+        Ok(Self { scpi, table: table.clone(), fed: None })
     }
 
     /// Who it says that it is.
@@ -86,26 +92,62 @@ impl PowerSupply {
             });
         }
         let on = self.table.output;
-        self.scpi.order(&format!("VOLT {:.6}{}", volts.0, on.as_argument()))?;
-        self.scpi.order(&format!("OUTP ON{}", on.as_argument()))?;
-        let mut looks = 1;
+        let mut commanded = 1;
         loop {
-            let given = self.scpi.ask_number(&format!("MEAS:VOLT?{}", on.alone()))?;
-            if (given - volts.0).abs() <= self.table.tolerance_v {
+            self.scpi.order(&format!("VOLT {:.6}{}", volts.0, on.as_argument()))?;
+            self.scpi.order(&format!("OUTP ON{}", on.as_argument()))?;
+            let given = self.settled(volts.0)?;
+            if self.is_fed(volts.0, given) {
+                self.fed = Some([volts.0, given]);
                 return Ok(());
             }
-            if looks == LOOKS {
-                let amperes = self.scpi.ask_number(&format!("MEAS:CURR?{}", on.alone()))?;
-                let limit = self.scpi.ask_number(&format!("CURR?{}", on.alone()))?;
-                return Err(if amperes >= AT_LIMIT * limit {
-                    Fault::CurrentLimit { volts: volts.0, given, amperes }
-                } else {
-                    Fault::NotTaken { what: "a supply's voltage (V) of", sent: volts.0, read_back: given }
-                });
+            let amperes = self.scpi.ask_number(&format!("MEAS:CURR?{}", on.alone()))?;
+            let limit = self.scpi.ask_number(&format!("CURR?{}", on.alone()))?;
+            if amperes >= AT_LIMIT * limit {
+                return Err(Fault::CurrentLimit { volts: volts.0, given, amperes });
+            }
+            if commanded == COMMANDED {
+                return Err(Fault::NotTaken { what: "a supply's voltage (V) of", sent: volts.0, read_back: given });
+            }
+            commanded += 1;
+        }
+    }
+
+    /// What it gives once it is what was sent, or does not become it.
+    fn settled(&mut self, volts: f64) -> Result<f64, Fault> {
+        let mut looks = 1;
+        loop {
+            let given = self.measured()?;
+            if looks == LOOKS || self.is_fed(volts, given) {
+                return Ok(given);
             }
             looks += 1;
             thread::sleep(LOOK_AGAIN);
         }
+    }
+
+    fn measured(&mut self) -> Result<f64, Fault> {
+        self.scpi.ask_number(&format!("MEAS:VOLT?{}", self.table.output.alone()))
+    }
+
+    /// Whether it gives a voltage that was sent, within the tolerance, and has moved there from the one before: that may be within the
+    /// tolerance too.
+    fn is_fed(&self, volts: f64, given: f64) -> bool {
+        let has_moved = self.fed.is_none_or(|[sent, gave]| {
+            let (asked, moved) = (volts - sent, given - gave);
+            (moved - asked).abs() <= 0.5 * asked.abs() + NOISE_V
+        });
+        has_moved && (given - volts).abs() <= self.table.tolerance_v
+    }
+
+    /// Measures once more what it feeds: what was measured on it rests on that.
+    ///
+    /// # Errors
+    /// [`Fault::NotHeld`].
+    pub fn hold(&mut self) -> Result<(), Fault> {
+        let Some([volts, _]) = self.fed else { return Ok(()) };
+        let given = self.settled(volts)?;
+        if (given - volts).abs() <= self.table.tolerance_v { Ok(()) } else { Err(Fault::NotHeld { volts, given }) }
     }
 
     /// Switches the output off, and asks whether it is.
@@ -114,11 +156,14 @@ impl PowerSupply {
     /// [`Fault`]; then somebody has to go there.
     pub fn off(&mut self) -> Result<(), Fault> {
         let output = self.table.output;
-        self.scpi.order(&format!("OUTP OFF{}", output.as_argument()))?;
-        if self.is_on()? {
-            return Err(Fault::Scpi { command: "OUTP OFF".into(), error: "its output is still on".into() });
+        self.fed = None;
+        for _ in 0..COMMANDED {
+            self.scpi.order(&format!("OUTP OFF{}", output.as_argument()))?;
+            if !self.is_on()? {
+                return Ok(());
+            }
         }
-        Ok(())
+        Err(Fault::Scpi { command: "OUTP OFF".into(), error: "its output is still on".into() })
     }
 
     /// What a voltmeter shows at a gyro's rate output; without one what the set-up says.

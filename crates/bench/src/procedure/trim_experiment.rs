@@ -81,6 +81,7 @@ fn measure(
             None => *per_tap.insert(counts_per_tap(session, at_middle, recorder)?),
         };
         let found = search(session, at_middle, slopes, supply, recorder)?;
+        session.patiently(Phase::Supply, recorder, |bench| bench.supply.hold())?;
         for axis in Axis::BOTH {
             let (tap, trimmed) = found[axis.index()];
             let at_middle = at_middle[axis.index()];
@@ -101,6 +102,7 @@ fn measure(
             }
         }
     }
+    session.patiently(Phase::Supply, recorder, |bench| bench.supply.hold())?;
     Ok(measured)
 }
 

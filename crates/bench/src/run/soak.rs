@@ -43,10 +43,10 @@ impl Session<'_> {
     pub(super) fn leave(&mut self, to: Celsius, recorder: &mut Recorder) -> Result<(), BenchError> {
         let from = self.bench.chamber.set_point();
         // What it did on the way to where it was held is over.
-        self.bench.chamber.take_astray();
+        self.was_astray(recorder)?;
         loop {
             self.patiently(Phase::Soak, recorder, |bench| bench.chamber.set(to))?;
-            if !self.bench.chamber.take_astray() {
+            if !self.was_astray(recorder)? {
                 return Ok(());
             }
             self.warn(format!(
@@ -57,6 +57,11 @@ impl Session<'_> {
             self.arrive(from, recorder)?;
             self.hold(from, Seconds(self.setup.chamber.soak_s), recorder)?;
         }
+    }
+
+    /// Whether the chamber has gone where it was not to go, since that was last asked; it is waited for while it is away.
+    pub(super) fn was_astray(&mut self, recorder: &mut Recorder) -> Result<bool, BenchError> {
+        self.patiently(Phase::Soak, recorder, |bench| bench.chamber.take_astray())
     }
 
     /// Waits until the air is at the set point.

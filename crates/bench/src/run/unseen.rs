@@ -33,7 +33,7 @@ impl Session<'_> {
         self.leave(set_point, recorder)?;
         if self.bench.chamber.is_seen() {
             let taken = self.until(self.taken + groups, phase, recorder)?;
-            return if self.bench.chamber.take_astray() { Err(BenchError::OffCourse) } else { Ok(taken) };
+            return if self.was_astray(recorder)? { Err(BenchError::OffCourse) } else { Ok(taken) };
         }
         let period = self.setup.group_period();
         let mut watch = RampWatch::new(from, set_point, period * f64::from(groups), period);

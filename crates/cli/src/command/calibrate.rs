@@ -365,7 +365,7 @@ fn with_what_is_left(error: BenchError, out: &Path, keep: Keep) -> anyhow::Error
         };
         format!("the run stopped; what it had recorded is in {}{go_on}", kept.display())
     } else {
-        "the run could not begin".into()
+        "the run ended before it had recorded anything".into()
     };
     anyhow::Error::from(error).context(left)
 }

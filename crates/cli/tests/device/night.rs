@@ -274,6 +274,25 @@ fn a_chamber_that_has_left_before_its_ramp_is_held_once_more() {
     hold_against_the_simulated(&bench, &passed(&mut run));
 }
 
+/// Set point 25.0 at 2782, low word first, and off, 62, at 2730: what a controller is at that starts anew.
+const ANEW: &[u8] =
+    &[0, 1, 0, 0, 0, 11, 1, 16, 0x0A, 0xDE, 0, 2, 4, 0, 0, 0x41, 0xC8, 0, 2, 0, 0, 0, 6, 1, 6, 0x0A, 0xAA, 0, 62];
+
+/// Its connection is made anew within one question, so that nothing seems to have been amiss.
+#[test]
+fn a_ramp_in_which_the_controller_starts_anew_is_none() {
+    // A ramp of ten minutes takes six seconds.
+    let bench = Bench::start_at("100", "tcp:127.0.0.1:0");
+    let (line, chamber) = faulty(&bench);
+    let mut run = bench.calibrate_by(&chamber, &bench.supply, &[]);
+    await_the_ramp(&bench);
+    line.does(Does::Instead(&[], ANEW));
+    let told = told(&mut run);
+    assert_eq!(await_end(&mut run), Some(2), "{told}");
+    assert!(told.contains("the controller started anew during the ramp"), "{told}");
+    assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
+}
+
 /// All was measured, and the chamber heats on: that is what whoever is woken by the message must hear first.
 #[test]
 fn a_controller_that_does_not_stop_at_the_end_is_told_of_first() {

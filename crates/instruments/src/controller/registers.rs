@@ -108,6 +108,24 @@ impl Speech for ByRegisters {
         self.registers.stop.map_or(Ok(()), |(register, value)| self.modbus.write(register, &[value]))
     }
 
+    fn stopped(&mut self) -> Result<Option<bool>, Fault> {
+        let (Some((register, run)), Some((other, stop))) = (self.registers.run, self.registers.stop) else {
+            return Ok(None);
+        };
+        if register != other {
+            return Ok(None);
+        }
+        match self.modbus.read(register, 1) {
+            Ok(words) => {
+                Ok([(stop, true), (run, false)].into_iter().find(|(value, _)| *value == words[0]).map(|of| of.1))
+            }
+            Err(fault @ Fault::Refused { .. }) if fault.may_pass() => Err(fault),
+            // It is for writing alone.
+            Err(Fault::Refused { .. }) => Ok(None),
+            Err(fault) => Err(fault),
+        }
+    }
+
     fn resolution(&self) -> f64 {
         match self.registers.form {
             Form::I16 => 1.0 / self.registers.scale,

@@ -12,6 +12,8 @@ struct Fake {
     sent: Vec<f64>,
     stopped: bool,
     is_gone: bool,
+    /// It acknowledges a stop, and runs on.
+    runs_on: bool,
 }
 
 struct Behind(Arc<Mutex<Fake>>);
@@ -46,6 +48,11 @@ impl Speech for Behind {
     fn stop(&mut self) -> Result<(), Fault> {
         self.0.lock().unwrap().stopped = true;
         Ok(())
+    }
+
+    fn stopped(&mut self) -> Result<Option<bool>, Fault> {
+        let fake = self.0.lock().unwrap();
+        Ok(Some(fake.stopped && !fake.runs_on))
     }
 
     fn resolution(&self) -> f64 {
@@ -111,4 +118,22 @@ fn at_rest_it_is_stopped_at_its_safe_set_point_and_stopped_though_that_is_not_ta
     fake.lock().unwrap().stopped = false;
     fake.lock().unwrap().is_gone = true;
     assert!(controller.rest().is_err() && fake.lock().unwrap().stopped);
+}
+
+#[test]
+fn a_controller_that_started_anew_is_told_by_its_set_point_or_that_it_stands() {
+    let (mut controller, fake) = controller(Degrees::C);
+    controller.send(Celsius(40.0)).unwrap();
+    assert_eq!(controller.strayed_from(Celsius(40.0)).unwrap(), None);
+    fake.lock().unwrap().stopped = true;
+    assert_eq!(controller.strayed_from(Celsius(40.0)).unwrap().unwrap(), "stopped");
+    fake.lock().unwrap().set_point = 25.0;
+    assert_eq!(controller.strayed_from(Celsius(40.0)).unwrap().unwrap(), "set to 25.0 C");
+}
+
+#[test]
+fn one_that_acknowledges_a_stop_and_runs_on_is_not_at_rest() {
+    let (mut controller, fake) = controller(Degrees::C);
+    fake.lock().unwrap().runs_on = true;
+    assert!(matches!(controller.rest(), Err(Fault::RunsOn)));
 }

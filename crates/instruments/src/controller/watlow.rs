@@ -41,6 +41,11 @@ impl Speech for ByScpi {
         self.0.tell(&format!("{OUTPUT} OFF"))
     }
 
+    // What it answers to a question for its output is in no source at hand.
+    fn stopped(&mut self) -> Result<Option<bool>, Fault> {
+        Ok(None)
+    }
+
     fn resolution(&self) -> f64 {
         0.1
     }

@@ -51,3 +51,34 @@ fn a_supply_in_current_limit_and_one_that_refuses_are_errors() {
     let error = supply.feed(Volts(11.0)).unwrap_err().to_string();
     assert!(error.contains("nothing was sent"), "{error}");
 }
+
+#[test]
+#[ignore = "needs sinstruments: cargo xtask test instruments"]
+fn a_command_that_is_lost_with_its_connection_is_given_once_more() {
+    let server = Server::start("supply.py", &[]);
+    let line = FaultLine::tcp(server.port);
+    let mut supply = supply(&line.place);
+    supply.feed(Volts(2.4)).unwrap();
+    // Nearer to the voltage before than the tolerance.
+    line.does(Does::Instead(b"VOLT", b""));
+    supply.feed(Volts(2.41)).unwrap();
+    line.does(Does::Instead(b"OUTP OFF", b""));
+    supply.off().unwrap();
+    assert!(!supply.is_on().unwrap());
+}
+
+#[test]
+#[ignore = "needs sinstruments: cargo xtask test instruments"]
+fn a_supply_that_drops_out_after_it_was_measured_does_not_hold() {
+    let server = Server::start("supply.py", &[]);
+    let line = FaultLine::tcp(server.port);
+    let mut supply = supply(&line.place);
+    supply.feed(Volts(2.4)).unwrap();
+    supply.hold().unwrap();
+    line.does(Does::Instead(b"MEAS", b"OUTP OFF\n"));
+    let error = supply.hold().unwrap_err();
+    assert!(
+        matches!(error, Fault::NotHeld { .. }) && error.to_string().contains("fed 2.4000 V and gives 0.0000"),
+        "{error}"
+    );
+}

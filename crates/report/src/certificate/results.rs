@@ -32,7 +32,7 @@ pub(super) fn section(run: &BoardRun) -> Markup {
                 (Table {
                     caption: html! {
                         "Zero-rate output, peak to peak of group means: the drift without compensation, and the residual with it in a "
-                        "second ramp that no fit has seen; its mean less the centre is what U, below, is of."
+                        "second ramp that no fit has seen; mean is that of the second ramp less the centre, as U below is."
                     },
                     heads: &["Axis, mode, ramp", "Drift, counts", "Drift, deg/s", "Residual, counts", "Residual, deg/s", "Mean, counts", "Temperature"],
                     rows: summary.tests.iter().map(row).collect(),
