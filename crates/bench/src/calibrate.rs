@@ -15,7 +15,7 @@ use crate::calibrated::{Calibrated, Unit};
 use crate::checkpoint::{Checkpoints, Keep};
 use crate::client::LineCounts;
 use crate::error::BenchError;
-use crate::instruments::{Bench, rests_again};
+use crate::instruments::{Bench, rest_for};
 use crate::measure::{self, first_time, measure_on};
 use crate::output::{self, OutputFolder};
 use crate::plan::Part;
@@ -44,7 +44,7 @@ pub fn calibrate(
     let was_there = out.exists();
     let result = run(bench, setup, unit, out, progress, keep);
     // Somebody has to go there: that is what is told, on the screen and by a message.
-    let rested = bench.rest(&|waited| rests_again(waited, progress.is_interrupted()));
+    let rested = bench.rest(&|waited| waited < rest_for(progress.is_interrupted()));
     let result = match (result, rested) {
         (result, Ok(())) => result,
         (Ok(_), Err(left_on)) => Err(BenchError::DoneLeftOn(left_on)),

@@ -11,10 +11,15 @@ use crate::client::DeviceClient;
 /// Whether an instrument that is away is told to rest once more, after so long.
 pub type OnceMore<'a> = &'a dyn Fn(Duration) -> bool;
 
-/// Where somebody has pressed Ctrl-C they wait for it, and can go there; nobody is there at night, when a line is cut for minutes.
+/// How long an instrument that is away is told to rest where somebody waits for it, who has pressed Ctrl-C and can go there.
+pub const REST_WATCHED: Duration = Duration::from_secs(30);
+/// The same where nobody is there, as at night, when a line is cut for minutes.
+pub const REST_ALONE: Duration = Duration::from_secs(600);
+
+/// How long an instrument that is away is told to rest.
 #[must_use]
-pub fn rests_again(waited: Duration, is_interrupted: bool) -> bool {
-    waited < Duration::from_secs(if is_interrupted { 30 } else { 600 })
+pub fn rest_for(is_interrupted: bool) -> Duration {
+    if is_interrupted { REST_WATCHED } else { REST_ALONE }
 }
 
 /// A temperature chamber.
@@ -238,20 +243,11 @@ impl Bench {
     /// # Errors
     /// [`InstrumentError::NotAtRest`].
     pub fn rest(&mut self, once_more: OnceMore) -> Result<(), InstrumentError> {
-        let supply = self.supply.rest(once_more);
+        // Each is told at once, before one that is away is waited for.
+        let _ = self.chamber.rest(&|_| false);
+        let _ = self.supply.rest(&|_| false);
         let chamber = self.chamber.rest(once_more);
-        supply.and(chamber)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn at_night_an_instrument_is_told_to_rest_for_longer_than_a_line_is_cut() {
-        let minutes = |minutes: u64| Duration::from_secs(60 * minutes);
-        assert!(rests_again(minutes(5), false) && !rests_again(minutes(10), false));
-        assert!(rests_again(Duration::from_secs(20), true) && !rests_again(minutes(1), true));
+        let supply = self.supply.rest(once_more);
+        chamber.and(supply)
     }
 }

@@ -12,7 +12,7 @@ use zerorate_instruments::fault::Fault;
 use zerorate_instruments::patience::Patience;
 use zerorate_instruments::supply::PowerSupply;
 
-use crate::instruments::{Chamber, Cycled, InstrumentError, OnceMore, Power, Supply, rests_again};
+use crate::instruments::{Chamber, Cycled, InstrumentError, OnceMore, Power, Supply};
 use crate::setup::SetUp;
 
 /// How long after an instrument that is away was told to rest it is told again.
@@ -83,16 +83,16 @@ impl Contact {
         once_more: OnceMore,
         mut act: impl FnMut() -> Result<(), Fault>,
     ) -> Result<(), InstrumentError> {
-        let (began, mut tries) = (Instant::now(), 1);
+        let (began, mut not_done) = (Instant::now(), 0);
         loop {
-            match act() {
-                Ok(()) => return Ok(()),
-                Err(fault) if fault.may_pass() && once_more(began.elapsed()) => thread::sleep(REST_AGAIN),
-                // What is not done may not have been heard.
-                Err(_) if tries < REST_TRIES => thread::sleep(REST_AGAIN),
-                Err(fault) => return Err(InstrumentError::NotAtRest { what: self.name.clone(), fault }),
+            let Err(fault) = act() else { return Ok(()) };
+            // What it does not do, though it answers, it may not have heard.
+            not_done += u32::from(!fault.may_pass());
+            let again = if fault.may_pass() { once_more(began.elapsed()) } else { not_done < REST_TRIES };
+            if !again {
+                return Err(InstrumentError::NotAtRest { what: self.name.clone(), fault });
             }
-            tries += 1;
+            thread::sleep(REST_AGAIN);
         }
     }
 }
@@ -200,12 +200,13 @@ impl RemoteChamber {
     fn put_right(&mut self) -> Result<(), Fault> {
         let should = self.set_point;
         let strayed = self.controller.strayed_from(should)?;
+        // Whether it is sent there or not: it was elsewhere.
+        self.is_astray |= strayed.is_some();
         // After a silence with the same set point too: it may have come back without running, and not every one tells.
         if strayed.is_some() || self.is_owed {
             self.controller.send(should)?;
         }
         if let Some(strayed) = strayed {
-            self.is_astray = true;
             self.contact.notes.push(format!(
                 "the chamber is {strayed}, which it was not told: it was sent to {:.1} C again",
                 should.0
@@ -264,9 +265,10 @@ impl Chamber for RemoteChamber {
     }
 
     fn rest(&mut self, once_more: OnceMore) -> Result<(), InstrumentError> {
-        if std::mem::take(&mut self.is_under_way) {
+        if self.is_under_way {
             let controller = &mut self.controller;
             self.contact.bring_to_rest(once_more, || controller.rest())?;
+            self.is_under_way = false;
             self.set_point = self.controller.safe();
         }
         Ok(())
@@ -276,7 +278,7 @@ impl Chamber for RemoteChamber {
 impl Drop for RemoteChamber {
     fn drop(&mut self) {
         // Whoever ends in order has seen the error of `rest`.
-        let _ = self.rest(&|waited| rests_again(waited, true));
+        let _ = self.rest(&|_| false);
     }
 }
 
@@ -343,9 +345,10 @@ impl Supply for RemoteSupply {
     }
 
     fn rest(&mut self, once_more: OnceMore) -> Result<(), InstrumentError> {
-        if std::mem::take(&mut self.is_on) {
+        if self.is_on {
             let supply = &mut self.supply;
             self.contact.bring_to_rest(once_more, || supply.off())?;
+            self.is_on = false;
         }
         Ok(())
     }
@@ -354,7 +357,7 @@ impl Supply for RemoteSupply {
 impl Drop for RemoteSupply {
     fn drop(&mut self) {
         // As the chamber's.
-        let _ = self.rest(&|waited| rests_again(waited, true));
+        let _ = self.rest(&|_| false);
     }
 }
 

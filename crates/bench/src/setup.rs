@@ -90,7 +90,7 @@ pub struct Acquisition {
     /// Time from sample to sample, microseconds.
     pub sample_period_us: u32,
     /// Conversions that a sample is the mean of: 1, 2, 4, 8 or 16, 100 microseconds apart at least. The paper's board has one,
-    /// and a vibration at its sampling rate folds onto the zero. As many as the board's firmware asks its port for.
+    /// and a vibration at its sampling rate is aliased onto the zero. As many as the board's firmware asks its port for.
     pub oversampling: u8,
 }
 

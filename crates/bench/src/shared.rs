@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use zerorate_core::units::{Axis, Celsius, Volts};
 
-use crate::instruments::{Chamber, InstrumentError, OnceMore, Supply, rests_again};
+use crate::instruments::{Chamber, InstrumentError, OnceMore, REST_WATCHED, Supply};
 
 /// A chamber's air is asked for once in this time, whoever wants to know.
 const ASKED_EVERY: Duration = Duration::from_millis(50);
@@ -148,7 +148,7 @@ impl Chamber for SharedChamber {
 impl Drop for SharedChamber {
     fn drop(&mut self) {
         // Whoever ends in order has seen the error of `rest`.
-        let _ = self.rest(&|waited| rests_again(waited, true));
+        let _ = self.rest(&|_| false);
     }
 }
 
@@ -208,11 +208,11 @@ impl Supply for SharedSupply {
         if turns.of == Some(self.board) { turns.supply.take_notes() } else { Vec::new() }
     }
 
-    fn rest(&mut self, _: OnceMore) -> Result<(), InstrumentError> {
+    fn rest(&mut self, once_more: OnceMore) -> Result<(), InstrumentError> {
         let mut turns = lock(&self.turns);
         if turns.of == Some(self.board) {
             // The others wait meanwhile, and their groups: not as long as an own one is told.
-            turns.supply.rest(&|waited| rests_again(waited, true))?;
+            turns.supply.rest(&|waited| waited < REST_WATCHED && once_more(waited))?;
             turns.of = None;
         }
         Ok(())
@@ -221,8 +221,10 @@ impl Supply for SharedSupply {
 
 impl Drop for SharedSupply {
     fn drop(&mut self) {
-        // As the chamber's.
-        let _ = self.rest(&|waited| rests_again(waited, true));
+        // As the chamber's. One that cannot be switched off now is the others' to use, and is tried again when it is let go of.
+        if self.rest(&|_| false).is_err() {
+            lock(&self.turns).of = None;
+        }
     }
 }
 

@@ -149,7 +149,7 @@ impl Controller {
     }
 
     /// Whether two set points are one to it.
-    pub fn is_same(&self, one: Celsius, other: Celsius) -> bool {
+    fn is_same(&self, one: Celsius, other: Celsius) -> bool {
         // Half of the last digit is rounding, and a Fahrenheit's is smaller.
         (one - other).0.abs() <= 0.51 * self.speech.resolution() + 1e-3
     }

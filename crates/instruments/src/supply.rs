@@ -97,19 +97,23 @@ impl PowerSupply {
             self.scpi.order(&format!("VOLT {:.6}{}", volts.0, on.as_argument()))?;
             self.scpi.order(&format!("OUTP ON{}", on.as_argument()))?;
             let given = self.settled(volts.0)?;
-            if self.is_fed(volts.0, given) {
+            let is_fed = self.is_within(volts.0, given);
+            if is_fed && (self.has_moved(volts.0, given) || commanded == COMMANDED) {
                 self.fed = Some([volts.0, given]);
                 return Ok(());
+            }
+            commanded += 1;
+            if is_fed {
+                continue;
             }
             let amperes = self.scpi.ask_number(&format!("MEAS:CURR?{}", on.alone()))?;
             let limit = self.scpi.ask_number(&format!("CURR?{}", on.alone()))?;
             if amperes >= AT_LIMIT * limit {
                 return Err(Fault::CurrentLimit { volts: volts.0, given, amperes });
             }
-            if commanded == COMMANDED {
+            if commanded > COMMANDED {
                 return Err(Fault::NotTaken { what: "a supply's voltage (V) of", sent: volts.0, read_back: given });
             }
-            commanded += 1;
         }
     }
 
@@ -118,7 +122,7 @@ impl PowerSupply {
         let mut looks = 1;
         loop {
             let given = self.measured()?;
-            if looks == LOOKS || self.is_fed(volts, given) {
+            if looks == LOOKS || self.is_within(volts, given) {
                 return Ok(given);
             }
             looks += 1;
@@ -130,14 +134,16 @@ impl PowerSupply {
         self.scpi.ask_number(&format!("MEAS:VOLT?{}", self.table.output.alone()))
     }
 
-    /// Whether it gives a voltage that was sent, within the tolerance, and has moved there from the one before: that may be within the
-    /// tolerance too.
-    fn is_fed(&self, volts: f64, given: f64) -> bool {
-        let has_moved = self.fed.is_none_or(|[sent, gave]| {
+    fn is_within(&self, volts: f64, given: f64) -> bool {
+        (given - volts).abs() <= self.table.tolerance_v
+    }
+
+    /// Whether it has moved from the voltage before as it was told: that may be within the tolerance of the new one.
+    fn has_moved(&self, volts: f64, given: f64) -> bool {
+        self.fed.is_none_or(|[sent, gave]| {
             let (asked, moved) = (volts - sent, given - gave);
             (moved - asked).abs() <= 0.5 * asked.abs() + NOISE_V
-        });
-        has_moved && (given - volts).abs() <= self.table.tolerance_v
+        })
     }
 
     /// Measures once more what it feeds: what was measured on it rests on that.
@@ -147,7 +153,7 @@ impl PowerSupply {
     pub fn hold(&mut self) -> Result<(), Fault> {
         let Some([volts, _]) = self.fed else { return Ok(()) };
         let given = self.settled(volts)?;
-        if (given - volts).abs() <= self.table.tolerance_v { Ok(()) } else { Err(Fault::NotHeld { volts, given }) }
+        if self.is_within(volts, given) { Ok(()) } else { Err(Fault::NotHeld { volts, given }) }
     }
 
     /// Switches the output off, and asks whether it is.

@@ -42,12 +42,13 @@ impl Session<'_> {
     /// held once more, for a ramp begins where everything inside is at one temperature.
     pub(super) fn leave(&mut self, to: Celsius, recorder: &mut Recorder) -> Result<(), BenchError> {
         let from = self.bench.chamber.set_point();
-        // What it did on the way to where it was held is over.
-        self.was_astray(recorder)?;
+        let mut is_astray = self.was_astray(recorder)?;
         loop {
-            self.patiently(Phase::Soak, recorder, |bench| bench.chamber.set(to))?;
-            if !self.was_astray(recorder)? {
-                return Ok(());
+            if !is_astray {
+                self.patiently(Phase::Soak, recorder, |bench| bench.chamber.set(to))?;
+                if !self.was_astray(recorder)? {
+                    return Ok(());
+                }
             }
             self.warn(format!(
                 "the chamber may have left {} C while it did not answer, before the ramp began: it is sent back and held there again",
@@ -56,6 +57,7 @@ impl Session<'_> {
             self.patiently(Phase::Soak, recorder, |bench| bench.chamber.set(from))?;
             self.arrive(from, recorder)?;
             self.hold(from, Seconds(self.setup.chamber.soak_s), recorder)?;
+            is_astray = false;
         }
     }
 
@@ -89,7 +91,8 @@ impl Session<'_> {
                 hold = Hold::at(set_point, time);
             }
         }
-        Ok(())
+        // What it did on its way and meanwhile is over: it was here for so long.
+        self.was_astray(recorder).map(drop)
     }
 
     /// Lets time pass: the plant's, or that of the board's groups.

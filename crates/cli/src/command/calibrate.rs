@@ -47,7 +47,7 @@ use crate::screen;
 
 /// Run the whole experiment, simulated or on a real board: ramp, fit, trim, compensate, verify, report
 ///
-/// Takes a unit through the paper: soak at the cold end, record one heating ramp (and, if the set-up says so, the way
+/// Takes a unit through the experiment of Wu, Wang and Tang (2012): soak at the cold end, record one heating ramp (and, if the set-up says so, the way
 /// back), fit the drift, find in 21 steps of a fine supply how the potentiometer moves the reading, compose the two, put
 /// the law on the device, and prove it on a second ramp - once with the potentiometer alone, once with the rest
 /// subtracted in numbers - heating and cooling, and with the axes swapped. Eleven soaks, the traditional test, are run
@@ -146,11 +146,12 @@ Examples:
       the limits that a unit must pass are in the set-up
   zerorate calibrate --device serial:/dev/ttyUSB0 --chamber manual --supply manual --setup bench.toml
       a real board; soaks_c = [] in the set-up leaves out the soaks, which take most of it
+  zerorate setup --controller watlow-f4t > night.toml
   zerorate calibrate --device serial:/dev/ttyUSB0 --chamber modbus-tcp:10.0.0.7:502 --supply scpi:10.0.0.8:5025 \\
-      --setup bench.toml --dry-run
+      --setup night.toml --dry-run
       the plan of a night, and whether chamber and supply answer; without --dry-run it begins
   zerorate calibrate --device serial:/dev/ttyUSB0 --device serial:/dev/ttyUSB1 --chamber modbus-tcp:10.0.0.7:502 \\
-      --supply scpi:10.0.0.8:5025 --setup bench.toml --out lot-7
+      --supply scpi:10.0.0.8:5025 --setup night.toml --out lot-7
       two boards in one chamber; lot-7 has a folder for each serial number
   zerorate calibrate ... --live 0.0.0.0:5495
       the run as it goes, on a telephone in the same network: open the address that it prints
@@ -292,7 +293,13 @@ impl Calibrate {
         if let Some(live) = live {
             bar.note(&live.told());
         }
-        let result = calibrate(bench, setup, unit, out, &mut LookedOn::new(&mut bar, setup, live.as_ref()), *keep);
+        let mut progress = LookedOn::new(&mut bar, setup, live.as_ref());
+        let mut result = calibrate(bench, setup, unit.clone(), out, &mut progress, *keep);
+        // At night nobody is there to go on.
+        if let Err(error @ BenchError::OffCourse) = &result {
+            progress.note(&format!("{error}; it is run again, once"));
+            result = calibrate(bench, setup, unit, out, &mut progress, Keep::Resume);
+        }
         bar.finish();
         result.map_err(|error| with_what_is_left(error, out, *keep))
     }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use anyhow::Result;
 use clap::Args;
-use zerorate_bench::instruments::{Chamber as _, InstrumentError, rests_again};
+use zerorate_bench::instruments::{Chamber as _, InstrumentError, rest_for};
 use zerorate_bench::profile::{Pace, Profile, Seconds, drive};
 use zerorate_bench::remote::{Address, Found, RemoteChamber};
 use zerorate_bench::setup::SetUp;
@@ -123,7 +123,7 @@ impl Chamber {
         let info = ChamberInfo { started: SystemTime::now().into(), profile: profile.text.clone(), labels };
         let mut told = Told::new(&profile, times, ChamberWriter::create(out, &info)?);
         let driven = drive(&profile, &mut chamber, &mut WallClock::begin(), &mut told);
-        let rested = chamber.rest(&|waited| rests_again(waited, interrupt::was_asked_for()));
+        let rested = chamber.rest(&|waited| waited < rest_for(interrupt::was_asked_for()));
         let written = told.finish();
         if let Err(error) = driven {
             let kept = match &written {

@@ -29,7 +29,7 @@ use crate::screen;
 #[command(after_help = EXAMPLES, subcommand_required = true, arg_required_else_help = true)]
 pub struct Device {
     /// The board: serial:PATH (115200 baud; serial:PATH@BAUD for another rate), tcp:HOST:PORT, emulated, or native (a
-    /// simulated one, new each time)
+    /// simulated one, new each time). Of `stream` its second line: serial:PATH (460800 baud) or tcp:HOST:PORT
     #[arg(long, value_name = "DEVICE", global = true)]
     port: Option<DeviceChoice>,
 

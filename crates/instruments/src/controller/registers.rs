@@ -17,11 +17,13 @@ const FLOAT_RESOLUTION: f64 = 0.02;
 pub(super) struct ByRegisters {
     modbus: Modbus,
     registers: Registers,
+    /// Whether its register for running and stopping has said that it runs: not every one can be read, or keeps what was written.
+    tells: bool,
 }
 
 impl ByRegisters {
     pub(super) const fn new(modbus: Modbus, registers: Registers) -> Self {
-        Self { modbus, registers }
+        Self { modbus, registers, tells: false }
     }
 
     fn read(&mut self, register: u16) -> Result<f64, Fault> {
@@ -101,7 +103,11 @@ impl Speech for ByRegisters {
     }
 
     fn run(&mut self) -> Result<(), Fault> {
-        self.registers.run.map_or(Ok(()), |(register, value)| self.modbus.write(register, &[value]))
+        let Some((register, value)) = self.registers.run else { return Ok(()) };
+        self.modbus.write(register, &[value])?;
+        let is_its_stop = self.registers.stop.is_some_and(|(other, _)| other == register);
+        self.tells = is_its_stop && self.modbus.read(register, 1).is_ok_and(|words| words[0] == value);
+        Ok(())
     }
 
     fn stop(&mut self) -> Result<(), Fault> {
@@ -109,21 +115,12 @@ impl Speech for ByRegisters {
     }
 
     fn stopped(&mut self) -> Result<Option<bool>, Fault> {
-        let (Some((register, run)), Some((other, stop))) = (self.registers.run, self.registers.stop) else {
+        let (Some((register, run)), Some((_, stop)), true) = (self.registers.run, self.registers.stop, self.tells)
+        else {
             return Ok(None);
         };
-        if register != other {
-            return Ok(None);
-        }
-        match self.modbus.read(register, 1) {
-            Ok(words) => {
-                Ok([(stop, true), (run, false)].into_iter().find(|(value, _)| *value == words[0]).map(|of| of.1))
-            }
-            Err(fault @ Fault::Refused { .. }) if fault.may_pass() => Err(fault),
-            // It is for writing alone.
-            Err(Fault::Refused { .. }) => Ok(None),
-            Err(fault) => Err(fault),
-        }
+        let is = self.modbus.read(register, 1)?[0];
+        Ok([(stop, true), (run, false)].into_iter().find_map(|(value, stopped)| (value == is).then_some(stopped)))
     }
 
     fn resolution(&self) -> f64 {

@@ -124,7 +124,7 @@ impl Calibrate {
             let serial = identity.unit.as_str().to_owned();
             ensure!(
                 !serial.is_empty(),
-                "the board at {device} has no serial number: give it one first (zerorate device first-time)"
+                "the board at {device} has no serial number: give it one first (firmware/README.md), for --serial is of one board"
             );
             if let Some(other) = boards.iter().find(|board| board.serial == serial) {
                 bail!("the boards at {} and {device} both say that they are {serial}", other.device);

@@ -16,7 +16,7 @@ use crate::screen;
 /// Put a calibration on the board: write it, commit it, read it back, compare, and turn the compensation on
 ///
 /// The board checks everything before it stores anything: a damaged record, another unit's, or one that it cannot run is
-/// refused, and what it had stays in use. Groups that fall into the commit are lost, and counted. Then each axis is put
+/// refused, and what it had stays in use. Groups that are lost during the commit are counted (on an STM32F405 none is). Then each axis is put
 /// into the mode in which the board would start with this record: hybrid, or digital where the wiper cannot follow or no
 /// trim was measured. `mode` changes that.
 #[derive(Debug, Args)]

@@ -15,15 +15,14 @@ use crate::screen::{Grid, Page, aligned};
 
 /// Which recording, and when it began.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Chamber")]
 pub struct Beside {
     /// The recording of the chamber in which the board lay, by `zerorate chamber`: shown beside the log, with what sensor and rate were
     /// at the end of each soak. The fit does not use it. Both are joined by the time of day
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Chamber")]
     chamber: Option<PathBuf>,
 
     /// The log's second at which the chamber's recording began, where the log does not know the time of day
-    #[arg(long, value_name = "SECONDS", requires = "chamber", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", requires = "chamber", allow_negative_numbers = true, help_heading = "Chamber")]
     chamber_at: Option<f64>,
 }
 
