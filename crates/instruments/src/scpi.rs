@@ -1,7 +1,7 @@
 //! SCPI as a client: lines of text, one answer a question.
 //!
 //! What was not answered is asked again only after the line was made anew or was quiet, and what came unasked is dropped
-//! before each question: so a late answer, or one that came twice within 30 ms, is never taken for the next. SCPI numbers nothing:
+//! before each question: so a late answer, or one that came twice within 100 ms, is never taken for the next. SCPI numbers nothing:
 //! one that comes twice, later than that, cannot be told from the next.
 
 use std::time::{Duration, Instant};
@@ -12,7 +12,7 @@ use crate::line::Line;
 /// How often something is asked before it is given up.
 const TRIES: u32 = 3;
 /// How long a line is quiet before the next question: an answer that comes twice is over by then.
-const QUIET: Duration = Duration::from_millis(30);
+const QUIET: Duration = Duration::from_millis(100);
 /// Errors that a queue holds at most: instruments keep ten to thirty.
 const LONGEST_QUEUE: u32 = 100;
 /// An answer longer than this is none of an instrument.

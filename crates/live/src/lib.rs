@@ -6,6 +6,7 @@ mod parts;
 mod reader;
 mod request;
 mod server;
+mod unheard;
 
 pub use guard::Guard;
 pub use listen::{Listen, UnknownListen};

@@ -26,15 +26,16 @@ const ALWAYS: &str = "Connection: close\r\nCache-Control: no-store\r\nX-Content-
     Cross-Origin-Resource-Policy: same-origin\r\nContent-Security-Policy: default-src 'none'; style-src 'unsafe-inline'; \
     script-src 'unsafe-inline'; img-src data:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n";
 
-/// Answers a request; one for the events until its reader goes or the end has come.
+/// Answers a request; one for the events until its reader goes or the end has come. `heard` is told when it has said what it wants.
 ///
 /// # Errors
 /// The reader is gone.
-pub fn serve(mut stream: TcpStream, guard: &Guard, page: &str, parts: &Parts) -> io::Result<()> {
+pub fn serve(mut stream: TcpStream, guard: &Guard, page: &str, parts: &Parts, heard: impl FnOnce()) -> io::Result<()> {
     stream.set_nodelay(true)?;
     stream.set_write_timeout(Some(WRITTEN_WITHIN))?;
     let local = stream.local_addr()?;
     let head = head(&mut stream)?;
+    heard();
     match decide(&head, guard, local) {
         Ok(Wanted::Page) => whole(&mut stream, "200 OK", "text/html; charset=utf-8", page),
         Ok(Wanted::Events) if parts.enter(MOST_READERS) => {

@@ -11,6 +11,7 @@ use crate::guard::Guard;
 use crate::listen::Listen;
 use crate::parts::Parts;
 use crate::reader;
+use crate::unheard::Unheard;
 
 /// How often the parts are made while somebody looks on.
 const EVERY: Duration = Duration::from_secs(2);
@@ -49,6 +50,7 @@ struct Shared {
     page: String,
     parts: Parts,
     connections: AtomicUsize,
+    unheard: Unheard,
 }
 
 impl Live {
@@ -65,7 +67,8 @@ impl Live {
         let (listener, address) = opened.map_err(|source| LiveError::Listen { listen: listen.clone(), source })?;
         let token = if address.ip().is_loopback() { None } else { Some(token().map_err(LiveError::Token)?) };
         let guard = Guard { token, name: listen.name().map(str::to_owned) };
-        let shared = Arc::new(Shared { guard, page, parts: Parts::default(), connections: AtomicUsize::new(0) });
+        let (parts_shown, connections, unheard) = (Parts::default(), AtomicUsize::new(0), Unheard::default());
+        let shared = Arc::new(Shared { guard, page, parts: parts_shown, connections, unheard });
         let parts_made: Arc<dyn Fn() -> Vec<(&'static str, String)> + Send + Sync> = Arc::new(parts);
         let own = Arc::clone(&shared);
         thread::spawn(move || accept(&listener, &own));
@@ -149,17 +152,21 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
             thread::sleep(AFTER_A_FAULT);
             continue;
         };
-        if shared.connections.load(Ordering::SeqCst) >= MOST_CONNECTIONS {
+        if shared.connections.load(Ordering::SeqCst) >= MOST_CONNECTIONS && !shared.unheard.end_oldest() {
             continue;
         }
+        let Ok(place) = shared.unheard.enter(&stream) else { continue };
         shared.connections.fetch_add(1, Ordering::SeqCst);
         let own = Arc::clone(shared);
         let started = thread::Builder::new().name("looks on".into()).spawn(move || {
+            let heard = || own.unheard.leave(place);
             // A reader that is gone is nobody's fault.
-            let _ = reader::serve(stream, &own.guard, &own.page, &own.parts);
+            let _ = reader::serve(stream, &own.guard, &own.page, &own.parts, heard);
+            own.unheard.leave(place);
             own.connections.fetch_sub(1, Ordering::SeqCst);
         });
         if started.is_err() {
+            shared.unheard.leave(place);
             shared.connections.fetch_sub(1, Ordering::SeqCst);
         }
     }

@@ -56,6 +56,15 @@ fn beyond_loopback_a_token_is_needed() {
 }
 
 #[test]
+fn connections_that_say_nothing_keep_nobody_out() {
+    let live = live("127.0.0.1:0", Vec::new);
+    // More than are taken at a time.
+    let silent: Vec<TcpStream> = (0..300).map(|_| TcpStream::connect(live.address()).unwrap()).collect();
+    assert!((0..5).all(|_| answer(&live, "/", "").starts_with("HTTP/1.1 200 ")));
+    drop(silent);
+}
+
+#[test]
 fn the_first_event_tells_pages_apart() {
     let first = |page: &str| {
         let live =

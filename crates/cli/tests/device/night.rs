@@ -52,6 +52,13 @@ impl Bench {
         Self::of(NIGHT, speed, chamber_on)
     }
 
+    /// A night whose numbers do not depend on how late the chamber is sent off, by a machine that is slow, at 300 times its time: its
+    /// soaks warm the whole board from wherever it was, and its ramps are longer than the chamber needs.
+    fn unhurried() -> Self {
+        let setup = NIGHT.replace("soak_s = 60.0", "soak_s = 1200.0").replace("ramp_groups = 400", "ramp_groups = 800");
+        Self::of(&setup, "300", "tcp:127.0.0.1:0")
+    }
+
     fn of(setup: &str, speed: &str, chamber_on: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("night.toml"), setup).unwrap();
@@ -154,7 +161,7 @@ fn told(child: &mut Child) -> String {
 
 #[test]
 fn a_night_without_anybody_ends_with_a_report_a_message_and_everything_off() {
-    let bench = Bench::start("tcp:127.0.0.1:0");
+    let bench = Bench::unhurried();
     // Somebody has left the supply on, with an error in its queue.
     let mut supply = TcpStream::connect(bench.supply.strip_prefix("scpi:").unwrap()).unwrap();
     supply.write_all(b"FOO\nVOLT 2.5\nOUTP ON\nOUTP?\n").unwrap();
@@ -182,7 +189,7 @@ fn a_night_without_anybody_ends_with_a_report_a_message_and_everything_off() {
     assert!(told.contains("step 7 of 7: soaks to compare with") && !told.contains(">>"), "{told}");
     assert_eq!(
         fs::read_to_string(bench.path().join("message")).unwrap(),
-        "passed: the unit passed, with warnings; the report is in calibration\n"
+        "passed: the unit passed; the report is in calibration\n"
     );
     assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
 }
@@ -213,8 +220,8 @@ fn port(address: &str) -> &str {
 #[test]
 #[ignore = "needs pymodbus and sinstruments: cargo xtask test instruments"]
 fn a_night_by_servers_of_others_loses_no_group_when_the_line_to_the_chamber_is_cut() {
-    // A ramp of ten minutes takes six seconds.
-    let bench = Bench::start_at("100", "tcp:127.0.0.1:0");
+    // A ramp of twenty minutes takes four seconds.
+    let bench = Bench::unhurried();
     let chamber = Server::start("chamber.py", &["--behind", port(&bench.chamber)]);
     let supply = Server::start("supply.py", &["--behind", port(&bench.supply)]);
     let line = FaultLine::tcp(chamber.port);
@@ -230,7 +237,7 @@ fn a_night_by_servers_of_others_loses_no_group_when_the_line_to_the_chamber_is_c
     let mut groups: Vec<u32> = rows.iter().map(|row| row.group).collect();
     groups.dedup();
     let all = u32::try_from(groups.len()).unwrap();
-    assert!(groups == (0..all).collect::<Vec<_>>() && all >= 404, "{all} groups");
+    assert!(groups == (0..all).collect::<Vec<_>>() && all >= 804, "{all} groups");
     assert!(rows.iter().any(|row| row.chamber_c.is_nan()), "where the chamber was is not known meanwhile");
     drop((chamber, supply));
     let (set_point, _, output) = bench.at_the_end();
@@ -246,8 +253,7 @@ fn faulty(bench: &Bench) -> (FaultLine, String) {
 
 #[test]
 fn a_controller_that_is_busy_is_waited_for() {
-    // A ramp of ten minutes takes six seconds.
-    let bench = Bench::start_at("100", "tcp:127.0.0.1:0");
+    let bench = Bench::unhurried();
     let (line, chamber) = faulty(&bench);
     let mut run = bench.calibrate_by(&chamber, &bench.supply, &[]);
     await_the_ramp(&bench);
@@ -261,8 +267,7 @@ fn a_controller_that_is_busy_is_waited_for() {
 /// The word that sends it off arrives, and its answer does not: it heats for twenty minutes, and nobody sees it.
 #[test]
 fn a_chamber_that_has_left_before_its_ramp_is_held_once_more() {
-    // The whole board is at one temperature after twenty minutes, from wherever it came; after one it is not.
-    let bench = Bench::of(&NIGHT.replace("soak_s = 60.0", "soak_s = 1200.0"), "300", "tcp:127.0.0.1:0");
+    let bench = Bench::unhurried();
     let (line, chamber) = faulty(&bench);
     let mut run = bench.calibrate_by(&chamber, &bench.supply, &[]);
     let recording = bench.path().join("calibration/in-progress/full-temperature.arrows");
@@ -281,8 +286,8 @@ const ANEW: &[u8] =
 /// Its connection is made anew within one question, so that nothing seems to have been amiss.
 #[test]
 fn a_ramp_in_which_the_controller_starts_anew_is_run_again() {
-    // A ramp of ten minutes takes six seconds.
-    let bench = Bench::start_at("100", "tcp:127.0.0.1:0");
+    // A ramp of ten minutes takes twelve seconds.
+    let bench = Bench::start_at("50", "tcp:127.0.0.1:0");
     let (line, chamber) = faulty(&bench);
     let mut run = bench.calibrate_by(&chamber, &bench.supply, &[]);
     await_the_ramp(&bench);
@@ -322,13 +327,19 @@ fn a_controller_that_is_busy_at_the_end_is_told_to_stop_until_it_does() {
     let bench = Bench::start("tcp:127.0.0.1:0");
     let (line, chamber) = faulty(&bench);
     line.does(Does::Refuse(&[6, 0x0A, 0xAA, 0, 62], 6));
-    let mut run = bench.calibrate_by(&chamber, &bench.supply, &[]);
+    let notify = ["--notify", "echo $ZERORATE_RESULT: $ZERORATE_MESSAGE > message"];
+    let mut run = bench.calibrate_by(&chamber, &bench.supply, &notify);
     // The last that is written before all is brought to rest.
     await_that("the results are there", || bench.path().join("calibration/summary.json").is_file());
     std::thread::sleep(Duration::from_secs(4));
     assert!(run.try_wait().unwrap().is_none(), "it waits for a chamber that heats on");
     line.does(Does::Pass);
     passed(&mut run);
+    // Its ramps are shorter than the chamber needs.
+    assert_eq!(
+        fs::read_to_string(bench.path().join("message")).unwrap(),
+        "passed: the unit passed, with warnings; the report is in calibration\n"
+    );
     assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
 }
 

@@ -59,7 +59,9 @@ fn over_temperature(run: &LiveRun, fits: &[Option<DriftFit>; 2]) -> Figure {
         id: "fig-1".into(),
         name: "Figure 1".into(),
         caption: html! {
-            "Zero-rate output against temperature in the step that runs, " (counted(came, "group")) " so far"
+            "Zero-rate output against temperature"
+            @if run.ended.is_none() { " in the step that runs, " (counted(came, "group")) " so far" }
+            @else { " in what was recorded last, " (counted(came, "group")) }
             @if is_fitted { "; below, what the fit leaves of them (in-sample)" } "."
         },
         key,
