@@ -9,7 +9,7 @@ use zerorate_cal::recording::RecordingInfo;
 use zerorate_cal::summary::Summary;
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
-use zerorate_core::wire::Request;
+use zerorate_core::wire::{CalibrationState, Request};
 
 use crate::calibrated::{Calibrated, Unit};
 use crate::checkpoint::{Checkpoints, Keep};
@@ -95,6 +95,8 @@ fn run(
     session.plan(|part| left_of(part, &checkpoints, setup));
     if identity.calibration.is_in_use() {
         session.progress.note("the board holds a calibration: its compensation is off while the unit is measured");
+    } else if identity.calibration == CalibrationState::Blank && session.bench.clock.is_none() {
+        session.progress.note("a new board? `zerorate device first-time` makes the middle tap that of power-up, once");
     }
     if let Some(left_out) = setup.soaks_left_out() {
         let told = session.warnings.add(left_out);

@@ -14,7 +14,7 @@ pub type OnceMore<'a> = &'a dyn Fn(Duration) -> bool;
 /// How long an instrument that is away is told to rest where somebody waits for it, who has pressed Ctrl-C and can go there.
 pub const REST_WATCHED: Duration = Duration::from_secs(30);
 /// The same where nobody is there, as at night, when a line is cut for minutes.
-pub const REST_ALONE: Duration = Duration::from_secs(600);
+const REST_ALONE: Duration = Duration::from_secs(600);
 
 /// How long an instrument that is away is told to rest.
 #[must_use]

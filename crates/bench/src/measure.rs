@@ -10,7 +10,7 @@ use zerorate_cal::units::TemperatureUnit;
 use zerorate_core::drift::Drift;
 use zerorate_core::record::{AxisModel, DeviceRecord};
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps};
-use zerorate_core::wire::{CalibrationState, Request};
+use zerorate_core::wire::Request;
 use zerorate_fit::trim::{TrimFit, fit_trim, tap_effects};
 
 use crate::checkpoint::Checkpoints;
@@ -63,18 +63,12 @@ pub const FULL_TEMPERATURE: &str = "full-temperature";
 pub const TRIM_SWEEP: &str = "trim-sweep";
 
 /// Stores the middle tap for power-up, on a simulated board, which is always new. On a real one that is done once, when
-/// it is first set up (the register wears): it is advised.
+/// it is first set up (the register wears), by whoever sets it up.
 ///
 /// # Errors
 /// [`BenchError`].
 pub fn first_time(session: &mut Session<'_>) -> Result<(), BenchError> {
     if session.bench.clock.is_none() {
-        // One that was calibrated before is not new.
-        if session.bench.device.identify()?.calibration == CalibrationState::Blank {
-            session
-                .progress
-                .note("a new board? `zerorate device first-time` makes the middle tap that of power-up, once");
-        }
         return Ok(());
     }
     session.begin()?;

@@ -97,23 +97,22 @@ impl PowerSupply {
             self.scpi.order(&format!("VOLT {:.6}{}", volts.0, on.as_argument()))?;
             self.scpi.order(&format!("OUTP ON{}", on.as_argument()))?;
             let given = self.settled(volts.0)?;
-            let is_fed = self.is_within(volts.0, given);
-            if is_fed && (self.has_moved(volts.0, given) || commanded == COMMANDED) {
+            let (is_within, is_last) = (self.is_within(volts.0, given), commanded == COMMANDED);
+            if is_within && (is_last || self.has_moved(volts.0, given)) {
                 self.fed = Some([volts.0, given]);
                 return Ok(());
             }
+            if !is_within {
+                let amperes = self.scpi.ask_number(&format!("MEAS:CURR?{}", on.alone()))?;
+                let limit = self.scpi.ask_number(&format!("CURR?{}", on.alone()))?;
+                if amperes >= AT_LIMIT * limit {
+                    return Err(Fault::CurrentLimit { volts: volts.0, given, amperes });
+                }
+                if is_last {
+                    return Err(Fault::NotTaken { what: "a supply's voltage (V) of", sent: volts.0, read_back: given });
+                }
+            }
             commanded += 1;
-            if is_fed {
-                continue;
-            }
-            let amperes = self.scpi.ask_number(&format!("MEAS:CURR?{}", on.alone()))?;
-            let limit = self.scpi.ask_number(&format!("CURR?{}", on.alone()))?;
-            if amperes >= AT_LIMIT * limit {
-                return Err(Fault::CurrentLimit { volts: volts.0, given, amperes });
-            }
-            if commanded > COMMANDED {
-                return Err(Fault::NotTaken { what: "a supply's voltage (V) of", sent: volts.0, read_back: given });
-            }
         }
     }
 

@@ -1,5 +1,7 @@
 //! A supply on sinstruments' server.
 
+use std::io::{BufRead, BufReader, Write};
+use std::net::TcpStream;
 use std::time::Duration;
 
 use zerorate_core::units::{Axis, Volts};
@@ -52,16 +54,33 @@ fn a_supply_in_current_limit_and_one_that_refuses_are_errors() {
     assert!(error.contains("nothing was sent"), "{error}");
 }
 
-#[test]
-#[ignore = "needs sinstruments: cargo xtask test instruments"]
-fn a_command_that_is_lost_with_its_connection_is_given_once_more() {
+/// A supply that feeds 2.4 V, behind a line.
+fn feeding() -> (Server, FaultLine, PowerSupply) {
     let server = Server::start("supply.py", &[]);
     let line = FaultLine::tcp(server.port);
     let mut supply = supply(&line.place);
     supply.feed(Volts(2.4)).unwrap();
+    (server, line, supply)
+}
+
+/// What the server says to somebody else.
+fn asked_by_hand(server: &Server, question: &str) -> String {
+    let mut stream = TcpStream::connect(("127.0.0.1", server.port)).unwrap();
+    writeln!(stream, "{question}").unwrap();
+    let mut answer = String::new();
+    BufReader::new(stream).read_line(&mut answer).unwrap();
+    answer.trim().to_owned()
+}
+
+#[test]
+#[ignore = "needs sinstruments: cargo xtask test instruments"]
+fn a_command_that_is_lost_with_its_connection_is_given_once_more() {
+    let (server, line, mut supply) = feeding();
     // Nearer to the voltage before than the tolerance.
     line.does(Does::Instead(b"VOLT", b""));
     supply.feed(Volts(2.41)).unwrap();
+    let given: f64 = asked_by_hand(&server, "MEAS:VOLT?").parse().unwrap();
+    assert!((given - 2.41).abs() < 0.005, "{given}");
     line.does(Does::Instead(b"OUTP OFF", b""));
     supply.off().unwrap();
     assert!(!supply.is_on().unwrap());
@@ -70,10 +89,7 @@ fn a_command_that_is_lost_with_its_connection_is_given_once_more() {
 #[test]
 #[ignore = "needs sinstruments: cargo xtask test instruments"]
 fn a_supply_that_drops_out_after_it_was_measured_does_not_hold() {
-    let server = Server::start("supply.py", &[]);
-    let line = FaultLine::tcp(server.port);
-    let mut supply = supply(&line.place);
-    supply.feed(Volts(2.4)).unwrap();
+    let (_server, line, mut supply) = feeding();
     supply.hold().unwrap();
     line.does(Does::Instead(b"MEAS", b"OUTP OFF\n"));
     let error = supply.hold().unwrap_err();

@@ -151,14 +151,9 @@ impl SharedInstruments {
         };
         let seats = shared::chamber(Box::new(chamber), boards);
         Ok(seats.into_iter().zip(supplies).map(move |(seat, (supply, label))| {
-            (
-                seat,
-                supply,
-                named_in(
-                    setup,
-                    &[("chamber", chamber_label.clone()), ("supply", label), (POWER, POWER_LEFT_ON.to_owned())],
-                ),
-            )
+            let power = POWER_LEFT_ON.to_owned();
+            let labels = [("chamber", chamber_label.clone()), ("supply", label), (POWER, power)];
+            (seat, supply, named_in(setup, &labels))
         }))
     }
 }
