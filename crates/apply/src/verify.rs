@@ -23,7 +23,7 @@ use zerorate_cal::calibration::{Calibration, Origin, sha256};
 use zerorate_cal::condition::GROUP_S;
 use zerorate_cal::fit::fit;
 use zerorate_cal::log::{LogFault, SensorChoice};
-use zerorate_cal::log_fit::{AxisFit, FitOptions, LogFit, LogFitError};
+use zerorate_cal::log_fit::{AxisFit, FitOptions, LogFit, LogFitError, are_alike};
 pub use zerorate_cal::matching::Unmatched;
 use zerorate_cal::matching::{Known, calibrated, places, renamed};
 use zerorate_cal::quality::{Reason, Verdict};
@@ -175,7 +175,9 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
     let missing: Vec<String> = absent.map(|(own, _)| missing(own, &fit)).collect();
     let is_within = missing.is_empty() && axes.iter().all(|axis| axis.missed.is_empty());
     let passed = (!options.limits.is_empty() || !is_within).then_some(is_within);
-    let reasons = told::reasons(&fit, &axes, calibration.temperature_unit, options.told_in);
+    let averaged_over_s = period_s(&fit.axes[0].trace);
+    let alike = averaged_over_s.zip(calibration.averaged_over_s).is_none_or(|(own, fits)| are_alike(own, fits));
+    let reasons = told::reasons(&fit, &axes, calibration.temperature_unit, options.told_in, alike);
     let verdict = match (passed, reasons.is_empty()) {
         (Some(false), _) => Verdict::Rejected,
         (_, false) => Verdict::Warning,
@@ -187,7 +189,7 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
         passed,
         in_sample,
         temperature_unit: calibration.temperature_unit,
-        averaged_over_s: period_s(&fit.axes[0].trace),
+        averaged_over_s,
         fit_averaged_over_s: calibration.averaged_over_s,
         axes,
         missing,

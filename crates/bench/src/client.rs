@@ -9,7 +9,7 @@ pub(crate) mod wording;
 use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 
-use zerorate_core::record::DeviceRecord;
+use zerorate_core::record::{DeviceRecord, UNREADABLE, UnitSerial};
 use zerorate_core::units::{Axis, GroupNumber, Taps};
 use zerorate_core::wire::{
     Answer, CHUNK, FaultCounts, GroupReport, Health, Identity, Refusal, Request, Sample, Stop, WIRE_VERSION,
@@ -195,7 +195,8 @@ impl DeviceClient {
     /// [`ClientError`].
     pub fn identify(&mut self) -> Result<Identity, ClientError> {
         match self.ask(Request::Identity)? {
-            Answer::Identity(identity) if identity.wire_version == WIRE_VERSION => {
+            Answer::Identity(mut identity) if identity.wire_version == WIRE_VERSION => {
+                identity.unit = printable(&identity.unit);
                 let period_us = u64::from(identity.samples_per_group) * u64::from(identity.sample_period_us);
                 self.conversation.opened(Duration::from_micros(period_us), identity.running);
                 Ok(identity)
@@ -362,4 +363,9 @@ fn accepted(answer: Answer) -> Result<(), ClientError> {
 
 fn offset(bytes: usize) -> Result<u16, ClientError> {
     u16::try_from(bytes).map_err(|_| ClientError::Record(zerorate_core::record::RecordError::TooLong))
+}
+
+/// A serial as a screen and a file's name can have it. What a terminal would obey is to us what the board cannot read.
+fn printable(serial: &UnitSerial) -> UnitSerial {
+    serial.chars().map(|letter| if letter.is_control() { UNREADABLE } else { letter }).collect()
 }

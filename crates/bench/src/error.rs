@@ -110,6 +110,12 @@ pub enum BenchError {
     /// The serial does not fit a record.
     #[error("the serial '{0}' is longer than the 32 bytes that a device record holds: give a shorter one")]
     SerialTooLong(String),
+    /// Another run is written into the folder.
+    #[error("a run goes on in {folder}: wait until it is over, or give this one another folder (`out`)")]
+    GoesOn {
+        /// The folder.
+        folder: String,
+    },
     /// The serial has what a board puts for what it cannot read.
     #[error(
         "the serial '{0}' has a '?' in it, which a board puts for what it cannot read in its own, and no board takes a record of such a unit: write the board's serial anew, in ASCII, or give another"

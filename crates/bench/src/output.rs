@@ -6,7 +6,7 @@
 
 mod place;
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use zerorate_cal::recording::{Recording, RecordingInfo, RecordingWriter};
@@ -24,6 +24,8 @@ pub struct OutputFolder {
     folder: PathBuf,
     in_progress: PathBuf,
     files: Vec<&'static str>,
+    /// Nobody else opens the folder while this is held; none where a system cannot.
+    _held: Option<File>,
 }
 
 impl OutputFolder {
@@ -31,14 +33,16 @@ impl OutputFolder {
     /// had begun to put in place is finished.
     ///
     /// # Errors
-    /// [`BenchError::Write`].
+    /// [`BenchError::Write`]; [`BenchError::GoesOn`] where another run is written there.
     pub fn open(folder: &Path) -> Result<Self, BenchError> {
+        fs::create_dir_all(folder).map_err(cannot(folder))?;
+        let held = held(folder)?;
         place::recover(folder, &mut || Ok(())).map_err(cannot(folder))?;
         let in_progress = folder.join(IN_PROGRESS);
         fs::create_dir_all(&in_progress).map_err(cannot(&in_progress))?;
         let probe = in_progress.join(".probe");
         fs::write(&probe, b"probe").and_then(|()| fs::remove_file(&probe)).map_err(cannot(&in_progress))?;
-        Ok(Self { folder: folder.into(), in_progress, files: Vec::new() })
+        Ok(Self { folder: folder.into(), in_progress, files: Vec::new(), _held: held })
     }
 
     /// Starts a recording.
@@ -147,6 +151,16 @@ fn cannot(path: &Path) -> impl FnOnce(std::io::Error) -> BenchError {
     move |source| BenchError::Write { path, source }
 }
 
+/// Holds a folder until what this gives is dropped, by the system's lock, which no end of the program leaves behind.
+fn held(folder: &Path) -> Result<Option<File>, BenchError> {
+    let Ok(file) = File::open(folder) else { return Ok(None) };
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(BenchError::GoesOn { folder: folder.display().to_string() }),
+        // There are file systems without locks.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(Some(file)),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -162,6 +176,17 @@ mod tests {
         output.publish().unwrap();
         assert_eq!(read(), "later");
         assert!(!folder.path().join(IN_PROGRESS).exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_in_which_a_run_goes_on_is_left_to_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = OutputFolder::open(folder.path()).unwrap();
+        let error = OutputFolder::open(folder.path()).unwrap_err();
+        assert!(matches!(error, BenchError::GoesOn { .. }), "{error}");
+        drop(first);
+        OutputFolder::open(folder.path()).unwrap();
     }
 
     #[test]

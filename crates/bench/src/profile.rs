@@ -6,6 +6,7 @@ use std::fmt;
 use std::path::Path;
 
 use serde::Deserialize;
+use zerorate_cal::source::in_quotes;
 use zerorate_core::units::Celsius;
 // What its times are of, for who plans with them.
 pub use zerorate_core::units::Seconds;
@@ -139,7 +140,7 @@ steps = [
     /// [`ProfileError`].
     pub fn parse(name: &str, text: String, limits_c: [f64; 2]) -> Result<Self, ProfileError> {
         let refused = |reason: String| ProfileError { name: name.to_owned(), reason };
-        let written: Written = toml::from_str(&text).map_err(|error| refused(error.to_string()))?;
+        let written: Written = toml::from_str(&text).map_err(|error| refused(in_quotes(&error.to_string())))?;
         let mut steps = Vec::new();
         for (place, step) in written.steps.iter().enumerate() {
             let line = |reason: String| refused(format!("step {}: {reason}", place + 1));

@@ -208,7 +208,7 @@ impl RemoteChamber {
         }
         if let Some(strayed) = strayed {
             self.contact.notes.push(format!(
-                "the chamber is {strayed}, which it was not told: it was sent to {:.1} C again",
+                "the chamber is {strayed}, and not where it was sent: it was sent to {:.1} C again",
                 should.0
             ));
         }

@@ -12,6 +12,7 @@ use zerorate_bench::link::{Link, LinkError};
 use zerorate_core::compensate::Mode;
 use zerorate_core::drift::Coverage;
 use zerorate_core::group::GroupSums;
+use zerorate_core::record::UnitSerial;
 use zerorate_core::units::{Axis, GroupNumber, Taps};
 use zerorate_core::wire::frame::{self, Receiver};
 use zerorate_core::wire::{
@@ -142,6 +143,15 @@ fn obliging(command: &Command, device: &mut Device) {
         Request::Faults => device.answer(command, Answer::Faults(Default::default())),
         _ => device.answer(command, Answer::Done),
     }
+}
+
+#[test]
+fn a_serial_that_a_terminal_would_obey_is_one_that_the_board_cannot_read() {
+    let unit: UnitSerial = "ZR\u{1b}[31m-1".try_into().unwrap();
+    let (mut client, _) = client(move |command, device| {
+        device.answer(command, Answer::Identity(Identity { unit: unit.clone(), ..board(WIRE_VERSION) }));
+    });
+    assert_eq!(client.identify().unwrap().unit, "ZR?[31m-1");
 }
 
 #[test]

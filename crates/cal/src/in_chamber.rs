@@ -38,7 +38,7 @@ pub enum JoinError {
     },
     /// The two are not of the same time.
     #[error(
-        "the chamber's recording is not of the log's time: it goes from {from_s:.0} to {to_s:.0} s on the log's own clock, and the log from 0 to {log_s:.0} s; both are told by the time of day, so see whether a clock was wrong, or give the log's second at which the recording began (`chamber_at`)"
+        "the chamber's recording is not of the log's time: it goes from {from_s:.0} to {to_s:.0} s on the log's own clock, and the log from 0 to {log_s:.0} s; {why}"
     )]
     Apart {
         /// Where the recording begins.
@@ -47,11 +47,19 @@ pub enum JoinError {
         to_s: f64,
         /// Where the log ends.
         log_s: f64,
+        /// What that rests on, and what to do.
+        why: &'static str,
     },
     /// The temperatures are no degrees.
     #[error("the log's temperatures are counts and not degrees: the chamber's air cannot stand beside them")]
     NotCelsius,
 }
+
+/// Why two recordings are apart, where the time of day joins them.
+const BY_CLOCKS: &str = "both are told by the time of day, so see whether a clock was wrong, or give the log's second at which the recording \
+     began (`chamber_at`)";
+/// And where somebody has said how.
+const AS_GIVEN: &str = "so it was said (`chamber_at`): give the log's second at which the recording began";
 
 /// A soak within a log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -156,14 +164,14 @@ impl InChamber {
         if log_s.is_nan() && !fit.axes.is_empty() {
             return Err(JoinError::NoTimes { log: log.name.clone() });
         }
-        let begins_s = match (begins_s, log.started) {
-            (Some(begins_s), _) => begins_s,
-            (None, Some(started)) => seconds(started, recording.info.started.into()),
+        let (begins_s, why) = match (begins_s, log.started) {
+            (Some(begins_s), _) => (begins_s, AS_GIVEN),
+            (None, Some(started)) => (seconds(started, recording.info.started.into()), BY_CLOCKS),
             (None, None) => return Err(JoinError::NoTimeOfDay { log: log.name.clone() }),
         };
         let to_s = begins_s + recording.moments.last().map_or(0.0, |moment| moment.t_s);
         if !(begins_s < log_s && to_s > 0.0) {
-            return Err(JoinError::Apart { from_s: begins_s, to_s, log_s });
+            return Err(JoinError::Apart { from_s: begins_s, to_s, log_s, why });
         }
         let soaks = recording.moments.chunk_by(|a, b| (a.step, a.phase) == (b.step, b.phase));
         let soaks = soaks.filter(|moments| moments[0].phase == Phase::Soak);

@@ -113,6 +113,8 @@ pub enum ReasonKind {
     OneDirection,
     /// Warning: more is left of an axis than was recorded: of a verification, or of a fit's own held-out folds.
     WorseThanUncorrected,
+    /// Warning, of a verification: more is left of an axis than twice what the calibration's fit told.
+    MoreThanTold,
     /// Warning, of a verification: temperatures that were not measured for the calibration.
     OutsideRange,
     /// Rejected: no sensor of the log is one of those wanted.
@@ -158,6 +160,7 @@ impl ReasonKind {
             | Self::CoarseRate
             | Self::OneDirection
             | Self::WorseThanUncorrected
+            | Self::MoreThanTold
             | Self::OutsideRange
             | Self::Truncated
             | Self::Repeated
@@ -246,7 +249,7 @@ impl Judgement {
             let advice = if allow_narrow {
                 "the calibration holds for this range alone"
             } else {
-                "record a wider range, or allow a narrow one (`allow_narrow`)"
+                "record a wider range, or allow a narrow one in the fit of a log (`allow_narrow`)"
             };
             let text = format!(
                 "the temperature spans {span:.1} {name} ({min:.1} to {max:.1}), less than {least:.0} {name}: {advice}"

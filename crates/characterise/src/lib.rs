@@ -198,10 +198,10 @@ pub fn doubtful<'a>(
             Some(less) => {
                 let scale = RateScale::of(axis.calibration.rate_unit, &[mean, less], asked);
                 format!(
-                    "heating less cooling is {} on average as recorded, and {} less the drift in time that the fit found: {}",
+                    "heating less cooling is {} on average as recorded, and {} with the drift in time that the fit found taken off: {}",
                     scale.told(mean),
                     scale.number(less),
-                    if one_cycle { ONE_CYCLE } else { "the fit took the rest for that drift" }
+                    if one_cycle { ONE_CYCLE } else { "the difference of the two is what the fit took for that drift" }
                 )
             }
             None if one_cycle => format!("thermal hysteresis is of one cycle: {ONE_CYCLE}"),

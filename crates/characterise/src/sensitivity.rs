@@ -29,15 +29,19 @@ impl TemperatureSensitivity {
         let (min, max) = (axis.calibration.fit.measured.min(), axis.calibration.fit.measured.max());
         let step = (max - min) / f64::from(SLOPES);
         let at = |i: u32| min + step * f64::from(i);
-        let value = |i: u32| axis.calibration.drift().evaluate(at(i)).0;
+        let drift = axis.calibration.measured_drift();
+        let value = |i: u32| drift.evaluate(at(i)).0;
         let slope = |i: u32| (value(i + 1) - value(i)) / step;
         let steepest = (0..SLOPES).max_by(|a, b| slope(*a).abs().total_cmp(&slope(*b).abs())).unwrap_or(0);
         // Least squares over equally spaced temperatures.
         let middle = f64::midpoint(min, max);
         let squares: f64 = (0..=SLOPES).map(|i| (at(i) - middle).powi(2)).sum();
         let share = |i: u32| (at(i) - middle) / squares;
-        let error = |shares: &[(f64, f64)]| {
-            standard_error(&axis.calibration.drift().shape, &axis.calibration.fit.statistics.covariance, shares)
+        // The covariance is of the model's own curve: what stands for it beside a history has none.
+        let has_history = axis.calibration.fit.model.history.is_some();
+        let error = |shares: &[(f64, f64)]| match has_history {
+            true => f64::NAN,
+            false => standard_error(&drift.shape, &axis.calibration.fit.statistics.covariance, shares),
         };
         let of_all: Vec<(f64, f64)> = (0..=SLOPES).map(|i| (at(i), share(i))).collect();
         let of_piece = [(at(steepest), -1.0 / step), (at(steepest + 1), 1.0 / step)];

@@ -154,6 +154,11 @@ fn exit_code(result: &Result<Outcome>, typed: &Typed) -> u8 {
     }
 }
 
+/// What was said to somebody who has gone: whoever closed the pipe wants no more of it.
+pub(crate) fn unless_gone(said: Result<()>) -> Result<()> {
+    said.or_else(|error| if is_closed_pipe(&error) { Ok(()) } else { Err(error) })
+}
+
 fn is_closed_pipe(error: &anyhow::Error) -> bool {
     error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
 }

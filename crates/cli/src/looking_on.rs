@@ -47,7 +47,8 @@ impl LookingOn {
 
     /// Where to look, in words.
     pub fn told(&self) -> String {
-        format!("the run as it goes: open {}", self.live.url())
+        let what = if lock(&self.run).ended.is_some() { "the run that is over" } else { "the run as it goes" };
+        format!("{what}: open {}", self.live.url())
     }
 
     /// It is over; everybody gets the end.

@@ -331,3 +331,21 @@ fn a_study_gives_a_result_a_unit_and_quantiles() {
         "{told}"
     );
 }
+
+#[cfg(unix)]
+#[test]
+fn a_result_that_nobody_hears_is_told_to_be_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    short_set_up(folder.path());
+    let mut run = Command::new(env!("CARGO_BIN_EXE_zerorate"));
+    run.args(["calibrate", "--setup", "short.toml", "--notify", "echo $ZERORATE_RESULT > message"]);
+    let mut run = run.current_dir(folder.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // Whoever looked on has gone.
+    drop((run.stdout.take(), run.stderr.take()));
+    let ended = run.wait().unwrap();
+    let message = fs::read_to_string(folder.path().join("message")).unwrap();
+    let summary = fs::read(folder.path().join("calibration/summary.json")).unwrap();
+    let verdict = serde_json::from_slice::<Value>(&summary).unwrap()["verdict"].clone();
+    let expected = if verdict == "rejected" { ("rejected", Some(1)) } else { ("passed", Some(0)) };
+    assert_eq!((message.trim(), ended.code()), expected, "{verdict}");
+}

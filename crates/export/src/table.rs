@@ -46,7 +46,7 @@ pub(super) fn write_json(calibration: &Calibration, options: &ExportOptions) -> 
     Ok(Exported { text, sensors, notes })
 }
 
-/// The static curves at equal steps of temperature over all that was measured; a cell is empty where an axis was not.
+/// The curves without a history at equal steps of temperature over all that was measured; a cell is empty where an axis was not.
 pub(super) fn write_csv(calibration: &Calibration) -> Exported {
     let axes = || calibration.axes.values();
     let least = axes().map(|axis| axis.fit.measured.min()).fold(f64::INFINITY, f64::min);
@@ -65,7 +65,7 @@ pub(super) fn write_csv(calibration: &Calibration) -> Exported {
         let temperature = (least + (most - least) * f64::from(step) / f64::from(STEPS)).min(most);
         let cell = |axis: &AxisCalibration| {
             let inside = axis.fit.measured.coverage(temperature) == Coverage::Inside;
-            if inside { axis.drift().evaluate(temperature).0.to_string() } else { String::new() }
+            if inside { axis.measured_drift().evaluate(temperature).0.to_string() } else { String::new() }
         };
         rows.push(std::iter::once(temperature.to_string()).chain(axes().map(cell)).collect());
     }
@@ -80,8 +80,8 @@ pub(super) fn write_csv(calibration: &Calibration) -> Exported {
     let names: Vec<String> = histories.map(|(name, _)| one_line(name)).collect();
     if !names.is_empty() {
         notes.push(format!(
-            "the history (plays, lags) of {} is not in the table: these are the curves without it, and the calibration takes off \
-             more than these curves",
+            "the history (plays, lags) of {} is not in the table: its curve is the cubic between both ways, and the calibration takes \
+             off more than that",
             names.join(", ")
         ));
     }

@@ -220,10 +220,14 @@ pub struct Candidate {
 }
 
 impl DriftFit {
-    /// The curve over what was measured, and no further: what is told of a drift (peak to peak, slopes) is told of this.
+    /// The drift as a curve without a history, over what was measured and no further: what is told of a drift (peak to peak,
+    /// slopes) is told of this. Beside plays and lags the model's own curve has only what those leave it, which no unit
+    /// shows: then it is the static cubic, which goes between both ways.
     #[must_use]
     pub fn measured_drift(&self) -> Drift {
-        Drift { valid: self.measured, ..self.model.drift.clone() }
+        let cubic = self.static_cubic.as_ref().filter(|_| self.model.history.is_some());
+        let curve = cubic.map_or(&self.model.drift, |cubic| &cubic.drift);
+        Drift { valid: self.measured, ..curve.clone() }
     }
 
     /// The model that was chosen, terms beside the curve included: `poly:3`, or `poly:3 + 3 plays + time`.

@@ -1,4 +1,4 @@
-//! A trend that a residual still has, in time or over temperature: what a reader would see in the figure, in a number.
+//! A trend that a residual still has, in time, over temperature or from one direction to the other: what a reader would see in the figure, in a number.
 //!
 //! It is asked of what the model leaves of the recording that it was fitted to, without its drift in time: held out, a fold at
 //! an end would make the trend larger than it is. Neighbouring groups are alike, so that a slope's error follows from the
@@ -7,11 +7,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::direction::warming;
 use crate::folds::{FOLDS, TELLING, fold_of_row, jackknife_error};
 use crate::series::Series;
 
 /// Noise alone exceeds this, to either side, once in a thousand times: Student's t of seven degrees of freedom, one fewer
-/// than folds. A log has six axes and two trends each.
+/// than folds. A log has six axes and three trends each.
 const BEYOND_NOISE: f64 = 5.408;
 
 /// Where time and temperature correlate more than this, the log does not tell a trend in one from a trend in the other.
@@ -25,7 +26,9 @@ pub enum Against {
     Time,
     /// Temperature: from the coldest group to the hottest.
     Temperature,
-    /// One of the two, and the log does not tell which: from its start to its end.
+    /// The direction of the temperature: from cooling to heating.
+    Direction,
+    /// Time or temperature, and the log does not tell which: from its start to its end.
     TimeOrTemperature,
 }
 
@@ -40,40 +43,44 @@ pub struct Trend {
     pub standard_error: f64,
 }
 
-/// A group's residual, and where it stands: in time, seconds, and in temperature.
+/// A group's residual, and where it stands: in time, seconds, in temperature, and half to either side of none while it heats or
+/// cools.
 #[derive(Debug, Clone, Copy)]
 struct Point {
     log: u32,
     fold: usize,
     residual: f64,
-    at: [f64; 2],
+    at: [f64; 3],
 }
 
 const TIME: usize = 0;
 const TEMPERATURE: usize = 1;
+const DIRECTION: usize = 2;
 
 /// The trends of a residual, a group each (NaN for one without): the clearer first, and the other one in what is left
 /// without it. None in most.
 #[must_use]
 pub fn trends(residuals: &[f64], series: &Series<'_>) -> Vec<Trend> {
     let groups = residuals.len() as u64;
+    let warming = warming(series.temperature);
     let point = |(group, residual): (usize, &f64)| Point {
         log: series.log[group],
         fold: fold_of_row(group as u64, groups),
         residual: *residual,
-        at: [series.time_s[group], series.temperature[group]],
+        at: [series.time_s[group], series.temperature[group], if warming[group] { 0.5 } else { -0.5 }],
     };
     let mut points: Vec<Point> = residuals.iter().enumerate().map(point).collect();
     points.retain(|point| point.residual.is_finite() && point.at[TEMPERATURE].is_finite());
     // A log without times has none at all.
     let has_times = points.iter().all(|point| point.at[TIME].is_finite());
-    let mut axes = if has_times { vec![TIME, TEMPERATURE] } else { vec![TEMPERATURE] };
+    let mut axes = if has_times { vec![TIME, TEMPERATURE, DIRECTION] } else { vec![TEMPERATURE, DIRECTION] };
     let alike = has_times && correlation(&points).abs() > ALIKE;
     let mut found = Vec::new();
     loop {
         let clear = axes.iter().filter_map(|&axis| Some((axis, Slope::of(&points, axis)?)));
         let Some((axis, slope)) = clear.max_by(|(_, a), (_, b)| a.t().total_cmp(&b.t())) else { return found };
         let against = match axis {
+            DIRECTION => Against::Direction,
             _ if alike => Against::TimeOrTemperature,
             TIME => Against::Time,
             _ => Against::Temperature,
@@ -216,6 +223,23 @@ mod tests {
             let [trend] = found(&cycle(), &curved)[..] else { panic!("one trend, seed {seed}") };
             assert_eq!(trend.against, Against::Temperature);
             assert!((trend.change - 3.0).abs() < 0.5, "{trend:?}");
+        }
+    }
+
+    #[test]
+    fn a_loop_is_told_by_its_two_directions() {
+        let loops = |group: usize| if group < GROUPS / 2 { 0.75 } else { -0.75 };
+        for seed in 1..=20 {
+            // Cycles by which time says nothing of it.
+            let twice: Vec<f64> = (0..GROUPS).map(|group| cycle()[2 * group % GROUPS]).collect();
+            let looped: Vec<f64> = noise(seed, GROUPS)
+                .iter()
+                .enumerate()
+                .map(|(group, noise)| noise + loops(2 * group % GROUPS))
+                .collect();
+            let [trend] = found(&twice, &looped)[..] else { panic!("one trend, seed {seed}") };
+            assert_eq!(trend.against, Against::Direction);
+            assert!((trend.change - 1.5).abs() < 0.3, "{trend:?}");
         }
     }
 

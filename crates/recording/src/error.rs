@@ -66,6 +66,12 @@ pub enum WriteError {
         /// What the system said.
         reason: String,
     },
+    /// Another program writes it.
+    #[error("{}: another run writes its recording there: wait until it is over, or give this one another name", path.display())]
+    InUse {
+        /// The stream.
+        path: PathBuf,
+    },
     /// A group, or a chamber's moment, cannot be written.
     #[error("{}: the recording cannot go on: {reason}: what was recorded before it is kept there ({of}: {batches})", path.display())]
     Write {

@@ -1,6 +1,6 @@
 //! A table that is written batch by batch as an Arrow stream, readable up to its last whole batch, and finished as Parquet.
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
@@ -48,10 +48,15 @@ impl Streamed {
     pub fn create(path: &Path, schema: Arc<Schema>, of: &'static str) -> Result<Self, WriteError> {
         let stream = path.with_extension("arrows");
         let error = |reason: String| WriteError::Create { path: stream.clone(), reason };
+        if is_being_written(&stream) {
+            return Err(WriteError::InUse { path: stream });
+        }
         if stream.exists() {
             fs::rename(&stream, path.with_extension("cut.arrows")).map_err(|e| error(e.to_string()))?;
         }
         let file = File::create(&stream).map_err(|e| error(e.to_string()))?;
+        #[cfg(unix)]
+        let _ = file.try_lock();
         let mut writer = StreamWriter::try_new(BufWriter::new(file), &schema).map_err(|e| error(e.to_string()))?;
         writer.get_mut().flush().map_err(|e| error(e.to_string()))?;
         Ok(Self { parquet: path.to_owned(), stream: stream.clone(), schema, writer, of, batches: 0 })
@@ -112,6 +117,13 @@ impl Streamed {
         fs::remove_file(&self.stream)?;
         Ok(())
     }
+}
+
+/// Whether somebody writes a stream: who does holds it by the system's lock, which others can read past. On Windows they could
+/// not.
+fn is_being_written(stream: &Path) -> bool {
+    let locked = |file: File| matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+    cfg!(unix) && File::open(stream).is_ok_and(locked)
 }
 
 /// A table that was read: what its schema says, its rows, and whether it was cut off or is still being written.

@@ -211,6 +211,20 @@ fn starting_again_keeps_what_was_finished_and_what_was_cut() {
     assert_eq!(fs::read(&path).unwrap(), b"finished earlier");
 }
 
+#[cfg(unix)]
+#[test]
+fn what_another_run_writes_is_left_to_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.parquet");
+    let mut first = RecordingWriter::create(&path, &info()).unwrap();
+    first.write_group(&group(0)).unwrap();
+    let error = RecordingWriter::create(&path, &info()).err().unwrap().to_string();
+    assert!(error.contains("run.arrows: another run writes its recording there"), "{error}");
+    first.finish().unwrap();
+    assert_eq!(Recording::read(&(&path).into()).unwrap().rows, rows(1));
+    RecordingWriter::create(&path, &info()).unwrap();
+}
+
 #[test]
 fn a_folder_that_is_not_there_is_named() {
     let error = RecordingWriter::create(Path::new("/nowhere/run.parquet"), &info()).err().unwrap().to_string();

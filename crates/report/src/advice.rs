@@ -77,6 +77,10 @@ fn on(kind: ReasonKind) -> &'static str {
             "Fit several logs of the unit that go over the whole range both ways: a curve of one direction is wrong by the \
                  hysteresis, and a drift in time bends the curve of a single log."
         }
+        ReasonKind::MoreThanTold => {
+            "Fit this run with those of the calibration: it has something that they had not, another way through the \
+                 temperatures, another speed of heating, or a unit that was moved."
+        }
         ReasonKind::OutsideRange => "Calibrate over all temperatures that the unit will meet.",
         ReasonKind::NoSensor => {
             "Switch on the logging of the raw gyro and accelerometer with their temperatures, and log again."

@@ -34,7 +34,7 @@ pub(super) fn table(axis: &str, candidates: &[Candidate], scale: RateScale) -> M
     let caption = html! {
         b { (axis) } ": models compared by blocked cross-validation. Held out is within the recording, its drift in time taken off; ± is "
         "one standard error of how far that is from the best one’s. Zeroed by fold is what a device has left in a run as long as "
-        "a fold, which knows no drift in time and takes its zero at the fold’s start: over a whole log more is left. Taken (✓) is " (HOW_AUTO_CHOOSES) ". In " (scale.unit()) "."
+        "a fold, which knows no drift in time and takes its zero at the fold’s start: over a whole log, deployed, it may be more. Taken (✓) is " (HOW_AUTO_CHOOSES) ". In " (scale.unit()) "."
         @if all > candidates.len() { " The " (candidates.len()) " of " (all) " that predict best." }
     };
     Table { caption, heads: &heads, rows: candidates.into_iter().map(row).collect(), numbers_from: 1 }.markup()

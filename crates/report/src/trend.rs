@@ -18,8 +18,9 @@ pub fn trend_sentences(fit: &LogFit, asked: Option<WrittenRate>) -> Vec<String> 
 }
 
 fn sentence(axis: &str, trend: &Trend, scale: RateScale) -> String {
-    let verb = if trend.change < 0.0 { "falls" } else { "rises" };
     let numbers = aligned(&[trend.change.abs(), trend.standard_error].map(|rate| scale.of_rate(rate)));
+    let [change, error] = [&numbers[0], &numbers[1]];
+    let size = format!("{change} \u{b1} {error} {}", scale.unit());
     let (ends, meaning) = match trend.against {
         Against::Time => (
             "the log's start to its end",
@@ -29,16 +30,20 @@ fn sentence(axis: &str, trend: &Trend, scale: RateScale) -> String {
         Against::Temperature => {
             ("the coldest to the hottest", "the model does not follow the whole drift over temperature")
         }
+        Against::Direction => {
+            let side = if trend.change < 0.0 { "lower" } else { "higher" };
+            return format!(
+                "{axis}: what the model leaves is {side} by {size} while it heats than while it cools: a hysteresis that the model \
+                 does not hold, or a drift in time."
+            );
+        }
         Against::TimeOrTemperature => (
             "the log's start to its end",
             "in time or over temperature, which a log that comes back to its first temperature would tell apart",
         ),
     };
-    let [change, error] = [&numbers[0], &numbers[1]];
-    format!(
-        "{axis}: what the model leaves still {verb} by {change} \u{b1} {error} {} from {ends}: {meaning}.",
-        scale.unit()
-    )
+    let verb = if trend.change < 0.0 { "falls" } else { "rises" };
+    format!("{axis}: what the model leaves still {verb} by {size} from {ends}: {meaning}.")
 }
 
 #[cfg(test)]

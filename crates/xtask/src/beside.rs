@@ -1,5 +1,4 @@
-//! Steps that run beside the others: much of what they do takes one core alone, and nothing of it is built in the others'
-//! folders.
+//! Steps that run beside the others: much of what they do takes one core alone, and what they build is in folders of their own.
 
 use std::cell::RefCell;
 use std::fs::{self, File};
@@ -17,7 +16,7 @@ use crate::steps::Outcome;
 use crate::workspace::Workspace;
 
 /// What runs beside.
-pub const STEPS: [&str; 4] = ["circuit", "gateware", "firmware", "chip"];
+pub const STEPS: [&str; 5] = ["wasm", "circuit", "gateware", "firmware", "chip"];
 
 /// This program, running steps on its own; when this is dropped or its process ends, that ends too.
 pub struct Beside {

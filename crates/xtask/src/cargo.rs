@@ -26,12 +26,6 @@ pub fn document(workspace: &Workspace) -> Result<Outcome> {
     run_with(document.env("RUSTDOCFLAGS", "-D warnings"), &[&["doc"], &BUT_LOTS[..], &["--no-deps"]].concat())
 }
 
-/// All tests pass, and clippy and the compiler have nothing to say meanwhile: to lint first, cargo would go through all that others
-/// wrote twice.
-pub fn test(workspace: &Workspace, lots: Lots) -> Result<Outcome> {
-    test_some(workspace, lots, &[], |_| ())
-}
-
 /// Whether zerorate-lot is among the crates that are tested.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Lots {
@@ -41,13 +35,22 @@ pub enum Lots {
     LeftOut,
 }
 
+impl Lots {
+    /// The crates that are tested, as cargo is told.
+    pub const fn crates(self) -> &'static [&'static str] {
+        match self {
+            Self::Tested => &["--workspace"],
+            Self::LeftOut => &BUT_LOTS,
+        }
+    }
+}
+
 /// Some tests; `prepare` is given what they are run by. All tests are chosen from the same crates, by what they are called and not by
 /// their packages: then cargo chooses the same features of every dependency, and builds it once.
 pub fn test_some(workspace: &Workspace, lots: Lots, some: &[&str], prepare: impl Fn(&mut Command)) -> Result<Outcome> {
-    let crates = if lots == Lots::Tested { &["--workspace"] } else { &BUT_LOTS[..] };
     let mut test = command(workspace);
     prepare(&mut test);
-    run_with(lint_as_built(&mut test), &[&["test"], crates, some].concat())
+    run_with(lint_as_built(&mut test), &[&["test"], lots.crates(), some].concat())
 }
 
 /// Builds the command as its users do, for the steps that run it.
@@ -60,12 +63,12 @@ pub fn run(workspace: &Workspace, arguments: &[&str]) -> Result<Outcome> {
     run_with(&mut command(workspace), arguments)
 }
 
-/// Runs a cargo command in a workspace of its own, from the root; what it builds goes to `target`.
+/// Runs a cargo command in a workspace of its own, from the root, and lints its crates; what it builds goes to `target`.
 pub fn run_in(workspace: &Workspace, folder: &str, target: &Path, arguments: &[&str]) -> Result<()> {
     println!("    cargo {}, in {folder}", arguments.join(" "));
     let mut command = program();
     command.current_dir(workspace.root.join(folder)).env("CARGO_TARGET_DIR", target);
-    provide::succeed(command.args(arguments))
+    provide::succeed(lint_as_built(&mut command).args(arguments))
 }
 
 /// Has what calls cargo in another workspace take what was built in this one; what it makes goes to `target`.

@@ -2,6 +2,7 @@
 //!
 //! `cargo xtask test` is what a change must pass. It installs what it needs when it may, and otherwise names it.
 
+mod all_tests;
 mod arrows;
 mod beside;
 mod book;
@@ -59,7 +60,7 @@ struct Arguments {
 enum Chore {
     /// Run every check and stop at the first that fails
     ///
-    /// In order, with circuit, gateware, firmware and chip beside the others: what those say follows at the end.
+    /// In order, with wasm, circuit, gateware, firmware and chip beside the others: what those say follows at the end.
     ///
     /// Formatting, documentation and tests by cargo, with clippy as the tests' compiler; the rules of ARCHITECTURE.md by reading the sources; then
     /// the built command against numpy and against damaged recordings; what would be published, installed, and the Python
@@ -263,7 +264,7 @@ fn checks(workspace: &Workspace, fast: bool, lots: Lots) -> Vec<Step<'_>> {
         Step::new("format", "run `cargo fmt`", within(cargo::format)),
         Step::new("rustdoc", "mend what it points at", within(cargo::document)),
         Step::new("tests", "`cargo test -p CRATE NAME` runs one, `cargo clippy` lints alone", move || {
-            cargo::test(workspace, lots)
+            all_tests::check(workspace, lots)
         }),
         Step::new("publish", "mend what cannot be published", within(publish::check)),
         Step::new("no_std", "see ARCHITECTURE.md, Arrows", within(targets::no_std)).skipped_if(fast, "--fast"),

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use zerorate_fit::boot::left_after_zero;
+use zerorate_fit::folds::TELLING;
 use zerorate_fit::predict::{Predictor, Start};
 use zerorate_fit::residual::ResidualStatistics;
 
@@ -41,13 +42,17 @@ pub struct VerifiedAxis {
     pub fit_told: Option<ResidualStatistics>,
     /// The same without the calibration: what a device has left that takes its zero and corrects nothing.
     pub uncorrected: ResidualStatistics,
-    /// Whether more is left than was recorded, by the root mean square about the mean: no correction would be better.
+    /// Whether more is left than was recorded, by the root mean square about the mean or less a zero at the start: no
+    /// correction would be better.
     pub worse: bool,
     /// The least and the greatest temperature in the log.
     pub temperature: [f64; 2],
     /// The least and the greatest temperature that were measured for the calibration.
     pub calibrated_temperature: [f64; 2],
-    /// The share of the log outside those, 0 to 1: there nothing was measured that the curve could rest on.
+    /// How far beyond those the curve goes on before it is held, the least and the greatest temperature.
+    #[serde(skip)]
+    pub believed_temperature: [f64; 2],
+    /// The share of the log outside those that were measured, 0 to 1: there nothing was measured that the curve could rest on.
     pub outside: f64,
     /// The share of the log's rows with a temperature that have a rate of this axis, 0 to 1: all that is told is of those.
     pub covered: f64,
@@ -96,6 +101,8 @@ pub(super) fn verify(
     let uncorrected = left_after_zero(raw.clone(), &times);
     let (raw, _) = ResidualStatistics::about_mean(&raw);
     let (corrected, offset) = ResidualStatistics::about_mean(&left);
+    let deployed = left_after_zero(left, &times);
+    let worse = corrected.rms > raw.rms + ROUNDING * raw.rms.max(offset.abs());
     Ok(VerifiedAxis {
         name: name.to_owned(),
         log_axis: axis.name.clone(),
@@ -103,12 +110,13 @@ pub(super) fn verify(
         raw,
         corrected,
         offset,
-        deployed: left_after_zero(left, &times),
+        deployed,
         fit_told: own.fit.statistics.deployed,
         uncorrected,
-        worse: corrected.rms > raw.rms + ROUNDING * raw.rms.max(offset.abs()),
+        worse: worse || deployed.rms > TELLING * uncorrected.rms,
         temperature: [temperatures().fold(f64::INFINITY, f64::min), temperatures().fold(f64::NEG_INFINITY, f64::max)],
         calibrated_temperature: [measured.min(), measured.max()],
+        believed_temperature: [own.fit.model.drift.valid.min(), own.fit.model.drift.valid.max()],
         outside: outside as f64 / points.len().max(1) as f64,
         covered: covered(axis),
         missed: Vec::new(),

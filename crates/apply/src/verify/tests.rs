@@ -366,3 +366,28 @@ fn an_axis_without_most_of_its_rates_does_not_pass() {
         assert_eq!((told, found.axes[1].missed.len()), (!passes, 0), "{found:?}");
     }
 }
+
+#[test]
+fn a_run_that_leaves_much_more_than_the_fit_told_has_something_else() {
+    // Two rows a second, so that both are of averages over 10 s.
+    let faster = |name: &str, seed: i32, extra: f64| {
+        let mut text = String::new();
+        for (place, row) in log(seed, 0.0, extra).lines().enumerate() {
+            let (time, rest) = row.split_once(',').unwrap();
+            let time = if place == 0 { time.to_owned() } else { (time.parse::<f64>().unwrap() / 2.0).to_string() };
+            text += &format!("{time},{rest}\n");
+        }
+        Source::bytes(name, text.into_bytes())
+    };
+    let first = faster("first.csv", 617, 0.0);
+    let fitted = fit(std::slice::from_ref(&first), &FitOptions::default()).unwrap();
+    let own = fitted.to_calibration(vec![Origin::of("log", &first).unwrap()], None).unwrap();
+    let told = own.axes["gyro_x_rad_s"].fit.statistics.deployed.unwrap().rms;
+    let verified = |extra: f64| verify(&faster("second.csv", 733, extra), &own, &VerifyOptions::default()).unwrap();
+    assert!(verified(0.0).reasons.is_empty(), "{:?}", verified(0.0).reasons);
+    let other = verified(1e-3);
+    let [reason] = &other.reasons[..] else { panic!("{:?}", other.reasons) };
+    assert_eq!((reason.kind, other.verdict), (ReasonKind::MoreThanTold, Verdict::Warning));
+    let times = format!("{:.1} times what the fit told", other.axes[0].deployed.rms / told);
+    assert!(reason.text.starts_with("gyro_x_rad_s: ") && reason.text.contains(&times), "{}", reason.text);
+}

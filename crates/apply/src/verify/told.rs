@@ -4,7 +4,6 @@ use super::VerifiedAxis;
 use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::quality::{Judgement, Reason, ReasonKind};
 use zerorate_cal::units::{RateScale, RateUnit, TemperatureUnit, WrittenRate};
-use zerorate_fit::folds::TELLING;
 
 /// A larger share of the log outside what was measured is told. Two runs of one chamber's ramp end a few averages apart, and
 /// that is less.
@@ -12,6 +11,9 @@ const TOLD_OUTSIDE: f64 = 0.02;
 
 /// Averages that are outside by less than this part of the range are at its end.
 const AT_THE_END: f64 = 0.01;
+
+/// What is left of a run is by chance at most so many times what held-out folds tell of it.
+const TOLD_TIMES: f64 = 2.0;
 
 /// Of less of the range than this a run says nothing of a calibration but there.
 const MUCH: f64 = 0.5;
@@ -31,18 +33,20 @@ pub(super) fn little_seen(axes: &[VerifiedAxis], unit: TemperatureUnit) -> Optio
     ))
 }
 
-/// The reasons: what is wrong with the log, then what the calibration does to it.
+/// The reasons: what is wrong with the log, then what the calibration does to it; `alike`: over averages that can be held
+/// against those of the calibration's fit.
 pub(super) fn reasons(
     fit: &LogFit,
     axes: &[VerifiedAxis],
     unit: TemperatureUnit,
     told_in: Option<WrittenRate>,
+    alike: bool,
 ) -> Vec<Reason> {
     let of_log = fit.judgement.reasons.iter().filter(|reason| !is_of_a_fit_alone(reason)).cloned();
     let mut judgement = Judgement::default();
     of_log
         .chain(worse(axes, told_in))
-        .chain(worse_from_a_zero(axes, told_in))
+        .chain(more_than_told(axes, told_in).filter(|_| alike))
         .chain(outside(axes, unit))
         .for_each(|reason| judgement.add(reason));
     judgement.reasons
@@ -54,21 +58,32 @@ fn is_of_a_fit_alone(reason: &Reason) -> bool {
     matches!(reason.kind, NarrowSpan | OneDirection | Unmeasured | WorseThanUncorrected)
 }
 
+/// About its mean, or, of an axis that is no worse so, of what a device has left with its zero at the start.
 fn worse(axes: &[VerifiedAxis], told_in: Option<WrittenRate>) -> impl Iterator<Item = Reason> {
-    let left = move |axis: &VerifiedAxis| left_of(axis, [axis.corrected.rms, axis.raw.rms], told_in);
     axes.iter().filter(|axis| axis.worse).map(move |axis| {
-        let text = format!("{}: worse than uncorrected: {} that were recorded", axis.name, left(axis));
+        let text = if axis.corrected.rms > axis.raw.rms {
+            let left = left_of(axis, [axis.corrected.rms, axis.raw.rms], told_in);
+            format!("{}: worse than uncorrected: {left} that were recorded", axis.name)
+        } else {
+            let left = left_of(axis, [axis.deployed.rms, axis.uncorrected.rms], told_in);
+            format!("{}: less a zero at the start, worse than uncorrected: {left}", axis.name)
+        };
         Reason::new(ReasonKind::WorseThanUncorrected, text)
     })
 }
 
-/// An axis that is no worse about its mean, of which a device with its zero at the start has more left all the same.
-fn worse_from_a_zero(axes: &[VerifiedAxis], told_in: Option<WrittenRate>) -> impl Iterator<Item = Reason> {
-    let worse = |axis: &&VerifiedAxis| !axis.worse && axis.deployed.rms > TELLING * axis.uncorrected.rms;
-    let left = move |axis: &VerifiedAxis| left_of(axis, [axis.deployed.rms, axis.uncorrected.rms], told_in);
-    axes.iter().filter(worse).map(move |axis| {
-        let text = format!("{}: less a zero at the start, worse than uncorrected: {}", axis.name, left(axis));
-        Reason::new(ReasonKind::WorseThanUncorrected, text)
+/// A run on which much more is left than the fit told, though less than without: it has something that the fit's had not.
+fn more_than_told(axes: &[VerifiedAxis], told_in: Option<WrittenRate>) -> impl Iterator<Item = Reason> {
+    axes.iter().filter(|axis| !axis.worse).filter_map(move |axis| {
+        let told = axis.fit_told.filter(|told| axis.deployed.rms > TOLD_TIMES * told.rms)?;
+        let scale = RateScale::of(axis.rate_unit, &[axis.deployed.rms], told_in);
+        let text = format!(
+            "{}: less a zero at the start {} rms is left, {:.1} times what the fit told: this run has something that the calibration's had not",
+            axis.name,
+            scale.told(axis.deployed.rms),
+            axis.deployed.rms / told.rms
+        );
+        Some(Reason::new(ReasonKind::MoreThanTold, text))
     })
 }
 
@@ -103,8 +118,10 @@ fn outside(axes: &[VerifiedAxis], unit: TemperatureUnit) -> impl Iterator<Item =
     }
     told.into_iter().map(move |(names, axis)| {
         let [min, max] = axis.calibrated_temperature;
+        let goes_on = axis.believed_temperature[0] < min || axis.believed_temperature[1] > max;
+        let there = if goes_on { "goes on as it ends, for a little, and is then held" } else { "is held" };
         let text = format!(
-            "{}: {:.0} % of the averages are outside the {min:.1} to {max:.1} {} that were measured for the calibration: there the curve goes on as it ends, for a little, and is then held",
+            "{}: {:.0} % of the averages are outside the {min:.1} to {max:.1} {} that were measured for the calibration: there the curve {there}",
             names.join(", "),
             100.0 * axis.outside,
             unit.name()

@@ -91,6 +91,8 @@ impl Slope {
 /// The way to a set point and the time there.
 #[derive(Debug, Clone)]
 pub struct SoakWatch {
+    /// How far the chamber was sent, kelvins.
+    sent: f64,
     target: Celsius,
     hold: Seconds,
     slope: Slope,
@@ -101,11 +103,12 @@ pub struct SoakWatch {
 }
 
 impl SoakWatch {
-    /// A soak at `target`, held for `hold` once it is reached, seen every `period`.
+    /// A soak at `target` of a chamber that was at `from`, held for `hold` once it is reached, seen every `period`.
     #[must_use]
-    pub fn new(target: Celsius, hold: Seconds, period: Seconds) -> Self {
+    pub fn new(from: Celsius, target: Celsius, hold: Seconds, period: Seconds) -> Self {
         let span_s = (hold.0 / 4.0).clamp(10.0 * period.0, 600.0);
         Self {
+            sent: (target - from).0.abs(),
             target,
             hold,
             slope: Slope::over(span_s),
@@ -123,7 +126,9 @@ impl SoakWatch {
         let way = self.target.0 - start;
         let moved = (c - start) * way.signum();
         let slope = self.slope.push(t_s, c);
-        let is_far = way.abs() > NEAR_K;
+        // The readings' scale may be off by more than a chamber that was sent where it was has to go.
+        let least = way.abs().min(self.sent);
+        let is_far = least > NEAR_K;
         if is_far && moved < -NEAR_K && !self.said_wrong_way {
             self.said_wrong_way = true;
             return Seen::Warning(format!(
@@ -143,7 +148,7 @@ impl SoakWatch {
         }
         let Some(slope) = slope.map(f64::abs) else { return Seen::Nothing };
         // Half the way at least: a chamber that has not set off stands still too.
-        if slope > ARRIVED_K_PER_MIN || (is_far && moved < 0.5 * way.abs()) {
+        if slope > ARRIVED_K_PER_MIN || (is_far && moved < 0.5 * least) {
             self.arrived_s = None;
             return Seen::Nothing;
         }

@@ -65,10 +65,11 @@ impl Session<'_> {
     /// Has the chamber sent to a temperature, and watches until the device is as warm and was held there.
     pub(super) fn soak_by_reading(&mut self, what: &str, set_point: Celsius, hold: Seconds) -> Result<(), BenchError> {
         self.phase(what, 0);
+        let from = self.bench.chamber.set_point();
         self.bench.chamber.set(set_point)?;
         self.start(SampleWindow::NONE)?;
         let period = self.setup.group_period();
-        let mut watch = SoakWatch::new(set_point, hold, period);
+        let mut watch = SoakWatch::new(from, set_point, hold, period);
         let began = self.elapsed;
         loop {
             let group = self.take(Phase::Soak, &mut Recorder::discarding())?;

@@ -1,6 +1,7 @@
 //! What a fit's averages are over, and when a device takes its zero, in words: a log without times has rows alone.
 
 use zerorate_fit::boot::BOOT_S;
+use zerorate_fit::drift_fit::ResidualOver;
 use zerorate_fit::trace::period_s;
 
 use super::LogFit;
@@ -12,6 +13,9 @@ const ALIKE: f64 = 1.25;
 impl LogFit {
     /// The time from one average to the next, seconds, as a rule: the least and the greatest of the logs; `None` without times.
     fn averages_s(&self) -> Option<(f64, f64)> {
+        if self.is_of_rows() {
+            return None;
+        }
         let trace = &self.axes.first()?.trace;
         let of_logs = trace.chunk_by(|a, b| a.log == b.log).filter_map(period_s);
         of_logs.fold(None, |found, own| {
@@ -20,7 +24,13 @@ impl LogFit {
         })
     }
 
-    /// The time from one average to the next, seconds, as a rule, of several logs the longest; `None` of logs without times.
+    /// Whether nothing was averaged: a plain fit.
+    fn is_of_rows(&self) -> bool {
+        self.axes.first().is_some_and(|axis| axis.calibration.fit.statistics.residual_over == ResidualOver::Rows)
+    }
+
+    /// The time from one average to the next, seconds, as a rule, of several logs the longest; `None` of logs without times and
+    /// of a plain fit.
     #[must_use]
     pub fn averaged_over_s(&self) -> Option<f64> {
         self.averages_s().map(|(_, most)| most)

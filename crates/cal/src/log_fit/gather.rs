@@ -100,6 +100,12 @@ impl Logs {
                 self.notes.push(note);
             }
         }
+        if options.sensor.is_some() && sensors.iter().any(|sensor| sensor.stream.sensor.is_none()) {
+            self.notes.push(format!(
+                "the columns of {} are of no sensor with a number: `sensor` leaves none of them out",
+                source.short_name()
+            ));
+        }
         self.reasons.extend(ending.reasons);
         let name = (sources.len() > 1).then(|| source.short_name().to_owned());
         self.add(source, autopilot, seen, sensors, name)

@@ -128,7 +128,7 @@ pub(super) fn of_hole(temperatures: impl Iterator<Item = f64>, unit: &str) -> Op
     let (hole, span) = widest_hole(temperatures.collect())?;
     let text = || {
         format!(
-            "no temperature between {:.1} and {:.1} {unit} was measured: there the curve is a guess; add a log that \
+            "nothing was measured between {:.1} and {:.1} {unit}: there the curve is a guess; add a log that \
              goes through it",
             hole.0, hole.1
         )
@@ -145,12 +145,19 @@ pub(super) fn of_temperature(sensor: &Gathered) -> Vec<Reason> {
         let shown: Vec<Shown> = log.iter().map(shown).collect();
         for place in jumps_that_stay(&shown, dropout_margin(unit, sensor.temperature_step)) {
             let (group, leap) = (&log[place], log[place].leap);
+            // What was left out blurs no curve.
+            if group.axes.iter().all(|axis| axis.rows == 0) {
+                continue;
+            }
             let size = if leap.1 > -leap.0 { leap.1 } else { leap.0 };
+            // A jump that is not among the group's own rows is from the last one before it.
+            let is_within = 2.0 * (group.temperatures.1 - group.temperatures.0) > size.abs();
+            let from = if is_within { group } else { &log[place.saturating_sub(1)] };
             let text = format!(
                 "the temperature jumps by {size:+.1} {} from one row to the next {} and stays there, which no part does: one side is \
                  not true, and the curve is wrong by it",
                 unit.name(),
-                of_groups(sensor, group, group)
+                of_groups(sensor, from, group)
             );
             found.push(sensor.part(group.first_row).reason(Reason::new(ReasonKind::TemperatureJump, text)));
         }

@@ -9,7 +9,8 @@ pub(super) enum Notation {
     Point,
     /// With a decimal comma; a point in one is none of a number's signs.
     Comma,
-    /// As ISO 8601 and RFC 3339 write times: `2026-03-01T08:00:00.5Z`, also with a space for the T, or an offset from UTC.
+    /// As ISO 8601 and RFC 3339 write times: `2026-03-01T08:00:00.5Z`, also with a space for the T, or an offset from UTC;
+    /// the date with its day first, `01.03.2026`, too.
     Stamp,
     /// The same without an offset: of some zone, which nobody knows.
     LocalStamp,
@@ -54,8 +55,16 @@ fn is_missing(cell: &str) -> bool {
 /// Seconds since 1970. A time without an offset is taken as one of UTC: of such only differences are used.
 fn stamp(cell: &str) -> Option<f64> {
     // ISO 8601 knows the comma too.
-    let nanoseconds = string_to_timestamp_nanos(&cell.replacen(',', ".", 1)).ok()?;
+    let cell = day_first(cell).unwrap_or_else(|| cell.to_owned()).replacen(',', ".", 1);
+    let nanoseconds = string_to_timestamp_nanos(&cell).ok()?;
     Some(nanoseconds as f64 * 1e-9)
+}
+
+/// A date with points begins with its day, wherever it is written so: `01.03.2026 08:00:00`. With slashes nobody knows.
+fn day_first(cell: &str) -> Option<String> {
+    let (date, time) = cell.split_at_checked(10)?;
+    let [day, month, year] = date.split('.').collect::<Vec<_>>()[..] else { return None };
+    (day.len() == 2 && month.len() == 2).then(|| format!("{year}-{month}-{day}{time}"))
 }
 
 #[cfg(test)]
@@ -67,7 +76,7 @@ mod tests {
         for cell in ["2026-03-01T08:00:00Z", " 2026-03-01 08:00:00+02:00", "2026-03-01T08:00:00.250-05:00"] {
             assert_eq!(Notation::of_stamp(cell), Some(Notation::Stamp), "{cell}");
         }
-        for cell in ["2026-03-01T08:00:00", "2026-03-01 08:00:00,5", "2026-03-01"] {
+        for cell in ["2026-03-01T08:00:00", "2026-03-01 08:00:00,5", "2026-03-01", "01.03.2026 08:00:00"] {
             assert_eq!(Notation::of_stamp(cell), Some(Notation::LocalStamp), "{cell}");
         }
         assert_eq!(Notation::of_stamp("1772352000"), None);
@@ -88,6 +97,9 @@ mod tests {
             (Notation::Stamp, "2026-03-01T08:00:00Z", Some(1_772_352_000.0)),
             (Notation::Stamp, "2026-03-01T08:00:00.250+02:00", Some(1_772_344_800.25)),
             (Notation::Stamp, "2026-03-01 08:00:00,5", Some(1_772_352_000.5)),
+            (Notation::Stamp, "01.03.2026 08:00:00,5", Some(1_772_352_000.5)),
+            (Notation::Stamp, "13.13.2026 08:00:00", None),
+            (Notation::Stamp, "03/01/2026 08:00:00", None),
             (Notation::Stamp, "1772352000", None),
         ] {
             let read = notation.number(cell);

@@ -44,7 +44,9 @@ fn has(words: &[String], any: &[&str]) -> bool {
 }
 
 pub(super) fn is_time(words: &[String]) -> bool {
-    words.first().is_some_and(|word| ["t", "time", "timestamp", "seconds", "date", "datetime"].contains(&word.as_str()))
+    words
+        .first()
+        .is_some_and(|word| ["t", "time", "timestamp", "seconds", "date", "datetime", "datum"].contains(&word.as_str()))
         && !is_temperature(words)
 }
 

@@ -37,7 +37,7 @@ use self::instrument::Instrument;
 use self::looked_on::LookedOn;
 use self::operator::AtTerminal;
 use self::real::Instruments;
-use super::Outcome;
+use super::{Outcome, unless_gone};
 use crate::interrupt;
 use crate::looking_on::{self, LookingOn};
 use crate::notify;
@@ -169,7 +169,7 @@ impl Calibrate {
         Ok(match end? {
             End::Planned | End::Carried(Verdict::Good | Verdict::Warning) => Outcome::Done,
             End::Carried(Verdict::Rejected) => Outcome::Rejected,
-            End::NotAll => Outcome::Failed,
+            End::NotAll(_) => Outcome::Failed,
         })
     }
 
@@ -189,9 +189,10 @@ impl Calibrate {
                 };
                 (result, message)
             }
-            Ok(End::Planned | End::NotAll) => {
-                (stopped, format!("not all runs came to their end; what there is is in {out}"))
+            Ok(End::NotAll(which)) => {
+                (stopped, format!("not all runs came to their end: {which}; what there is is in {out}"))
             }
+            Ok(End::Planned) => (stopped, "nothing but the plan was asked for".to_owned()),
             Err(error) => (stopped, sentence(error.as_ref())),
         }
     }
@@ -304,12 +305,9 @@ impl Calibrate {
         result.map_err(|error| with_what_is_left(error, out, *keep))
     }
 
+    /// The result is said; who does not hear it to its end has it in the folder.
     fn end_with(&self, summary: &Summary) -> Result<End> {
-        if self.json {
-            screen::print_json(summary)?;
-        } else {
-            page::page(summary, &self.out).print()?;
-        }
+        unless_gone(if self.json { screen::print_json(summary) } else { page::page(summary, &self.out).print() })?;
         Ok(End::Carried(summary.verdict))
     }
 
@@ -333,8 +331,8 @@ enum End {
     Planned,
     /// Everything was carried through, and this is the worst verdict.
     Carried(Verdict),
-    /// Of several units' runs not all came to their end.
-    NotAll,
+    /// Of several units' runs not all came to their end: which, and why.
+    NotAll(String),
 }
 
 /// What a verdict makes of a unit.

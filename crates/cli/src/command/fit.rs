@@ -15,7 +15,7 @@ use zerorate_cal::fit::fit;
 use zerorate_cal::in_chamber::InChamber;
 use zerorate_cal::log_fit::{FitOptions, LogFit};
 use zerorate_cal::source::Source;
-use zerorate_cal::units::WrittenRate;
+use zerorate_cal::units::{RateUnit, WrittenRate};
 use zerorate_export::Format;
 use zerorate_report::LogPage;
 use zerorate_words::as_options;
@@ -202,6 +202,11 @@ impl Fit {
             Some(format) => (
                 "To get the autopilot's parameters from it",
                 format!("zerorate export {} --format {}", output::argument(out), Format::from(format)),
+            ),
+            // A recording of the bench is no table of one sensor.
+            None if fit.axes.iter().any(|axis| axis.calibration.rate_unit == RateUnit::Counts) => (
+                "To get its curves as a table",
+                format!("zerorate export {} --format csv --out curves.csv", output::argument(out)),
             ),
             None => ("To correct a log by it", apply_command(out, &self.log.files[0])),
         }

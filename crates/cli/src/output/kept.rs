@@ -8,7 +8,7 @@ use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use zerorate_apply::apply::are_of_one_log;
 use zerorate_cal::calibration::{Calibration, Origin};
@@ -103,6 +103,11 @@ impl Force {
 
     /// Refuses the place of anything: a recording that is there was recorded once.
     pub fn recording(self, option: &str, path: &Path) -> Result<()> {
+        ensure!(
+            !super::is_device(path),
+            "{option} {}: this is no file, and a recording takes its place when it is finished: give the name of a file",
+            path.display()
+        );
         self.keep(option, path, || There::Other("what was recorded before".into()))
     }
 

@@ -61,5 +61,7 @@ fn a_log_that_knows_no_time_of_day_asks_where_the_recording_began() {
     ran.says(&["log.csv", "not a chamber's recording"]);
     let ran = zerorate(folder.path(), &["fit", "log.csv", "--chamber", "night.parquet", "--chamber-at", "90000"]);
     assert_eq!(ran.code, 2);
-    ran.says(&["not of the log's time"]);
+    ran.says(&["not of the log's time", "so it was said (--chamber-at)"]);
+    let ran = zerorate(folder.path(), &["fit", "log.csv", "--chamber", "night.parquet", "--chamber-at=nan"]);
+    ran.says(&["--chamber-at: give a number of seconds"]);
 }

@@ -109,3 +109,19 @@ fn what_cannot_be_read_is_told_and_the_others_are_listed() {
     zerorate(folder.path(), &["units", "empty"]).is_error(&["empty", "no results"]);
     zerorate(folder.path(), &["units", "nowhere"]).is_error(&["nowhere"]);
 }
+
+#[test]
+fn simulated_units_of_other_plants_or_seeds_are_others() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, plant, seed) in [("a", "paper", 1), ("b", "typical", 7), ("c", "typical", 7)] {
+        let at = folder.path().join("units").join(name);
+        run(&at, "ZR-0001", "2026-11-20T08:00:00Z", 0.0, "good");
+        let mut summary: Value = serde_json::from_str(&fs::read_to_string(at.join("summary.json")).unwrap()).unwrap();
+        (summary["plant"], summary["seed"]) = (json!(plant), json!(seed));
+        fs::write(at.join("summary.json"), summary.to_string()).unwrap();
+    }
+    let json = listed(folder.path(), &["--json"]).json();
+    let plants: Vec<_> = json["units"].as_array().unwrap().iter().map(|unit| unit["plant"].as_str().unwrap()).collect();
+    assert_eq!(plants, ["paper, seed 1", "typical, seed 7"]);
+    listed(folder.path(), &[]).says(&["ZR-0001, simulated: typical, seed 7"]);
+}

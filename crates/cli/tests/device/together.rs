@@ -136,7 +136,7 @@ fn a_board_whose_line_is_cut_leaves_the_others_running_and_one_page_shows_them_a
     // What the board had said before is kept.
     assert!(recording.metadata().unwrap().len() > 20_000);
     let last = seen.rsplit("data: now").next().unwrap();
-    assert!(last.contains("3 of 3 done") && last.contains("event: over"), "{last}");
+    assert!(last.contains("3 of 3 over") && last.contains("event: over"), "{last}");
     for (unit, how) in
         [("ZR-0042-1", "The unit passed"), ("ZR-0042-2", "It ended before it was done"), ("ZR-0042-3", "passed")]
     {

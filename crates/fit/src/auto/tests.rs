@@ -354,3 +354,20 @@ fn the_bands_hold_95_of_100_groups_of_this_run_and_of_the_next() {
         assert!((0.91..0.98).contains(&next), "the next, loops of {loops}: {next}");
     }
 }
+
+#[test]
+fn the_drift_of_a_loop_is_that_of_the_curve_between_its_ways() {
+    // Once up and down, a loop as tall as the curve: beside lags and plays the model's own curve has what they leave it.
+    let temperature: Vec<f64> =
+        (0..720_i32).map(|group| 60.0 - 70.0 * f64::from((group - 360).abs()) / 360.0).collect();
+    let x = |t: f64| (t - 25.0) / 35.0;
+    let middle = |t: f64| 0.02 * (0.4 * x(t) + 0.25 * x(t).powi(2) - 0.2 * x(t).powi(3));
+    let loops = |group: usize, t: f64| if group < 360 { 0.006 } else { -0.006 } * (1.0 - x(t).powi(2));
+    let made = Made::new(temperature, |group, t| middle(t) + loops(group, t));
+    let fit = made.fit(Model::Auto).fit;
+    assert!(fit.model.history.is_some(), "{}", fit.chosen_model());
+    let ends = (0..=700).map(|tenth| middle(-10.0 + 0.1 * f64::from(tenth)));
+    let (least, most) = ends.fold((f64::NAN, f64::NAN), |(a, b), rate| (rate.min(a), rate.max(b)));
+    let told = fit.measured_drift().peak_to_peak();
+    assert!((told / (most - least) - 1.0).abs() < 0.1, "{told} of {}, by {}", most - least, fit.chosen_model());
+}

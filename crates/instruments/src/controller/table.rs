@@ -188,6 +188,10 @@ impl ControllerTable {
         if run_register.is_some() != run_value.is_some() {
             return Err("chamber.controller.run_register and run_value belong together: give both or neither".into());
         }
+        let stop_value = self.stop_value.or(preset.stop_value);
+        if run_register.is_some() && run_value == stop_value {
+            return Err("chamber.controller.run_value and stop_value are one number, and a chamber that runs could not be told from one that is stopped: give each its own".into());
+        }
         Ok(Registers {
             actual: self.actual_register.or(preset.actual_register).ok_or_else(|| missing("actual_register"))?,
             set_point: self
@@ -206,7 +210,7 @@ impl ControllerTable {
                 (Form::F32, None) => return Err(missing("word_order (high-first or low-first)")),
             },
             run: at(run_value),
-            stop: at(self.stop_value.or(preset.stop_value)),
+            stop: at(stop_value),
         })
     }
 
@@ -249,6 +253,7 @@ mod tests {
             ),
             (ControllerTable { form: Some(Form::I16), ..own.clone() }, "scale (10 where"),
             (ControllerTable { run_value: Some(1), ..ControllerTable::of("eurotherm") }, "belong together"),
+            (ControllerTable { run_value: Some(62), ..ControllerTable::of("watlow-f4t") }, "are one number"),
             (ControllerTable { safe_c: 200.0, ..ControllerTable::of("binder") }, "safe_c 200 is outside"),
             (ControllerTable { safe_c: f64::NAN, ..ControllerTable::of("binder") }, "safe_c NaN is outside"),
             (ControllerTable { unit: 0, ..ControllerTable::of("binder") }, "1 to 247"),

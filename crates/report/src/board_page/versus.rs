@@ -47,8 +47,8 @@ pub(super) fn chapter(board: &Board) -> Markup {
             numbers_from: 1,
         }.wide_markup())
         p.small {
-            "The residual of a potentiometer alone cannot be less than one tap, 31 counts peak to peak: it is a saw-tooth of "
-            "whole taps, and the paper’s “less than 40” is that and a little more. Y’s equation is quoted with the sign of its "
+            "The residual of a potentiometer alone is about one tap, 31 counts peak to peak, where the drift goes through many: a "
+            "saw-tooth of whole taps, and the paper’s “less than 40” is that and a little more. Y’s equation is quoted with the sign of its "
             "linear term turned; as printed it is +0.676531 (see erratum), which the paper’s own figures refute."
         }
     }

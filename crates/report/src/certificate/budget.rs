@@ -45,7 +45,7 @@ fn quantity(run: &BoardRun) -> Markup {
                 None => "in it where the power was switched between the ramps",
             }
             ". U = "
-            i { "k" } " " i { "u" } " with " i { "k" } " = " (fixed(COVERAGE_FACTOR, 0)) ", by the GUM (JCGM 100:2008): about 95 % where no part is much larger than the others, and more where one is that has ends, as a tap’s."
+            i { "k" } " " i { "u" } " with " i { "k" } " = " (fixed(COVERAGE_FACTOR, 0)) ", by the GUM (JCGM 100:2008): about 95 %, more where the largest part has ends, as a tap’s, and less where it rests on few switch-ons. How often each holds stands beside it."
         }
     }
 }

@@ -35,7 +35,7 @@ impl LiveBoards {
     pub fn parts(&self) -> Vec<(&'static str, String)> {
         let Self(boards) = self;
         let over = boards.iter().filter(|board| board.run.ended.is_some()).count();
-        let mut facts = vec![("Boards", html! { (over) " of " (boards.len()) " done" })];
+        let mut facts = vec![("Boards", html! { (over) " of " (boards.len()) " over" })];
         // All are in one chamber.
         facts.extend(boards.iter().find_map(|board| board.run.air()).map(|air| ("Chamber", html! { (air) })));
         let now = html! {
@@ -113,7 +113,7 @@ mod tests {
         let parts = boards.parts();
         let [(_, now), (_, notes)] = &parts[..] else { panic!("{parts:?}") };
         let rows: Vec<&str> = now.split("<tr>").skip(2).collect();
-        assert!(rows.len() == 2 && now.contains("1 of 2 done") && now.contains("21.5\u{a0}°C"), "{now}");
+        assert!(rows.len() == 2 && now.contains("1 of 2 over") && now.contains("21.5\u{a0}°C"), "{now}");
         assert!(
             rows[0].contains("<a href=\"http://127.0.0.1/A-1\">A-1</a>") && rows[0].contains("2 of 2: trim"),
             "{now}"

@@ -18,7 +18,9 @@
     source.addEventListener("page", event => { if (page !== null && page !== event.data) location.reload(); page = event.data; });
     source.addEventListener("over", () => { source.close(); tell("It is over; what is shown is the last."); });
     source.onerror = () => {
-      tell(heard ? `The connection is lost; what is shown is from ${heard}. It is being opened again.` : "Nobody answers yet.");
+      // A token is a start's own.
+      const anew = location.search ? " A program that was started anew has a new address, which it prints." : "";
+      tell(heard ? `The connection is lost; what is shown is from ${heard}. It is being opened again.${anew}` : `Nobody answers yet.${anew}`);
       // The browser tries again by itself, unless the answer was none that it knows.
       if (source.readyState === EventSource.CLOSED) setTimeout(open, 3000);
     };

@@ -56,11 +56,12 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
     let mut rows = Vec::new();
     for (axis, found) in axes {
         let slope = found.temperature_sensitivity;
+        let error = |error: f64| html! { @if error.is_finite() { " ± " (axis.rate(error, 1)) } };
         let mut cells = vec![
             axis.name(),
-            html! { (axis.rate(slope.mean, 3)) " ± " (axis.rate(slope.mean_standard_error, 1)) },
+            html! { (axis.rate(slope.mean, 3)) (error(slope.mean_standard_error)) },
             html! {
-                (axis.rate(slope.steepest, 3)) " ± " (axis.rate(slope.steepest_standard_error, 1)) " at "
+                (axis.rate(slope.steepest, 3)) (error(slope.steepest_standard_error)) " at "
                 (fixed(slope.steepest_at, 0))
             },
         ];

@@ -41,3 +41,24 @@ fn steps_larger_than_the_noise_are_told_of_any_drift() {
         assert!(said || !stuck.is_empty(), "{step}: {coarse:?} {stuck:?}");
     }
 }
+
+#[test]
+fn a_temperature_that_jumps_is_told_where_it_does() {
+    let at = |row: usize| f64::from(u32::try_from(row).unwrap());
+    // Near the start, the middle and the end of an average's rows, and between two.
+    for jump in [2487, 2500, 3000, 3333, 4001] {
+        let mut noise = noise(7);
+        let temperature: Vec<f64> =
+            (0..7200).map(|row| -10.0 + 0.01 * at(row) + if row >= jump { 5.0 } else { 0.0 }).collect();
+        let rates: Vec<f64> = temperature.iter().map(|t| 1e-5 * t + 1e-3 * noise()).collect();
+        let fit = fit(&temperature, &[rates.clone(), rates], &FitOptions::default());
+        let reason = fit.judgement.reasons.iter().find(|reason| reason.kind == ReasonKind::TemperatureJump).unwrap();
+        let (_, rows) = reason.text.split_once("(rows ").unwrap();
+        let numbers: Vec<usize> = rows.split([' ', ',']).filter_map(|word| word.parse().ok()).collect();
+        let [from, to] = numbers[..2] else { panic!("{}", reason.text) };
+        assert!(from <= jump && jump <= to && to - from < 60, "{jump}: {}", reason.text);
+        let (_, temperatures) = rows.split_once(", ").unwrap();
+        let ends: Vec<f64> = temperatures.split([' ', ')']).filter_map(|word| word.parse().ok()).collect();
+        assert!(ends[1] - ends[0] > 4.9, "{jump}: {}", reason.text);
+    }
+}

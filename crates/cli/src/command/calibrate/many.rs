@@ -22,6 +22,7 @@ use zerorate_words::sentence;
 use super::real::SharedInstruments;
 use super::{Bar, Calibrate, End, Run, dry_run, words};
 use crate::clock::time;
+use crate::command::unless_gone;
 use crate::interrupt;
 use crate::looking_on::LookingOnAll;
 use crate::screen::{self, Grid, Page};
@@ -158,12 +159,11 @@ impl Calibrate {
     fn end_with_all(&self, ended: Vec<Ended>) -> Result<End> {
         let verdicts: Option<Vec<Verdict>> =
             ended.iter().map(|unit| unit.summary.as_ref().map(|summary| summary.verdict)).collect();
-        if self.json {
-            screen::print_json(&AllEnded { schema: 1, units: ended })?;
-        } else {
-            page(&ended).print()?;
-        }
-        Ok(verdicts.and_then(|verdicts| verdicts.into_iter().max()).map_or(End::NotAll, End::Carried))
+        let why = |unit: &Ended| Some(format!("{}: {}", unit.serial, unit.message.as_ref()?));
+        let failed = ended.iter().filter_map(why).collect::<Vec<_>>().join("; ");
+        let page = page(&ended);
+        unless_gone(if self.json { screen::print_json(&AllEnded { schema: 1, units: ended }) } else { page.print() })?;
+        Ok(verdicts.and_then(|verdicts| verdicts.into_iter().max()).map_or(End::NotAll(failed), End::Carried))
     }
 }
 

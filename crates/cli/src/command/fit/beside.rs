@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::Serialize;
 use zerorate_cal::in_chamber::{InChamber, SOAKS_TOLD, SoakRow};
@@ -30,6 +30,7 @@ impl Beside {
     /// The recording beside a fit, if one was given.
     pub fn joined(&self, fit: &LogFit) -> Result<Option<InChamber>> {
         let Some(file) = &self.chamber else { return Ok(None) };
+        ensure!(self.chamber_at.is_none_or(f64::is_finite), "--chamber-at: give a number of seconds");
         let recording = ChamberRecording::read(&file.into())?;
         let name = file.display().to_string();
         let joined = InChamber::join(fit, &name, &recording, self.chamber_at);

@@ -214,7 +214,7 @@ fn terms(page: &mut Page, fit: &LogFit) {
     page.gap();
     page.sentence(
         "  ",
-        "Drift, pp: the highest less the lowest of the fitted curve over the temperatures that were measured, its history left out.",
+        "Drift, pp: the highest less the lowest of the fitted curve over the temperatures that were measured; of a model with a history, of the cubic between both ways.",
     );
     let axes: Vec<&AxisFit> = fit.axes.iter().collect();
     if deployed(&axes) {

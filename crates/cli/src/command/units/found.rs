@@ -15,11 +15,15 @@ use zerorate_cal::recording::Phase;
 use zerorate_cal::summary::{Summary, TestResult};
 use zerorate_words::sentence;
 
-/// A unit and its calibrations, the first first. A simulated one is another than the real one of its serial number.
+/// A unit and its calibrations, the first first. A simulated one is another than the real one of its serial number, and
+/// than one of another plant or seed.
 #[derive(Debug, Serialize)]
 pub struct Unit {
     pub serial: String,
     pub simulated: bool,
+    /// What was simulated: the plant and its seed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plant: Option<String>,
     pub runs: Vec<Run>,
 }
 
@@ -39,7 +43,10 @@ pub struct Run {
 impl Unit {
     /// As people are told which it is.
     pub fn name(&self) -> String {
-        if self.simulated { format!("{}, simulated", self.serial) } else { self.serial.clone() }
+        match &self.plant {
+            Some(plant) => format!("{}, simulated: {plant}", self.serial),
+            None => self.serial.clone(),
+        }
     }
 }
 
@@ -67,7 +74,7 @@ pub struct AxisOfRun {
 
 /// The units beneath a folder by their serial numbers, a real one before the simulated one of the same, and a sentence for each result that cannot be read.
 pub fn units(folder: &Path) -> Result<(Vec<Unit>, Vec<String>)> {
-    let mut units: BTreeMap<(String, bool), Vec<Run>> = BTreeMap::new();
+    let mut units: BTreeMap<(String, Option<String>), Vec<Run>> = BTreeMap::new();
     let mut unreadable = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
@@ -80,15 +87,16 @@ pub fn units(folder: &Path) -> Result<(Vec<Unit>, Vec<String>)> {
                 }
             } else if entry.file_name() == "summary.json" {
                 match run(&folder, &entry.path()) {
-                    Ok((serial, run)) => units.entry((serial, run.simulated)).or_default().push(run),
+                    Ok((unit, run)) => units.entry(unit).or_default().push(run),
                     Err(error) => unreadable.push(sentence(error.as_ref())),
                 }
             }
         }
     }
-    let units = units.into_iter().map(|((serial, simulated), runs)| Unit {
+    let units = units.into_iter().map(|((serial, plant), runs)| Unit {
         serial,
-        simulated,
+        simulated: plant.is_some(),
+        plant,
         runs: in_order(runs, &mut unreadable),
     });
     let units = units.collect();
@@ -96,7 +104,8 @@ pub fn units(folder: &Path) -> Result<(Vec<Unit>, Vec<String>)> {
     Ok((units, unreadable))
 }
 
-fn run(folder: &Path, file: &Path) -> Result<(String, Run)> {
+/// A run, and of which unit it is: the serial, and the plant of a simulated one.
+fn run(folder: &Path, file: &Path) -> Result<((String, Option<String>), Run)> {
     let summary = Summary::read(&file.into())?;
     let written = fs::metadata(file).and_then(|metadata| metadata.modified()).unwrap_or(SystemTime::UNIX_EPOCH);
     let axes = summary.axes.iter().map(|(name, axis)| {
@@ -123,7 +132,9 @@ fn run(folder: &Path, file: &Path) -> Result<(String, Run)> {
         axes: axes.collect(),
         written,
     };
-    Ok((summary.serial, run))
+    let seed = summary.seed.map(|seed| format!(", seed {seed}")).unwrap_or_default();
+    let plant = summary.plant.map(|plant| plant + &seed);
+    Ok(((summary.serial, plant), run))
 }
 
 /// A unit's runs in the order in which they were made, each with what has changed since the one before. Calibrations are read

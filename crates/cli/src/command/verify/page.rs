@@ -51,14 +51,16 @@ fn verdict(page: &mut Page, verified: &Verified) {
     let (green, yellow, red) = (Style::new().green(), Style::new().yellow(), Style::new().red());
     let is_warned = !verified.reasons.is_empty();
     let worse: Vec<&str> = verified.axes.iter().filter(|axis| axis.worse).map(|axis| axis.name.as_str()).collect();
-    let worse_meaning = format!("of {} more is left than was recorded; no limits were given", worse.join(", "));
+    let worse_meaning = format!("of {} more is left than without a correction; no limits were given", worse.join(", "));
+    let missed = verified.axes.iter().filter(|axis| !axis.missed.is_empty()).map(|axis| axis.name.as_str());
+    let missed_meaning = format!("by {}", missed.collect::<Vec<_>>().join(", "));
     let (colour, word, meaning) = match verified.passed {
         None if !worse.is_empty() => (yellow, "worse", worse_meaning.as_str()),
         None => (Style::new(), "measured", "no limits were given (--max-rms, --max-pp)"),
         Some(true) if is_warned => (yellow, "passed, with a warning", "all axes are within their limits, but"),
         Some(true) => (green, "passed", "all axes are within their limits"),
         Some(false) if !verified.missing.is_empty() => (red, "failed", "not all axes are there"),
-        Some(false) => (red, "failed", "not all axes are within their limits, or were tested at all"),
+        Some(false) => (red, "failed", missed_meaning.as_str()),
     };
     page.sentence("", &format!("{}: {}: {meaning}", verified.log, style(colour.bold(), word)));
     verified.missing.iter().for_each(|missing| page.sentence("  - ", missing));
@@ -128,13 +130,7 @@ fn terms(verified: &Verified) -> String {
         None => "fit tells both first".to_owned(),
     };
     let told = verified.axes.iter().any(|axis| axis.fit_told.is_some());
-    let told = match told {
-        true => {
-            " Fit told: what the calibration's fit told of deployed, held out; where this run has more than twice as much, it had \
-                 something that the calibration's had not."
-        }
-        false => "",
-    };
+    let told = if told { " Fit told: what the calibration's fit told of deployed, held out." } else { "" };
     format!(
         "{averages} Recorded and corrected: rms about the mean, which the start of another run sets anew; the mean that is \
          left stands under mean. Times smaller: recorded rms over corrected rms, so below 1 the correction is worse than \
