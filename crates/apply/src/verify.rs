@@ -176,7 +176,8 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
     let is_within = missing.is_empty() && axes.iter().all(|axis| axis.missed.is_empty());
     let passed = (!options.limits.is_empty() || !is_within).then_some(is_within);
     let averaged_over_s = period_s(&fit.axes[0].trace);
-    let alike = averaged_over_s.zip(calibration.averaged_over_s).is_none_or(|(own, fits)| are_alike(own, fits));
+    // Of an older file nobody knows.
+    let alike = averaged_over_s.zip(calibration.averaged_over_s).is_some_and(|(own, fits)| are_alike(own, fits));
     let reasons = told::reasons(&fit, &axes, calibration.temperature_unit, options.told_in, alike);
     let verdict = match (passed, reasons.is_empty()) {
         (Some(false), _) => Verdict::Rejected,

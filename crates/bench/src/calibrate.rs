@@ -51,7 +51,7 @@ pub fn calibrate(
         (Err(first), Err(left_on)) => Err(BenchError::LeftOn { first: Box::new(first), left_on }),
     };
     // A run that has refused to begin leaves what there is for the one that goes on with it.
-    if !matches!(result, Err(BenchError::Unfinished { .. } | BenchError::OtherRun { .. })) {
+    if !result.as_ref().is_err_and(BenchError::is_refused) {
         output::tidy(out);
     }
     if !was_there {

@@ -198,6 +198,12 @@ pub enum BenchError {
 }
 
 impl BenchError {
+    /// Whether a run was refused because of another's in its folder, which it has left as it is.
+    #[must_use]
+    pub const fn is_refused(&self) -> bool {
+        matches!(self, Self::Unfinished { .. } | Self::OtherRun { .. } | Self::GoesOn { .. })
+    }
+
     /// Whether somebody wanted everything to stop.
     #[must_use]
     pub fn is_interrupted(&self) -> bool {

@@ -35,11 +35,12 @@ impl OutputFolder {
     /// # Errors
     /// [`BenchError::Write`]; [`BenchError::GoesOn`] where another run is written there.
     pub fn open(folder: &Path) -> Result<Self, BenchError> {
-        fs::create_dir_all(folder).map_err(cannot(folder))?;
-        let held = held(folder)?;
+        refuse_where_a_run_goes_on(folder)?;
+        // One that was killed while it put its results in place may have left no folder: only then is it made.
         place::recover(folder, &mut || Ok(())).map_err(cannot(folder))?;
         let in_progress = folder.join(IN_PROGRESS);
         fs::create_dir_all(&in_progress).map_err(cannot(&in_progress))?;
+        let held = held(folder)?;
         let probe = in_progress.join(".probe");
         fs::write(&probe, b"probe").and_then(|()| fs::remove_file(&probe)).map_err(cannot(&in_progress))?;
         Ok(Self { folder: folder.into(), in_progress, files: Vec::new(), _held: held })
@@ -151,6 +152,15 @@ fn cannot(path: &Path) -> impl FnOnce(std::io::Error) -> BenchError {
     move |source| BenchError::Write { path, source }
 }
 
+/// A run is written into one folder by one program, and a second one would disturb the first's instruments as well: it is
+/// refused before any is touched. Windows has no such lock of a folder.
+///
+/// # Errors
+/// [`BenchError::GoesOn`].
+pub fn refuse_where_a_run_goes_on(folder: &Path) -> Result<(), BenchError> {
+    held(folder).map(drop)
+}
+
 /// Holds a folder until what this gives is dropped, by the system's lock, which no end of the program leaves behind.
 fn held(folder: &Path) -> Result<Option<File>, BenchError> {
     let Ok(file) = File::open(folder) else { return Ok(None) };
@@ -187,6 +197,19 @@ mod tests {
         assert!(matches!(error, BenchError::GoesOn { .. }), "{error}");
         drop(first);
         OutputFolder::open(folder.path()).unwrap();
+    }
+
+    #[test]
+    fn what_a_run_had_put_together_when_it_was_killed_takes_its_place() {
+        let parent = tempfile::tempdir().unwrap();
+        // The folder was moved aside, and the new one not yet into its place.
+        let of = |name: &str| parent.path().join(name);
+        for (folder, text) in [("calibration.7.next", "new"), ("calibration.7.earlier", "old")] {
+            fs::create_dir_all(of(folder)).unwrap();
+            fs::write(of(folder).join("summary.json"), text).unwrap();
+        }
+        OutputFolder::open(&of("calibration")).unwrap();
+        assert_eq!(fs::read_to_string(of("calibration").join("summary.json")).unwrap(), "new");
     }
 
     #[test]

@@ -194,6 +194,14 @@ fn a_device_that_answers_nothing_is_dead_within_five_seconds_and_one_that_hears_
 }
 
 #[test]
+fn a_device_that_falls_silent_when_it_is_asked_is_dead_and_its_line_is_not_to_blame() {
+    let (mut client, device) = client(obliging);
+    client.identify().unwrap();
+    device.borrow_mut().hangs_for(60.0);
+    assert!(matches!(client.faults(), Err(ClientError::Link(LinkError::Silent))));
+}
+
+#[test]
 fn a_device_that_hangs_for_four_seconds_goes_on_and_one_that_hangs_for_five_is_dead() {
     for (seconds, goes_on) in [(4.0, true), (5.0, false)] {
         let (mut client, device) = client(obliging);

@@ -111,7 +111,8 @@ pub enum ReasonKind {
     Repeated,
     /// Warning: the temperature went one way over most of its span, so that hysteresis was not seen.
     OneDirection,
-    /// Warning: more is left of an axis than was recorded: of a verification, or of a fit's own held-out folds.
+    /// Warning: more is left of an axis than was recorded, about the mean or less a zero at the start: of a verification, or of a
+    /// fit's own held-out folds.
     WorseThanUncorrected,
     /// Warning, of a verification: more is left of an axis than twice what the calibration's fit told.
     MoreThanTold,

@@ -14,7 +14,7 @@ const SLOPES: u32 = 400;
 pub struct TemperatureSensitivity {
     /// The slope of the straight line nearest to the curve, rate a degree.
     pub mean: f64,
-    /// One standard error of it, by the curve's covariance.
+    /// One standard error of it, by the curve's covariance; NaN of the cubic that stands for a curve beside a history.
     pub mean_standard_error: f64,
     /// The curve's steepest slope, rate a degree, with its sign.
     pub steepest: f64,
@@ -39,9 +39,11 @@ impl TemperatureSensitivity {
         let share = |i: u32| (at(i) - middle) / squares;
         // The covariance is of the model's own curve: what stands for it beside a history has none.
         let has_history = axis.calibration.fit.model.history.is_some();
-        let error = |shares: &[(f64, f64)]| match has_history {
-            true => f64::NAN,
-            false => standard_error(&drift.shape, &axis.calibration.fit.statistics.covariance, shares),
+        let error = |shares: &[(f64, f64)]| {
+            if has_history {
+                return f64::NAN;
+            }
+            standard_error(&drift.shape, &axis.calibration.fit.statistics.covariance, shares)
         };
         let of_all: Vec<(f64, f64)> = (0..=SLOPES).map(|i| (at(i), share(i))).collect();
         let of_piece = [(at(steepest), -1.0 / step), (at(steepest + 1), 1.0 / step)];

@@ -1,7 +1,7 @@
 //! A calibration for other programs: the static cubics as JSON, the curves as a table.
 
 use serde::Serialize;
-use zerorate_core::drift::Coverage;
+use zerorate_core::drift::{Coverage, Drift};
 
 use super::sensors::sensors;
 use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, one_line, to_know};
@@ -60,14 +60,15 @@ pub(super) fn write_csv(calibration: &Calibration) -> Exported {
             .chain(calibration.axes.iter().map(|(name, axis)| format!("{name} bias, {}", axis.rate_unit)))
             .collect(),
     ];
+    let drifts: Vec<Drift> = axes().map(AxisCalibration::measured_drift).collect();
     for step in 0..=STEPS {
         // The last is the end itself, not a rounding beyond it.
         let temperature = (least + (most - least) * f64::from(step) / f64::from(STEPS)).min(most);
-        let cell = |axis: &AxisCalibration| {
-            let inside = axis.fit.measured.coverage(temperature) == Coverage::Inside;
-            if inside { axis.measured_drift().evaluate(temperature).0.to_string() } else { String::new() }
+        let cell = |drift: &Drift| {
+            let inside = drift.valid.coverage(temperature) == Coverage::Inside;
+            if inside { drift.evaluate(temperature).0.to_string() } else { String::new() }
         };
-        rows.push(std::iter::once(temperature.to_string()).chain(axes().map(cell)).collect());
+        rows.push(std::iter::once(temperature.to_string()).chain(drifts.iter().map(cell)).collect());
     }
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
@@ -80,8 +81,8 @@ pub(super) fn write_csv(calibration: &Calibration) -> Exported {
     let names: Vec<String> = histories.map(|(name, _)| one_line(name)).collect();
     if !names.is_empty() {
         notes.push(format!(
-            "the history (plays, lags) of {} is not in the table: its curve is the cubic between both ways, and the calibration takes \
-             off more than that",
+            "the history (plays, lags) of {} is not in the table: in its place is the curve of the drift without one, and the \
+             calibration takes off more",
             names.join(", ")
         ));
     }

@@ -57,7 +57,7 @@ const TIME: usize = 0;
 const TEMPERATURE: usize = 1;
 const DIRECTION: usize = 2;
 
-/// The trends of a residual, a group each (NaN for one without): the clearer first, and the other one in what is left
+/// The trends of a residual, a group each (NaN for one without): the clearest first, and each other one in what is left
 /// without it. None in most.
 #[must_use]
 pub fn trends(residuals: &[f64], series: &Series<'_>) -> Vec<Trend> {

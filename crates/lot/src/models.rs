@@ -155,9 +155,10 @@ impl ModelRow {
     }
 
     fn take(&mut self, axis: &AxisCalibration) {
+        // Told of the drift; the coefficients are the model's own.
         let drift = axis.measured_drift();
         let valid: ValidRange = drift.valid;
-        let (scale, coefficients) = match &drift.shape {
+        let (scale, coefficients) = match &axis.drift().shape {
             Shape::Polynomial(polynomial) => (Some(polynomial.scale()), polynomial.coefficients().to_vec()),
             Shape::Table(table) => (Scale::spanning(valid.min(), valid.max()), table.knots().to_vec()),
         };

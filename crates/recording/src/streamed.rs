@@ -48,15 +48,16 @@ impl Streamed {
     pub fn create(path: &Path, schema: Arc<Schema>, of: &'static str) -> Result<Self, WriteError> {
         let stream = path.with_extension("arrows");
         let error = |reason: String| WriteError::Create { path: stream.clone(), reason };
-        if is_being_written(&stream) {
-            return Err(WriteError::InUse { path: stream });
-        }
-        if stream.exists() {
+        if let Ok(cut) = File::open(&stream) {
+            if !hold(&cut) {
+                return Err(WriteError::InUse { path: stream });
+            }
             fs::rename(&stream, path.with_extension("cut.arrows")).map_err(|e| error(e.to_string()))?;
         }
-        let file = File::create(&stream).map_err(|e| error(e.to_string()))?;
-        #[cfg(unix)]
-        let _ = file.try_lock();
+        let file = File::create_new(&stream).map_err(|e| error(e.to_string()))?;
+        if !hold(&file) {
+            return Err(WriteError::InUse { path: stream });
+        }
         let mut writer = StreamWriter::try_new(BufWriter::new(file), &schema).map_err(|e| error(e.to_string()))?;
         writer.get_mut().flush().map_err(|e| error(e.to_string()))?;
         Ok(Self { parquet: path.to_owned(), stream: stream.clone(), schema, writer, of, batches: 0 })
@@ -119,11 +120,10 @@ impl Streamed {
     }
 }
 
-/// Whether somebody writes a stream: who does holds it by the system's lock, which others can read past. On Windows they could
-/// not.
-fn is_being_written(stream: &Path) -> bool {
-    let locked = |file: File| matches!(file.try_lock(), Err(TryLockError::WouldBlock));
-    cfg!(unix) && File::open(stream).is_ok_and(locked)
+/// Holds a stream by the system's lock, which others can read past, until it is closed; false where another program does. On
+/// Windows they could not read it.
+fn hold(stream: &File) -> bool {
+    !cfg!(unix) || !matches!(stream.try_lock(), Err(TryLockError::WouldBlock))
 }
 
 /// A table that was read: what its schema says, its rows, and whether it was cut off or is still being written.

@@ -78,8 +78,8 @@ fn on(kind: ReasonKind) -> &'static str {
                  hysteresis, and a drift in time bends the curve of a single log."
         }
         ReasonKind::MoreThanTold => {
-            "Fit this run with those of the calibration: it has something that they had not, another way through the \
-                 temperatures, another speed of heating, or a unit that was moved."
+            "See that it is the same unit, and fit this run with those of the calibration: it has something that they had not, \
+                 another way through the temperatures, another speed of heating, or a unit that was moved."
         }
         ReasonKind::OutsideRange => "Calibrate over all temperatures that the unit will meet.",
         ReasonKind::NoSensor => {

@@ -62,5 +62,13 @@ mod tests {
              in time, which no calibration knows, or a hysteresis that the model does not hold; of either the curve may hold a part \
              besides."
         );
+        for (change, side) in [(3e-4, "higher"), (-3e-4, "lower")] {
+            let trend = Trend { against: Against::Direction, change, standard_error: 2.5e-5 };
+            let told = sentence("gyro_x", &trend, RateScale::of(RateUnit::RadPerS, &[0.01], None));
+            assert!(
+                told.contains(&format!("is {side} by 0.300 \u{b1} 0.025 mrad/s while it heats than while it cools")),
+                "{told}"
+            );
+        }
     }
 }

@@ -222,7 +222,9 @@ def logs(differences, zerorate, folder):
         hold("verify raw.rms", axis["raw"]["rms"], np.std(raw), 0.01)
         hold("verify corrected.rms", axis["corrected"]["rms"], np.std(left), 0.05)
         hold("verify offset", axis["offset"], np.mean(left), 0.05 + 1e-4 / abs(np.mean(left)))
-        hold("verify worse", axis["worse"], np.std(left) > np.std(raw), 0)
+        # About the mean; or less a zero, by more than chance.
+        from_a_zero = axis["deployed"]["rms"] > 1.05 * axis["uncorrected"]["rms"]
+        hold("verify worse", axis["worse"], np.std(left) > np.std(raw) or from_a_zero, 0)
         hold("verify temperature", axis["temperature"], [temperature.min(), temperature.max()], 0.01)
         hold("fit temperature", own["temperature"], [temperature.min(), temperature.max()], 0.01)
         # A row far from its neighbours is left out, and of as many rows of noise one is.

@@ -1,4 +1,5 @@
-//! Steps that run beside the others: much of what they do takes one core alone, and what they build is in folders of their own.
+//! Steps that run beside the others: much of what they do takes one core alone, and what they build is in folders of their own;
+//! for that of wasm the steps that need it wait.
 
 use std::cell::RefCell;
 use std::fs::{self, File};

@@ -71,7 +71,7 @@ enum Chore {
     ///
     /// Recordings are looked for in ../shared/data, or in the folder that the variable ZERORATE_DATA names.
     Test {
-        /// Leave out what needs Python, ngspice, the FPGA tools or a browser, and whole lots
+        /// Leave out what needs Python, ngspice, the FPGA tools or a browser, whole lots, and five long tests
         #[arg(long)]
         fast: bool,
         /// Leave out the tests of whole lots, and so the query engine, which is long to build: `cargo test -p zerorate-lot` makes good for it
@@ -264,7 +264,7 @@ fn checks(workspace: &Workspace, fast: bool, lots: Lots) -> Vec<Step<'_>> {
         Step::new("format", "run `cargo fmt`", within(cargo::format)),
         Step::new("rustdoc", "mend what it points at", within(cargo::document)),
         Step::new("tests", "`cargo test -p CRATE NAME` runs one, `cargo clippy` lints alone", move || {
-            all_tests::check(workspace, lots)
+            all_tests::check(workspace, lots, fast)
         }),
         Step::new("publish", "mend what cannot be published", within(publish::check)),
         Step::new("no_std", "see ARCHITECTURE.md, Arrows", within(targets::no_std)).skipped_if(fast, "--fast"),

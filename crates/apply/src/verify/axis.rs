@@ -45,6 +45,9 @@ pub struct VerifiedAxis {
     /// Whether more is left than was recorded, by the root mean square about the mean or less a zero at the start: no
     /// correction would be better.
     pub worse: bool,
+    /// Whether it is so about the mean.
+    #[serde(skip)]
+    pub worse_about_mean: bool,
     /// The least and the greatest temperature in the log.
     pub temperature: [f64; 2],
     /// The least and the greatest temperature that were measured for the calibration.
@@ -102,7 +105,7 @@ pub(super) fn verify(
     let (raw, _) = ResidualStatistics::about_mean(&raw);
     let (corrected, offset) = ResidualStatistics::about_mean(&left);
     let deployed = left_after_zero(left, &times);
-    let worse = corrected.rms > raw.rms + ROUNDING * raw.rms.max(offset.abs());
+    let worse_about_mean = corrected.rms > raw.rms + ROUNDING * raw.rms.max(offset.abs());
     Ok(VerifiedAxis {
         name: name.to_owned(),
         log_axis: axis.name.clone(),
@@ -113,7 +116,8 @@ pub(super) fn verify(
         deployed,
         fit_told: own.fit.statistics.deployed,
         uncorrected,
-        worse: worse || deployed.rms > TELLING * uncorrected.rms,
+        worse: worse_about_mean || deployed.rms > TELLING * uncorrected.rms,
+        worse_about_mean,
         temperature: [temperatures().fold(f64::INFINITY, f64::min), temperatures().fold(f64::NEG_INFINITY, f64::max)],
         calibrated_temperature: [measured.min(), measured.max()],
         believed_temperature: [own.fit.model.drift.valid.min(), own.fit.model.drift.valid.max()],

@@ -46,7 +46,7 @@ pub(super) fn reasons(
     let mut judgement = Judgement::default();
     of_log
         .chain(worse(axes, told_in))
-        .chain(more_than_told(axes, told_in).filter(|_| alike))
+        .chain(more_than_told(axes, told_in, alike))
         .chain(outside(axes, unit))
         .for_each(|reason| judgement.add(reason));
     judgement.reasons
@@ -61,7 +61,7 @@ fn is_of_a_fit_alone(reason: &Reason) -> bool {
 /// About its mean, or, of an axis that is no worse so, of what a device has left with its zero at the start.
 fn worse(axes: &[VerifiedAxis], told_in: Option<WrittenRate>) -> impl Iterator<Item = Reason> {
     axes.iter().filter(|axis| axis.worse).map(move |axis| {
-        let text = if axis.corrected.rms > axis.raw.rms {
+        let text = if axis.worse_about_mean {
             let left = left_of(axis, [axis.corrected.rms, axis.raw.rms], told_in);
             format!("{}: worse than uncorrected: {left} that were recorded", axis.name)
         } else {
@@ -72,13 +72,14 @@ fn worse(axes: &[VerifiedAxis], told_in: Option<WrittenRate>) -> impl Iterator<I
     })
 }
 
-/// A run on which much more is left than the fit told, though less than without: it has something that the fit's had not.
-fn more_than_told(axes: &[VerifiedAxis], told_in: Option<WrittenRate>) -> impl Iterator<Item = Reason> {
-    axes.iter().filter(|axis| !axis.worse).filter_map(move |axis| {
+/// A run on which much more is left than the fit told of averages that are `alike`, though less than without.
+fn more_than_told(axes: &[VerifiedAxis], told_in: Option<WrittenRate>, alike: bool) -> impl Iterator<Item = Reason> {
+    axes.iter().filter(move |axis| alike && !axis.worse).filter_map(move |axis| {
         let told = axis.fit_told.filter(|told| axis.deployed.rms > TOLD_TIMES * told.rms)?;
         let scale = RateScale::of(axis.rate_unit, &[axis.deployed.rms], told_in);
         let text = format!(
-            "{}: less a zero at the start {} rms is left, {:.1} times what the fit told: this run has something that the calibration's had not",
+            "{}: less a zero at the start {} rms is left, {:.1} times what the fit told: this run has something that the \
+             calibration's had not, or is of another unit",
             axis.name,
             scale.told(axis.deployed.rms),
             axis.deployed.rms / told.rms

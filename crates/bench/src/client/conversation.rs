@@ -197,8 +197,12 @@ impl Conversation {
     }
 
     fn unanswered(&self, sent: &Sent, began: Instant) -> ClientError {
-        if self.open {
+        // Of one that says nothing at all it is not the line that is to be looked at.
+        if self.open && self.heard > began {
             return ClientError::Unanswered { what: sent.name, tries: TRIES };
+        }
+        if self.open {
+            return LinkError::Silent.into();
         }
         if self.unknown_frames > 0 {
             return ClientError::OtherTongue;

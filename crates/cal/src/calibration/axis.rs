@@ -58,7 +58,8 @@ impl AxisCalibration {
         &self.fit.model.drift
     }
 
-    /// The curve over what was measured, and no further.
+    /// The drift as a curve without a history, over what was measured and no further
+    /// ([`DriftFit::measured_drift`](zerorate_fit::drift_fit::DriftFit::measured_drift)).
     #[must_use]
     pub fn measured_drift(&self) -> Drift {
         self.fit.measured_drift()

@@ -13,9 +13,6 @@ const ALIKE: f64 = 1.25;
 impl LogFit {
     /// The time from one average to the next, seconds, as a rule: the least and the greatest of the logs; `None` without times.
     fn averages_s(&self) -> Option<(f64, f64)> {
-        if self.is_of_rows() {
-            return None;
-        }
         let trace = &self.axes.first()?.trace;
         let of_logs = trace.chunk_by(|a, b| a.log == b.log).filter_map(period_s);
         of_logs.fold(None, |found, own| {
@@ -33,12 +30,15 @@ impl LogFit {
     /// of a plain fit.
     #[must_use]
     pub fn averaged_over_s(&self) -> Option<f64> {
-        self.averages_s().map(|(_, most)| most)
+        self.averages_s().filter(|_| !self.is_of_rows()).map(|(_, most)| most)
     }
 
     /// What an average is over: `about 10 s`, or `about 21 rows`; of logs whose rows come differently fast `about 10 to 42 s`.
     #[must_use]
     pub fn averaged_over(&self) -> String {
+        if self.is_of_rows() {
+            return "single rows".to_owned();
+        }
         let rows = || {
             let counts = self.axes.first().map(|axis| &axis.calibration.fit.statistics);
             counts.map_or(f64::NAN, |counts| counts.samples_used as f64 / counts.residuals as f64)
@@ -61,7 +61,7 @@ impl LogFit {
     /// When a device takes its zero, of what its run begins with.
     #[must_use]
     pub fn zero_taken_in(&self) -> &'static str {
-        zero_taken_in(self.averaged_over_s())
+        zero_taken_in(self.averages_s().map(|(_, most)| most))
     }
 }
 

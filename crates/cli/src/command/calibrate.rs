@@ -22,6 +22,7 @@ use zerorate_bench::checkpoint::Keep;
 use zerorate_bench::choice::DeviceChoice;
 use zerorate_bench::error::BenchError;
 use zerorate_bench::instruments::Bench;
+use zerorate_bench::output;
 use zerorate_bench::plan::Plan;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::results;
@@ -192,7 +193,8 @@ impl Calibrate {
             Ok(End::NotAll(which)) => {
                 (stopped, format!("not all runs came to their end: {which}; what there is is in {out}"))
             }
-            Ok(End::Planned) => (stopped, "nothing but the plan was asked for".to_owned()),
+            // Of a plan nobody is told.
+            Ok(End::Planned) => ("planned", String::new()),
             Err(error) => (stopped, sentence(error.as_ref())),
         }
     }
@@ -209,7 +211,10 @@ impl Calibrate {
             self.out.display()
         );
         let device = match &self.devices[..] {
-            [one] => one,
+            [one] => {
+                output::refuse_where_a_run_goes_on(&self.out)?;
+                one
+            }
             several => return self.run_many(several, &setup),
         };
         if device.is_real() {
@@ -307,7 +312,8 @@ impl Calibrate {
 
     /// The result is said; who does not hear it to its end has it in the folder.
     fn end_with(&self, summary: &Summary) -> Result<End> {
-        unless_gone(if self.json { screen::print_json(summary) } else { page::page(summary, &self.out).print() })?;
+        let said = if self.json { screen::print_json(summary) } else { page::page(summary, &self.out).print() };
+        unless_gone(said)?;
         Ok(End::Carried(summary.verdict))
     }
 
@@ -353,7 +359,7 @@ struct Run<'a> {
 }
 
 fn with_what_is_left(error: BenchError, out: &Path, keep: Keep) -> anyhow::Error {
-    if matches!(error, BenchError::Unfinished { .. } | BenchError::OtherRun { .. }) {
+    if error.is_refused() {
         // It says itself what there is, and from when.
         return error.into();
     }

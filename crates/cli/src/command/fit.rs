@@ -203,7 +203,7 @@ impl Fit {
                 "To get the autopilot's parameters from it",
                 format!("zerorate export {} --format {}", output::argument(out), Format::from(format)),
             ),
-            // A recording of the bench is no table of one sensor.
+            // A recording of the bench has two axes and two temperatures in counts, which no table of a log has.
             None if fit.axes.iter().any(|axis| axis.calibration.rate_unit == RateUnit::Counts) => (
                 "To get its curves as a table",
                 format!("zerorate export {} --format csv --out curves.csv", output::argument(out)),

@@ -224,10 +224,10 @@ const SAME_SIZE: f64 = 1.5;
 /// Refuses a fit that comes out otherwise than the calibration, for the log was then read in units that were given.
 fn in_the_same_units(log: &Path, fit: &LogFit, calibration: &Calibration) -> Result<()> {
     for (name, own) in &calibration.axes {
-        let earlier = own.drift().peak_to_peak();
+        let earlier = own.measured_drift().peak_to_peak();
         // In a unit a thousand times off the unit seems to be moved all the time, and nothing is left to fit.
         let again = fit.axes.iter().find(|axis| axis.name == *name);
-        let now = again.map_or(f64::NAN, |axis| axis.calibration.drift().peak_to_peak());
+        let now = again.map_or(f64::NAN, |axis| axis.calibration.measured_drift().peak_to_peak());
         ensure!(
             (1.0 / SAME_SIZE..SAME_SIZE).contains(&(now / earlier)),
             "{}: {name} does not come out with the drift that the calibration has, {}: give --rate-unit and --temperature-unit as for the fit",

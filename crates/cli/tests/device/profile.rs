@@ -147,19 +147,20 @@ fn a_profile_beyond_the_chambers_limits_moves_nothing() {
     assert!(!alone.path().join("night.arrows").exists());
 }
 
+#[cfg(unix)]
 #[test]
 fn what_another_profile_writes_is_left_to_it_and_a_recording_is_a_file() {
-    let alone = Alone::start();
+    let [alone, other] = [Alone::start(), Alone::start()];
     let device = alone.command(&["--out", "/dev/null"]).output().unwrap();
     assert!(device.status.code() == Some(2) && told(&device).contains("this is no file"), "{}", told(&device));
+    fs::write(alone.path().join("night.toml"), "steps = [{ soak_c = 24, minutes = 600 }]").unwrap();
     let mut first = alone.command(&[]).stderr(Stdio::null()).spawn().unwrap();
     await_that("the recording", || alone.path().join("night.arrows").exists());
     // A chamber hears one at a time.
-    let other = Alone::start();
     let out = alone.path().join("night.parquet");
     let second = other.command(&["--out", out.to_str().unwrap()]).output().unwrap();
-    let ended = first.wait().unwrap();
+    send("INT", first.id());
+    assert_eq!(await_end(&mut first), Some(2));
     assert!(second.status.code() == Some(2) && told(&second).contains("another run writes"), "{}", told(&second));
-    assert!(ended.success());
     assert!(!alone.recording("night.parquet").cut);
 }

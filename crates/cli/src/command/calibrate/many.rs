@@ -9,7 +9,7 @@ use serde::Serialize;
 use zerorate_bench::calibrated::Unit;
 use zerorate_bench::choice::DeviceChoice;
 use zerorate_bench::instruments::{Bench, Supply};
-use zerorate_bench::output::IN_PROGRESS;
+use zerorate_bench::output::{IN_PROGRESS, refuse_where_a_run_goes_on};
 use zerorate_bench::plan::{Part, Plan};
 use zerorate_bench::remote::LeftOn;
 use zerorate_bench::setup::SetUp;
@@ -66,6 +66,7 @@ impl Calibrate {
         }
         ensure!(self.serial.is_none(), "--serial: several boards say themselves who they are");
         let boards = self.boards(devices)?;
+        boards.iter().try_for_each(|board| refuse_where_a_run_goes_on(&board.out))?;
         let mut instruments = SharedInstruments::open(self.chamber.as_ref(), &self.supplies, boards.len(), setup)?;
         instruments.found.extend(in_turns(setup, boards.len(), self.supplies.len()));
         if self.dry_run {
@@ -161,8 +162,9 @@ impl Calibrate {
             ended.iter().map(|unit| unit.summary.as_ref().map(|summary| summary.verdict)).collect();
         let why = |unit: &Ended| Some(format!("{}: {}", unit.serial, unit.message.as_ref()?));
         let failed = ended.iter().filter_map(why).collect::<Vec<_>>().join("; ");
-        let page = page(&ended);
-        unless_gone(if self.json { screen::print_json(&AllEnded { schema: 1, units: ended }) } else { page.print() })?;
+        let said =
+            if self.json { screen::print_json(&AllEnded { schema: 1, units: ended }) } else { page(&ended).print() };
+        unless_gone(said)?;
         Ok(verdicts.and_then(|verdicts| verdicts.into_iter().max()).map_or(End::NotAll(failed), End::Carried))
     }
 }

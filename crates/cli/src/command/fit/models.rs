@@ -29,7 +29,8 @@ pub fn models(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
     page.sentence(
         "  ",
         &format!(
-            "Each of eight folds as above. Zeroed: as a run of one fold's length, its zero taken in the fold's {}, where a whole log, deployed, may leave more; warm: the history is known from the log's start; cold: it begins with \
+            "Each of eight folds as above. Zeroed: as a run of one fold's length, its zero taken in the \
+             fold's {}; a whole log may leave more. Of these, warm: the history is known from the log's start; cold: it begins with \
              the fold.",
             fit.zero_taken_in()
         ),

@@ -72,7 +72,7 @@ pub struct AxisOfRun {
     pub change_counts: Option<f64>,
 }
 
-/// The units beneath a folder by their serial numbers, a real one before the simulated one of the same, and a sentence for each result that cannot be read.
+/// The units beneath a folder by their serial numbers, a real one before the simulated ones of the same, and a sentence for each result that cannot be read.
 pub fn units(folder: &Path) -> Result<(Vec<Unit>, Vec<String>)> {
     let mut units: BTreeMap<(String, Option<String>), Vec<Run>> = BTreeMap::new();
     let mut unreadable = Vec::new();

@@ -53,7 +53,7 @@ fn verdict(page: &mut Page, verified: &Verified) {
     let worse: Vec<&str> = verified.axes.iter().filter(|axis| axis.worse).map(|axis| axis.name.as_str()).collect();
     let worse_meaning = format!("of {} more is left than without a correction; no limits were given", worse.join(", "));
     let missed = verified.axes.iter().filter(|axis| !axis.missed.is_empty()).map(|axis| axis.name.as_str());
-    let missed_meaning = format!("by {}", missed.collect::<Vec<_>>().join(", "));
+    let missed_meaning = format!("not within the limits, or not tested: {}", missed.collect::<Vec<_>>().join(", "));
     let (colour, word, meaning) = match verified.passed {
         None if !worse.is_empty() => (yellow, "worse", worse_meaning.as_str()),
         None => (Style::new(), "measured", "no limits were given (--max-rms, --max-pp)"),
