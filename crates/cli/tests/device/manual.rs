@@ -128,8 +128,11 @@ fn groups(file: &Path) -> Vec<u32> {
 
 #[test]
 fn a_run_by_hand_that_was_stopped_goes_on_and_passes() {
-    // Ramps that end: from one that is cut off the chamber goes on to where nothing was measured, for as long as whoever sets it takes.
-    let (mut board, folder) = bench_of("pty", &SHORT.replace("ramp_groups = 400", "ramp_groups = 2000"));
+    // Ramps that end, and a soak amid them: how far a ramp reaches that is cut off, or begins after a minute's soak, hangs on how
+    // long whoever sets the chamber takes.
+    let setup =
+        SHORT.replace("ramp_groups = 400", "ramp_groups = 2000").replace("soaks_c = [10.0]", "soaks_c = [25.0]");
+    let (mut board, folder) = bench_of("pty", &setup);
     let in_progress = folder.path().join("calibration/in-progress");
 
     let mut run = Run::start(&board, &[], folder.path());
