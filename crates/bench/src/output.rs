@@ -6,10 +6,10 @@
 
 mod place;
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use zerorate_cal::recording::{Recording, RecordingInfo, RecordingWriter};
+use zerorate_cal::recording::{Recording, RecordingInfo, RecordingWriter, hold};
 
 use crate::checkpoint::forget_nothing;
 use crate::error::BenchError;
@@ -161,14 +161,10 @@ pub fn refuse_where_a_run_goes_on(folder: &Path) -> Result<(), BenchError> {
     held(folder).map(drop)
 }
 
-/// Holds a folder until what this gives is dropped, by the system's lock, which no end of the program leaves behind.
+/// Holds a folder until what this gives is dropped; nothing is given where there is none.
 fn held(folder: &Path) -> Result<Option<File>, BenchError> {
     let Ok(file) = File::open(folder) else { return Ok(None) };
-    match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(BenchError::GoesOn { folder: folder.display().to_string() }),
-        // There are file systems without locks.
-        Ok(()) | Err(TryLockError::Error(_)) => Ok(Some(file)),
-    }
+    if hold(&file) { Ok(Some(file)) } else { Err(BenchError::GoesOn { folder: folder.display().to_string() }) }
 }
 
 #[cfg(test)]

@@ -349,3 +349,20 @@ fn a_result_that_nobody_hears_is_told_to_be_as_it_is() {
     let expected = if verdict == "rejected" { ("rejected", Some(1)) } else { ("passed", Some(0)) };
     assert_eq!((message.trim(), ended.code()), expected, "{verdict}");
 }
+
+#[cfg(unix)]
+#[test]
+fn a_run_into_a_folder_in_which_one_goes_on_leaves_that_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let in_progress = folder.path().join("calibration/in-progress");
+    fs::create_dir_all(&in_progress).unwrap();
+    // Begun, and without a group.
+    fs::write(in_progress.join("full-temperature.arrows"), "").unwrap();
+    let held = fs::File::open(folder.path().join("calibration")).unwrap();
+    held.lock().unwrap();
+    let ran = zerorate(&["calibrate"], folder.path());
+    let told = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.code() == Some(2) && told.contains("a run goes on in calibration"), "{told}");
+    assert!(!told.contains("--resume"), "{told}");
+    assert_eq!(names(&in_progress), ["full-temperature.arrows"]);
+}

@@ -1,4 +1,5 @@
-//! A trend that a residual still has, in time, over temperature or from one direction to the other: what a reader would see in the figure, in a number.
+//! A trend that a residual still has, in time, over temperature or from one direction to the other: what a reader would see in
+//! the figure, in a number.
 //!
 //! It is asked of what the model leaves of the recording that it was fitted to, without its drift in time: held out, a fold at
 //! an end would make the trend larger than it is. Neighbouring groups are alike, so that a slope's error follows from the
@@ -229,9 +230,10 @@ mod tests {
     #[test]
     fn a_loop_is_told_by_its_two_directions() {
         let loops = |group: usize| if group < GROUPS / 2 { 0.75 } else { -0.75 };
+        // Cycles by which time says nothing of it.
+        let cycle = cycle();
+        let twice: Vec<f64> = (0..GROUPS).map(|group| cycle[2 * group % GROUPS]).collect();
         for seed in 1..=20 {
-            // Cycles by which time says nothing of it.
-            let twice: Vec<f64> = (0..GROUPS).map(|group| cycle()[2 * group % GROUPS]).collect();
             let looped: Vec<f64> = noise(seed, GROUPS)
                 .iter()
                 .enumerate()

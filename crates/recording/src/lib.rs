@@ -27,6 +27,7 @@ pub use error::{RecordingError, RecordingFault, WriteError};
 pub use phase::Phase;
 pub use reader::Recording;
 pub use schema::{COLUMNS_KEY, SCHEMA_VERSION, columns_told, described, described_as_a_recordings, key_values};
+pub use streamed::hold;
 pub use writer::RecordingWriter;
 
 /// What is true of a whole recording.

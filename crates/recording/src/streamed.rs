@@ -120,10 +120,11 @@ impl Streamed {
     }
 }
 
-/// Holds a stream by the system's lock, which others can read past, until it is closed; false where another program does. On
-/// Windows they could not read it.
-fn hold(stream: &File) -> bool {
-    !cfg!(unix) || !matches!(stream.try_lock(), Err(TryLockError::WouldBlock))
+/// Holds a file or a folder by the system's lock, which others can read past and no end of the program leaves behind, until it
+/// is closed; false where somebody else does. There are file systems without locks, and on Windows nobody could read past.
+#[must_use]
+pub fn hold(place: &File) -> bool {
+    !cfg!(unix) || !matches!(place.try_lock(), Err(TryLockError::WouldBlock))
 }
 
 /// A table that was read: what its schema says, its rows, and whether it was cut off or is still being written.

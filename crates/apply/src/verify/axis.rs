@@ -52,9 +52,9 @@ pub struct VerifiedAxis {
     pub temperature: [f64; 2],
     /// The least and the greatest temperature that were measured for the calibration.
     pub calibrated_temperature: [f64; 2],
-    /// How far beyond those the curve goes on before it is held, the least and the greatest temperature.
+    /// Whether the curve goes on beyond those before it is held.
     #[serde(skip)]
-    pub believed_temperature: [f64; 2],
+    pub goes_on: bool,
     /// The share of the log outside those that were measured, 0 to 1: there nothing was measured that the curve could rest on.
     pub outside: f64,
     /// The share of the log's rows with a temperature that have a rate of this axis, 0 to 1: all that is told is of those.
@@ -99,7 +99,7 @@ pub(super) fn verify(
     let left: Vec<f64> = points.iter().map(|point| point.corrected).collect();
     let times: Vec<f64> = points.iter().map(|point| point.time_s).collect();
     let temperatures = || points.iter().map(|point| point.temperature);
-    let measured = own.fit.measured;
+    let (measured, believed) = (own.fit.measured, own.fit.model.drift.valid);
     let outside = temperatures().filter(|t| *t < measured.min() || *t > measured.max()).count();
     let uncorrected = left_after_zero(raw.clone(), &times);
     let (raw, _) = ResidualStatistics::about_mean(&raw);
@@ -120,7 +120,7 @@ pub(super) fn verify(
         worse_about_mean,
         temperature: [temperatures().fold(f64::INFINITY, f64::min), temperatures().fold(f64::NEG_INFINITY, f64::max)],
         calibrated_temperature: [measured.min(), measured.max()],
-        believed_temperature: [own.fit.model.drift.valid.min(), own.fit.model.drift.valid.max()],
+        goes_on: believed.min() < measured.min() || believed.max() > measured.max(),
         outside: outside as f64 / points.len().max(1) as f64,
         covered: covered(axis),
         missed: Vec::new(),

@@ -119,8 +119,7 @@ fn outside(axes: &[VerifiedAxis], unit: TemperatureUnit) -> impl Iterator<Item =
     }
     told.into_iter().map(move |(names, axis)| {
         let [min, max] = axis.calibrated_temperature;
-        let goes_on = axis.believed_temperature[0] < min || axis.believed_temperature[1] > max;
-        let there = if goes_on { "goes on as it ends, for a little, and is then held" } else { "is held" };
+        let there = if axis.goes_on { "goes on as it ends, for a little, and is then held" } else { "is held" };
         let text = format!(
             "{}: {:.0} % of the averages are outside the {min:.1} to {max:.1} {} that were measured for the calibration: there the curve {there}",
             names.join(", "),

@@ -197,17 +197,14 @@ impl Conversation {
     }
 
     fn unanswered(&self, sent: &Sent, began: Instant) -> ClientError {
-        // Of one that says nothing at all it is not the line that is to be looked at.
-        if self.open && self.heard > began {
-            return ClientError::Unanswered { what: sent.name, tries: TRIES };
+        let is_silent = self.heard <= began;
+        match (self.open, self.unknown_frames) {
+            // Of one that says nothing at all it is not the line that is to be looked at.
+            (true, _) | (false, 0) if is_silent => LinkError::Silent.into(),
+            (true, _) => ClientError::Unanswered { what: sent.name, tries: TRIES },
+            (false, 0) => ClientError::Noise,
+            (false, _) => ClientError::OtherTongue,
         }
-        if self.open {
-            return LinkError::Silent.into();
-        }
-        if self.unknown_frames > 0 {
-            return ClientError::OtherTongue;
-        }
-        if self.heard > began { ClientError::Noise } else { LinkError::Silent.into() }
     }
 
     /// Takes what has come: an answer is returned, a group kept. In real time it returns without an answer after a

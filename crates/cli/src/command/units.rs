@@ -21,8 +21,8 @@ use crate::screen::{self, Grid, Page};
 /// List the units whose results lie in a folder: their last calibration, what it left, what has changed since the one before
 ///
 /// Every folder beneath it that a run of `calibrate` has left is one calibration; those of one serial number are one unit's, in
-/// the order in which they were made; of a simulated one, every plant and seed is a unit. What has changed is the largest distance between the fitted curves of a calibration
-/// and of the one before, over the temperatures of both. Nothing is written but the page of `--report`.
+/// the order in which they were made; of a simulated one, every plant and seed is a unit. What has changed is the largest
+/// distance between the fitted curves of a calibration and of the one before, over the temperatures of both. Nothing is written but the page of `--report`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Units {

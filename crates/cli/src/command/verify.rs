@@ -11,7 +11,6 @@ use serde::Serialize;
 use zerorate_apply::verify::{Limit, Limits, Verified, VerifyOptions, known_columns, verify};
 use zerorate_cal::calibration::{Calibration, Kind, Origin};
 use zerorate_cal::log::SensorChoice;
-use zerorate_cal::quality::ReasonKind;
 use zerorate_cal::source::{Source, in_quotes};
 
 use super::Outcome;
@@ -131,8 +130,7 @@ impl Verify {
     /// of the same unit: of another the two would be nobody's.
     fn join(&self, calibration: &Calibration, verified: &Verified) -> Option<String> {
         let same = verified.axes.iter().all(|axis| axis.name == axis.log_axis) && verified.missing.is_empty();
-        let is_worse = verified.reasons.iter().any(|reason| reason.kind == ReasonKind::WorseThanUncorrected);
-        let is_other = is_worse || verified.passed == Some(false);
+        let is_other = verified.axes.iter().any(|axis| axis.worse) || verified.passed == Some(false);
         if !same || is_other || verified.in_sample || calibration.kind != Kind::Log {
             return None;
         }
