@@ -193,6 +193,11 @@ pub const HOW_AUTO_CHOOSES: &str = "the last one, whose curve and memories are a
     these two, a cubic is taken. poly:3 + time is no rival, but the cubic that is taken then, where a drift in time was found; and \
     held out decides nothing. On a board's ramp only temperatures between those of the other folds count";
 
+/// Why a model without a history is judged too strictly by its folds, for people ([`DriftFit::misses_its_own_branch`]).
+pub const A_FOLD_MISSES_ITS_BRANCH: &str = "A model without a history goes between the two ways of a log that went both ways; \
+    of an eighth that is left out its own way is missing from the other seven. Where the ways differ, the same run again leaves \
+    less than is told here, but no less than in-sample";
+
 /// A model that was tried, and its errors, rate units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
@@ -228,6 +233,15 @@ impl DriftFit {
         let cubic = self.static_cubic.as_ref().filter(|_| self.model.history.is_some());
         let curve = cubic.map_or(&self.model.drift, |cubic| &cubic.drift);
         Drift { valid: self.measured, ..curve.clone() }
+    }
+
+    /// Whether its held-out figures ask more of it than another run like this one: a curve without a history, of a log that
+    /// went both ways. A fold is one way, and its temperatures are known by the other way alone.
+    #[must_use]
+    pub fn misses_its_own_branch(&self) -> bool {
+        let chosen = self.statistics.candidates.iter().find(|candidate| candidate.chosen);
+        let ways = chosen.and_then(|candidate| candidate.by_direction_rms);
+        self.model.history.is_none() && ways.is_some_and(|ways| ways.iter().all(Option::is_some))
     }
 
     /// The model that was chosen, terms beside the curve included: `poly:3`, or `poly:3 + 3 plays + time`.

@@ -174,6 +174,27 @@ fn what_a_static_cubic_leaves_of_a_whole_log_is_what_the_next_run_has_left() {
     assert!(told > 0.8 * again && told < 1.3 * again, "told {told:.2e}, again {again:.2e}");
 }
 
+/// One cycle, and a cubic that was asked for. The same run again: the truth, with no noise but the model's own, zeroed over its
+/// first three groups.
+#[test]
+fn a_cubic_leaves_less_of_the_same_loop_again_than_of_its_folds_and_no_less_than_in_sample() {
+    let temperature: Vec<f64> = (-200..200).map(|group: i32| 60.0 - 0.4 * f64::from(group.abs())).collect();
+    let history = bouc_wen(&temperature);
+    for size in [0.0, 0.3, 1.0, 3.0] {
+        let made = Made::new(temperature.clone(), |group, t| cubic(t) + size * history[group]);
+        let GroupFit { fit, .. } = made.fit(Model::Poly(3));
+        assert!(fit.misses_its_own_branch());
+        let of = |(group, t): (usize, &f64)| cubic(*t) + size * history[group] - fit.model.drift.evaluate(*t).0;
+        let left: Vec<f64> = temperature.iter().enumerate().map(of).collect();
+        let zero = left[..3].iter().sum::<f64>() / 3.0;
+        let again = (left[3..].iter().map(|left| (left - zero).powi(2)).sum::<f64>() / 397.0 + 1e-8).sqrt();
+        let (told, in_sample) = (fit.statistics.deployed.unwrap().rms, fit.statistics.in_sample.rms);
+        assert!(told > again && again > 0.95 * in_sample, "{size}: {told:.2e}, {again:.2e}, {in_sample:.2e}");
+    }
+    let one_way = Made::new(temperature[..200].to_vec(), |_, t| cubic(t));
+    assert!(!one_way.fit(Model::Poly(3)).fit.misses_its_own_branch());
+}
+
 #[test]
 fn at_either_end_it_is_better_than_a_cubic_that_is_held() {
     for curve in [cubic as fn(f64) -> f64, |t| 0.01 + 3e-4 * t, |t| 0.01 * (-(t + 30.0) / 30.0).exp()] {

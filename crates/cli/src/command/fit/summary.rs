@@ -8,7 +8,7 @@ use zerorate_cal::in_chamber::InChamber;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
-use zerorate_fit::drift_fit::{FitStatistics, LogLeft, ResidualOver};
+use zerorate_fit::drift_fit::{A_FOLD_MISSES_ITS_BRANCH, FitStatistics, LogLeft, ResidualOver};
 use zerorate_fit::residual::ResidualStatistics;
 use zerorate_report::{advice, believed_temperatures, by_log_sentence, measured_temperatures, trend_sentences};
 
@@ -233,6 +233,9 @@ fn terms(page: &mut Page, fit: &LogFit) {
                  the noise of the zero; pp is peak to peak."
             ),
         );
+        if axes.iter().any(|axis| axis.calibration.fit.misses_its_own_branch()) {
+            page.sentence("  ", &format!("{A_FOLD_MISSES_ITS_BRANCH}."));
+        }
     }
     if fit.axes.iter().any(|axis| axis.calibration.reference_temperature.is_some()) {
         page.sentence(
