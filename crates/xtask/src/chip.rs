@@ -6,6 +6,7 @@ use anyhow::Result;
 
 use crate::cargo;
 use crate::firmware;
+use crate::gateware;
 use crate::provide;
 use crate::steps::{Outcome, Step};
 use crate::workspace::Workspace;
@@ -26,7 +27,7 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
     image(workspace)?;
     tools()?;
     run(workspace, &["fmt", "--check"])?;
-    run(workspace, &["test", "--release", "--locked"])?;
+    run(workspace, &["test", "--locked"])?;
     cases(workspace)
 }
 
@@ -48,11 +49,11 @@ fn tools() -> Result<()> {
 fn cases(workspace: &Workspace) -> Result<Outcome> {
     tools()?;
     let image = firmware::built(workspace, firmware::STM32F405).display().to_string();
-    run(workspace, &["run", "--quiet", "--release", "--locked", "--", &image])?;
+    run(workspace, &["run", "--quiet", "--locked", "--", &image])?;
     Ok(Outcome::Passed)
 }
 
-/// A cargo command in the emulator's workspace.
+/// A cargo command in the emulator's workspace. What it stands on is built where the gateware's bench is, which stands on the same.
 fn run(workspace: &Workspace, arguments: &[&str]) -> Result<()> {
-    cargo::run_in(workspace, FOLDER, &workspace.target.join(FOLDER), arguments)
+    cargo::run_in(workspace, FOLDER, &gateware::out(workspace)?, arguments)
 }

@@ -225,7 +225,8 @@ fn unexplained(log: &str, name: &str) -> Result<()> {
     Ok(())
 }
 
-fn out(workspace: &Workspace) -> Result<PathBuf> {
+/// Where it is built.
+pub fn out(workspace: &Workspace) -> Result<PathBuf> {
     let out = workspace.target.join("gateware");
     fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
     Ok(out)
