@@ -188,10 +188,10 @@ pub struct LogLeft {
 }
 
 /// Which of the candidates `auto` takes, for people: the last, or a cubic.
-pub const HOW_AUTO_CHOOSES: &str = "the last one, whose curve and memories are as strong as the data say. It is held against \
-    poly:3 and against the cubic that autopilots get of it: where it leaves more than a twentieth more, zeroed, than the better of \
-    these two, a cubic is taken. poly:3 + time is no rival, but the cubic that is taken then, where a drift in time was found; and \
-    held out decides nothing. On a board's ramp only temperatures between those of the other folds count";
+pub const HOW_AUTO_CHOOSES: &str = "the last one, whose curve and memories are as strong as the data say, if it leaves no more \
+    than a twentieth more, zeroed, than poly:3 and than the cubic that autopilots get of it. Else a cubic is taken: poly:3 + time \
+    where a drift in time was found, or poly:3. Held out, cold end and hot end decide nothing. On a board's ramp only temperatures \
+    between those of the other folds count";
 
 /// Why a model without a history is judged too strictly by its folds, for people ([`DriftFit::misses_its_own_branch`]).
 pub const A_FOLD_MISSES_ITS_BRANCH: &str = "A model without a history goes between the two ways of a log that went both ways; \

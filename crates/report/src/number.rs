@@ -21,10 +21,10 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     set(text.trim_start_matches('-'), text.starts_with('-'))
 }
 
-/// How many times smaller something has become; no gain is told as none, and a loss as one.
+/// How many times smaller something has become; less than a twentieth of a change is told as none, and a loss as one.
 pub(crate) fn times_smaller(ratio: f64) -> String {
     match ratio {
-        ratio if (1.0 / 1.05..1.05).contains(&ratio) => "none".to_owned(),
+        ratio if (1.0 / 1.05..1.05).contains(&ratio) => "the same, within 5 %".to_owned(),
         ratio if ratio < 1.0 => format!("{}, worse", fixed(ratio, 2)),
         ratio => fixed(ratio, 1),
     }
@@ -174,9 +174,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_gain_is_told_as_none_and_a_loss_as_one() {
+    fn no_gain_is_told_as_the_same_and_a_loss_as_one() {
+        let same = "the same, within 5 %";
         let told = [1.0, 1.04, 0.97, 0.4, 1.5, 12.34].map(times_smaller);
-        assert_eq!(told, ["none", "none", "none", "0.40, worse", "1.5", "12.3"]);
+        assert_eq!(told, [same, same, same, "0.40, worse", "1.5", "12.3"]);
     }
 
     #[test]

@@ -171,7 +171,6 @@ pub(super) fn other_unit(words: &[String]) -> Option<&'static str> {
     let other = |word: &String| match word.as_str() {
         "v" | "volt" | "volts" | "mv" | "uv" | "µv" => Some("volts"),
         "hz" | "khz" | "mhz" => Some("hertz"),
-        "rpm" | "rps" => Some("revolutions"),
         "ohm" | "ohms" | "kohm" | "kohms" => Some("ohms"),
         "day" | "days" => Some("days"),
         // Ticks of a clock: `100ns`. That a rate is a mean over 10 s is no unit.

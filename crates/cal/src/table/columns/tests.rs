@@ -132,7 +132,6 @@ fn what_is_no_unit_of_its_column_is_refused() {
     for (heads, column, unit, instead) in [
         ("time_s,temp_c,gx (Hz)", "gx (Hz)", "hertz", "dps or rad/s, or say its unit (`rate_unit`)"),
         ("time_s,temp_c,gyro_x_mV", "gyro_x_mV", "volts", "dps or rad/s"),
-        ("time_s,temp_c,gyro_x [rpm]", "gyro_x [rpm]", "revolutions", "dps or rad/s"),
         ("time_s,temp_mV,gx_dps", "temp_mV", "volts", "degrees C, or say its unit (`temperature_unit`)"),
         ("time_s,temp [kOhm],gx_dps", "temp [kOhm]", "ohms", "degrees C"),
         ("time_days,temp_c,gx_dps", "time_days", "days", "seconds, or say its unit (`time_unit`)"),
