@@ -149,7 +149,7 @@ impl Attempt {
         let in_sample = ResidualStatistics::of(residuals.iter().copied());
         let deployed = predict(&made.model, Start::Unknown, series, 0..series.rate.len());
         let held_out = match outer.complete() {
-            true => ResidualStatistics::by_folds(&outer.residuals),
+            true => ResidualStatistics::by_folds(&outer.residuals, &series.folds()),
             false => ResidualStatistics::NONE,
         };
         let band = band::band(series, measured, &[&deployed]);

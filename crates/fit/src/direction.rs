@@ -43,23 +43,25 @@ const TRAVEL: f64 = 1.0 / 3.0;
 /// A turn back by less than this share of the span is noise.
 const NOISE: f64 = 0.05;
 
-/// Whether the temperatures, in order of time, go up and down by a third of their span or more, turns of noise not counted.
-pub(crate) fn goes_both_ways(temperatures: &[f64]) -> bool {
-    let mut finite = temperatures.iter().copied().filter(|t| t.is_finite());
-    let (least, most) = finite.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
+/// Whether the temperatures of logs, each in order of time, go up and down by a third of their span or more, turns of noise not
+/// counted. From the end of one log to the start of the next nobody saw them go.
+pub(crate) fn go_both_ways(logs: &[&[f64]]) -> bool {
+    let finite = |log: &[f64]| log.iter().copied().filter(|t| t.is_finite()).collect::<Vec<f64>>();
+    let logs: Vec<Vec<f64>> = logs.iter().map(|log| finite(log)).collect();
+    let all = logs.iter().flatten();
+    let (least, most) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
     let margin = NOISE * (most - least);
     let (mut up, mut down) = (0.0, 0.0);
-    let Some(mut follower) = finite.next() else { return false };
-    for t in finite {
-        let next = follower.clamp(t - margin, t + margin);
-        if next > follower {
-            up += next - follower;
-        } else {
-            down += follower - next;
+    for log in &logs {
+        let Some(mut follower) = log.first().copied() else { continue };
+        for t in log {
+            let next = follower.clamp(t - margin, t + margin);
+            up += (next - follower).max(0.0);
+            down += (follower - next).max(0.0);
+            follower = next;
         }
-        follower = next;
     }
-    up.min(down) >= TRAVEL * (most - least)
+    least < most && up.min(down) >= TRAVEL * (most - least)
 }
 
 /// The temperatures passed upwards and downwards by logs, each in the order of time with whether something was measured there.
@@ -97,6 +99,16 @@ mod tests {
         let turns: Vec<usize> = (1..1000).filter(|i| warming[*i] != warming[i - 1]).collect();
         assert_eq!(turns.len(), 1);
         assert!(warming[0] && turns[0].abs_diff(500) < 10, "{turns:?}");
+    }
+
+    #[test]
+    fn logs_that_all_warm_go_one_way_though_each_begins_cold() {
+        let warms: Vec<f64> = (0..100).map(f64::from).collect();
+        let cools: Vec<f64> = warms.iter().rev().copied().collect();
+        assert!(!go_both_ways(&[&warms, &warms, &warms]));
+        assert!(go_both_ways(&[&warms, &cools]));
+        assert!(go_both_ways(&[&[&warms[..], &cools[..]].concat()]));
+        assert!(!go_both_ways(&[]) && !go_both_ways(&[&[]]));
     }
 
     #[test]

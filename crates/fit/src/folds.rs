@@ -16,6 +16,17 @@ pub fn rows_of_fold(fold: usize, rows: usize) -> Range<usize> {
     fold * rows / FOLDS..(fold + 1) * rows / FOLDS
 }
 
+/// The folds of several logs, one after the other: of each log the same eighth, so that what is held out of a log lasts as long
+/// whatever logs stand beside it.
+#[must_use]
+pub fn folds_of_logs(logs: &[Range<usize>]) -> Vec<Vec<Range<usize>>> {
+    let part = |log: &Range<usize>, fold| {
+        let rows = rows_of_fold(fold, log.len());
+        log.start + rows.start..log.start + rows.end
+    };
+    (0..FOLDS).map(|fold| logs.iter().map(|log| part(log, fold)).collect()).collect()
+}
+
 /// The fold that a row is in: the inverse of [`rows_of_fold`].
 #[must_use]
 // The quotient is below 8 for a row of the record.
@@ -37,6 +48,15 @@ pub fn jackknife_error(without: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_several_logs_a_fold_has_the_same_eighth_of_each() {
+        let folds = folds_of_logs(&[0..16, 16..24, 24..28]);
+        assert_eq!(folds[0], [0..2, 16..17, 24..24]);
+        assert_eq!(folds[7], [14..16, 23..24, 27..28]);
+        let all: usize = folds.iter().flatten().map(Range::len).sum();
+        assert_eq!(all, 28);
+    }
 
     #[test]
     fn every_row_is_in_one_fold_and_both_ways_agree() {

@@ -1,8 +1,8 @@
 //! What a curve leaves, in a few numbers.
 
-use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
-use crate::folds::{FOLDS, rows_of_fold};
+use serde::{Deserialize, Serialize};
 
 /// The size of a residual, in the rate's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -41,11 +41,11 @@ impl ResidualStatistics {
         Self { rms_standard_error: Some(error).filter(|error| error.is_finite()), ..all.statistics() }
     }
 
-    /// The same of residuals in their order, with [`FOLDS`] folds; those that are no numbers are left out.
+    /// The same of residuals in their order, and the parts of each fold; those that are no numbers are left out.
     #[must_use]
-    pub fn by_folds(residuals: &[f64]) -> Self {
-        let fold = |fold| Residuals::of(residuals[rows_of_fold(fold, residuals.len())].iter().copied());
-        Self::of_folds(&(0..FOLDS).map(fold).collect::<Vec<_>>())
+    pub fn by_folds(residuals: &[f64], folds: &[Vec<Range<usize>>]) -> Self {
+        let fold = |fold: &Vec<Range<usize>>| Residuals::of(fold.iter().cloned().flatten().map(|row| residuals[row]));
+        Self::of_folds(&folds.iter().map(fold).collect::<Vec<_>>())
     }
 
     /// The same, where the sum of squares of its `count` residuals has a variance of its own beside the folds' differences.
@@ -148,13 +148,14 @@ impl Residuals {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::folds::folds_of_logs;
 
     #[test]
     fn the_standard_error_of_an_rms_is_by_folds() {
         // Mean squares 1, 9, 1, 9, 1, 9, 1, 9 of two residuals each: 5 on average, and the variance of such a mean is
         // 8 x 16 / (8 x 7). The error of a root is that of the square over twice the root.
         let residuals: Vec<f64> = (0..16).map(|row| if row / 2 % 2 == 0 { 1.0 } else { -3.0 }).collect();
-        let found = ResidualStatistics::by_folds(&residuals);
+        let found = ResidualStatistics::by_folds(&residuals, &folds_of_logs(&[0..residuals.len()]));
         assert!((found.rms - 5.0_f64.sqrt()).abs() < 1e-12 && (found.pp - 4.0).abs() < 1e-12);
         let by_hand = (8.0 * 16.0 / (8.0 * 7.0_f64)).sqrt() / (2.0 * 5.0_f64.sqrt());
         assert!((found.rms_standard_error.unwrap() - by_hand).abs() < 1e-12, "{found:?}");
@@ -165,6 +166,6 @@ mod tests {
         let one = ResidualStatistics::of_folds(&[Residuals::of([1.0, -2.0])]);
         assert_eq!((one.rms_standard_error, one.pp), (None, 3.0));
         assert_eq!(ResidualStatistics::of_folds(&[]).rms_standard_error, None);
-        assert_eq!(ResidualStatistics::by_folds(&[0.0; 16]).rms_standard_error, None, "nothing is left");
+        assert_eq!(ResidualStatistics::by_folds(&[0.0; 16], &folds_of_logs(&[0..16])).rms_standard_error, None, "nothing is left");
     }
 }

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use crate::direction::goes_both_ways;
+use crate::direction::go_both_ways;
+use crate::folds::folds_of_logs;
 
 /// What the run after this one will be like: what a calibration is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,7 +44,12 @@ impl Series<'_> {
     /// rate may jump for reasons of its own.
     pub(crate) fn tells_slope(&self) -> bool {
         let timed = self.time_s.iter().all(|time| time.is_finite());
-        timed && self.next == NextRun::Another && self.logs().len() == 1 && goes_both_ways(self.temperature)
+        timed && self.next == NextRun::Another && self.logs().len() == 1 && self.goes_both_ways()
+    }
+
+    /// Whether enough is seen of either way of the temperature for what remembers it to be told from the curve.
+    pub(crate) fn goes_both_ways(&self) -> bool {
+        go_both_ways(&self.logs().into_iter().map(|log| &self.temperature[log]).collect::<Vec<_>>())
     }
 
     /// The groups of each log.
@@ -52,6 +58,11 @@ impl Series<'_> {
         let begins: Vec<usize> = (0..self.rate.len()).filter(|&group| self.begins(group)).collect();
         let ends = begins.iter().skip(1).copied().chain([self.rate.len()]);
         begins.iter().copied().zip(ends).map(|(begin, end)| begin..end).collect()
+    }
+
+    /// The groups of each fold, log by log.
+    pub(crate) fn folds(&self) -> Vec<Vec<Range<usize>>> {
+        folds_of_logs(&self.logs())
     }
 
     /// Whether a group is the first of its log.

@@ -1,6 +1,8 @@
 //! The fits of one model: of everything, and of everything but what is held out.
 
-use crate::folds::{FOLDS, rows_of_fold};
+use std::ops::Range;
+
+use crate::folds::FOLDS;
 use crate::model_fit::ModelFit;
 use crate::series::Series;
 
@@ -18,16 +20,16 @@ pub(super) struct Fits {
 impl Fits {
     /// By `make`, which fits the groups that are kept. `None` where all of them do not settle the model.
     pub fn of(series: &Series<'_>, make: impl Fn(&dyn Fn(usize) -> bool) -> Option<ModelFit>) -> Option<Self> {
-        let groups = series.rate.len();
-        let fold = |fold: usize| {
-            let out = rows_of_fold(fold, groups);
-            out.clone().any(|group| series.is_used(group)).then(|| make(&|group| !out.contains(&group))).flatten()
+        let fold = |fold: &Vec<Range<usize>>| {
+            let is_out = |group: usize| fold.iter().any(|part| part.contains(&group));
+            let has_any = fold.iter().cloned().flatten().any(|group| series.is_used(group));
+            has_any.then(|| make(&|group| !is_out(group))).flatten()
         };
         let logs = series.logs();
         let several = if logs.len() < 2 { &[] } else { &logs[..] };
         Some(Self {
             whole: make(&|_| true)?,
-            folds: (0..FOLDS).map(fold).collect(),
+            folds: series.folds().iter().map(fold).collect(),
             ends: ends(series).iter().map(|end| make(&|group| !end.contains(&group))).collect(),
             logs: several.iter().map(|log| make(&|group| !log.contains(&group))).collect(),
         })

@@ -9,7 +9,7 @@ use super::{in_recording, predict};
 use crate::boot::{booted, move_zero, take_zero_off, variance_by_the_zero};
 use crate::choose::standard_error;
 use crate::drift_fit::{Candidate, HeldOut, LogLeft, StaticCubic, finite};
-use crate::folds::{FOLDS, rows_of_fold};
+use crate::folds::FOLDS;
 use crate::model_fit::ModelFit;
 use crate::predict::Start;
 use crate::residual::ResidualStatistics;
@@ -53,44 +53,46 @@ impl Outer {
             between: vec![false; groups],
             failed: false,
         };
-        for (fold, made) in fits.folds.iter().enumerate() {
-            let out = rows_of_fold(fold, groups);
-            let used: Vec<usize> = out.clone().filter(|&group| series.is_used(group)).collect();
-            outer.failed |= made.is_none() && !used.is_empty();
-            outer.see(series, &out);
+        for (fold, made) in series.folds().iter().zip(&fits.folds) {
+            outer.failed |= made.is_none() && fold.iter().cloned().flatten().any(|group| series.is_used(group));
+            outer.see(series, fold);
             if let Some(made) = made {
-                outer.predict(series, made, &out, &used);
+                outer.predict(series, made, fold);
             }
         }
         outer
     }
 
     /// Marks the groups of a fold that lie between the temperatures of the others.
-    fn see(&mut self, series: &Series<'_>, out: &Range<usize>) {
-        let others = (0..series.rate.len()).filter(|group| !out.contains(group) && series.is_used(*group));
+    fn see(&mut self, series: &Series<'_>, fold: &[Range<usize>]) {
+        let is_out = |group: &usize| fold.iter().any(|part| part.contains(group));
+        let others = (0..series.rate.len()).filter(|group| !is_out(group) && series.is_used(*group));
         let others = others.map(|group| series.temperature[group]);
         let (least, most) = others.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
-        for group in out.clone() {
+        for group in fold.iter().cloned().flatten() {
             self.between[group] = (least..=most).contains(&series.temperature[group]);
         }
     }
 
-    fn predict(&mut self, series: &Series<'_>, made: &ModelFit, out: &Range<usize>, used: &[usize]) {
+    fn predict(&mut self, series: &Series<'_>, made: &ModelFit, fold: &[Range<usize>]) {
         let known = in_recording(&made.model, series);
-        let warm = predict(&made.model, Start::Unknown, series, 0..out.end);
-        let cold = predict(&made.model, Start::Unknown, series, out.clone());
-        for &group in used {
-            self.residuals[group] = known[group];
-            self.deployed[group] = warm[group];
-            self.warm[group] = warm[group];
-            self.cold[group] = cold[group - out.start];
-            if let Some(cubic) = &made.cubic {
-                self.cubic[group] = series.rate[group] - cubic.evaluate(series.temperature[group]).0;
+        let warm = predict(&made.model, Start::Unknown, series, 0..series.rate.len());
+        for out in fold {
+            let used: Vec<usize> = out.clone().filter(|&group| series.is_used(group)).collect();
+            let cold = predict(&made.model, Start::Unknown, series, out.clone());
+            for &group in &used {
+                self.residuals[group] = known[group];
+                self.deployed[group] = warm[group];
+                self.warm[group] = warm[group];
+                self.cold[group] = cold[group - out.start];
+                if let Some(cubic) = &made.cubic {
+                    self.cubic[group] = series.rate[group] - cubic.evaluate(series.temperature[group]).0;
+                }
             }
-        }
-        self.cubic_deployed[out.clone()].copy_from_slice(&self.cubic[out.clone()]);
-        for residuals in [&mut self.warm, &mut self.cold, &mut self.cubic_deployed] {
-            take_zero_off(residuals, series.time_s, used);
+            self.cubic_deployed[out.clone()].copy_from_slice(&self.cubic[out.clone()]);
+            for residuals in [&mut self.warm, &mut self.cold, &mut self.cubic_deployed] {
+                take_zero_off(residuals, series.time_s, &used);
+            }
         }
     }
 
@@ -165,7 +167,7 @@ impl Outer {
         // Each log has a zero of its own, so that their ends say nothing of each other: the largest of any one.
         let pp = |log: &Vec<usize>| ResidualStatistics::of(log.iter().map(|&group| left[group])).pp;
         let pp = logs.iter().map(pp).fold(f64::NAN, f64::max);
-        let left = ResidualStatistics::by_folds(&left)
+        let left = ResidualStatistics::by_folds(&left, &series.folds())
             .varied_by(by_zeros, left.iter().filter(|left| left.is_finite()).count());
         (self.complete() && left.rms.is_finite()).then_some(ResidualStatistics { pp, ..left })
     }
@@ -210,7 +212,7 @@ impl Outer {
     /// How it stands among the others, `best` the one that predicts the recording best.
     pub(super) fn candidate(&self, model: String, in_sample: f64, series: &Series<'_>, best: &Self) -> Candidate {
         let (own, least) = (self.figures(), best.figures().in_recording);
-        let excess: Vec<f64> = self.squares().iter().zip(best.squares()).map(|(own, best)| own - best).collect();
+        let excess: Vec<f64> = self.squares(series).iter().zip(best.squares(series)).map(|(own, best)| own - best).collect();
         // a - b = (a^2 - b^2) / (a + b)
         let error = standard_error(&excess) / (own.in_recording.zip(least).map_or(f64::NAN, |(a, b)| a + b));
         let directions = directions(series.temperature);
@@ -231,10 +233,10 @@ impl Outer {
     }
 
     /// The mean square of each fold within the recording.
-    fn squares(&self) -> Vec<f64> {
-        let groups = self.residuals.len();
-        let of = |fold| ResidualStatistics::of(self.residuals[rows_of_fold(fold, groups)].iter().copied()).rms.powi(2);
-        (0..FOLDS).map(of).filter(|square| square.is_finite()).collect()
+    fn squares(&self, series: &Series<'_>) -> Vec<f64> {
+        let left = |fold: Vec<Range<usize>>| fold.into_iter().flatten().map(|group| self.residuals[group]);
+        let of = |fold| ResidualStatistics::of(left(fold)).rms.powi(2);
+        series.folds().into_iter().map(of).filter(|square| square.is_finite()).collect()
     }
 }
 
@@ -311,10 +313,11 @@ pub(super) fn static_cubic(
     let used = |range: Range<usize>| range.filter(|&group| series.is_used(group));
     let in_sample = ResidualStatistics::of(used(0..groups).map(|group| residual(&drift, group)));
     let mut held_out = Vec::new();
-    for (fold, made) in fits.folds.iter().enumerate() {
+    for (fold, made) in series.folds().iter().zip(&fits.folds) {
+        let out = fold.iter().cloned().flat_map(used);
         match made.as_ref().and_then(|made| made.cubic.as_ref()) {
-            Some(cubic) => held_out.extend(used(rows_of_fold(fold, groups)).map(|group| residual(cubic, group))),
-            None => held_out.extend(used(rows_of_fold(fold, groups)).map(|_| f64::INFINITY)),
+            Some(cubic) => held_out.extend(out.map(|group| residual(cubic, group))),
+            None => held_out.extend(out.map(|_| f64::INFINITY)),
         }
     }
     let whole = held_out.iter().all(|residual| residual.is_finite()) && !held_out.is_empty();

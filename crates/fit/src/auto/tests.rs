@@ -248,6 +248,35 @@ fn several_logs_have_a_history_each_and_no_drift_in_time() {
     assert!(fit.fit.statistics.held_out.unwrap().rms < 4e-4, "{:?}", fit.fit.statistics.held_out);
 }
 
+/// What a die shows that follows its sensor with 120 s, solved in steps of a second.
+fn behind(temperature: &[f64]) -> Vec<f64> {
+    let mut inside = temperature[0];
+    let follow = |t: &f64| {
+        (0..10).for_each(|_| inside += (t - inside) / 120.0);
+        cubic(inside)
+    };
+    temperature.iter().map(follow).collect()
+}
+
+/// A unit that warms up and whose die is behind its sensor, switched on twice: what both runs say of it helps on the third no less
+/// than what one says. A fold that lasts twice as long has twice the warming up in it, which no device predicts.
+#[test]
+fn two_runs_of_a_unit_leave_no_more_of_a_third_than_one_does() {
+    let run = behind(&cycle());
+    let warming_up = |group: usize| 3e-2 * libm::exp(-10.0 * (group % 400) as f64 / 900.0);
+    let left_of_the_third = |runs: usize| {
+        let temperature = (0..runs).flat_map(|_| cycle()).collect();
+        let log: Vec<u32> = (0..runs).flat_map(|run| vec![u32::try_from(run).unwrap(); 400]).collect();
+        let made = Made::new(temperature, |group, _| run[group % 400] + warming_up(group));
+        let model = made.fit_of_logs(Model::Auto, &log).fit.model;
+        let rows = cycles().into_iter().enumerate().map(|(group, t)| (10.0 * group as f64, t));
+        let left: Vec<f64> = behind(&cycles()).iter().zip(model.biases(rows)).map(|(rate, bias)| rate - bias).collect();
+        ResidualStatistics::about_mean(&left).0.rms
+    };
+    let (one, two) = (left_of_the_third(1), left_of_the_third(2));
+    assert!(two < 1.05 * one, "{two} of {one}");
+}
+
 /// Three ramps, up, down and up, over other temperatures each, each with a level of its own: a named curve is not bent by them.
 #[test]
 fn the_levels_of_logs_do_not_bend_a_curve() {

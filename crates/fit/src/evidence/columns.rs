@@ -7,7 +7,6 @@ use zerorate_core::drift::{
     Drift, History, HistoryState, MAX_KNOTS, Memory, Polynomial, Scale, Shape, Term, ValidRange,
 };
 
-use crate::direction::goes_both_ways;
 use crate::series::{NextRun, Series};
 
 /// The intervals of the curve's table: as many as a device holds.
@@ -106,7 +105,7 @@ impl Columns {
         let mut kinds = vec![Kind::Free, Kind::Free, Kind::Powers, Kind::Powers];
         kinds.extend(vec![Kind::Bends; bends]);
         let timed = series.time_s.iter().all(|time| time.is_finite());
-        let both = goes_both_ways(series.temperature);
+        let both = series.goes_both_ways();
         let mut memories = Vec::new();
         if both {
             let span = measured.max() - measured.min();
