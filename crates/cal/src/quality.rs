@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::units::TemperatureUnit;
+use crate::units::{TemperatureUnit, from_to};
 
 /// Groups for each coefficient, at least: with fewer, a fold held out takes a coefficient's data with it.
 pub const MIN_ROWS_A_COEFFICIENT: u64 = 2;
@@ -253,7 +253,8 @@ impl Judgement {
                 "record a wider range, or allow a narrow one in the fit of a log (`allow_narrow`)"
             };
             let text = format!(
-                "the temperature spans {span:.1} {name} ({min:.1} to {max:.1}), less than {least:.0} {name}: {advice}"
+                "the temperature spans {span:.1} {name} ({}), less than {least:.0} {name}: {advice}",
+                from_to(min, max)
             );
             self.add_as(verdict, Reason::new(ReasonKind::NarrowSpan, text));
         }
@@ -278,7 +279,8 @@ impl Judgement {
             self.add(Reason::new(ReasonKind::NoFiniteRows, text));
         } else if rows < least {
             let text = format!(
-                "{axis}: {rows} {what} cannot settle {coefficients} coefficients ({least} are needed): record for longer, or choose a smaller model"
+                "{axis}: {rows} {} cannot settle {coefficients} coefficients ({least} are needed): record for longer, or choose a smaller model",
+                if rows == 1 { what.trim_end_matches('s') } else { what }
             );
             self.add(Reason::new(ReasonKind::TooFewGroups, text));
         }

@@ -9,7 +9,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-pub use scale::{RateScale, decimal};
+pub use scale::{RateScale, decimal, from_to};
 pub use written::{WrittenRate, WrittenTemperature};
 
 /// The least temperature span of a calibration, degrees C: below it a curve is mostly noise.

@@ -67,7 +67,10 @@ fn a_plain_cubic_is_that_of_numpy_to_a_billionth_of_the_curves_range() {
 fn the_model_is_taken_as_the_sentence_beside_its_table_says() {
     let Some(path) = recording() else { return };
     let sentence = zerorate_fit::drift_fit::HOW_AUTO_CHOOSES;
-    assert!(sentence.contains("zeroed, than poly:3 and than the cubic that autopilots get of it"), "{sentence}");
+    assert!(
+        sentence.contains("zeroed, at most 5 % more than poly:3 and than the cubic that autopilots get of it"),
+        "{sentence}"
+    );
     for axis in &fit_one(path, &FitOptions::default()).axes {
         let statistics = &axis.calibration.fit.statistics;
         let zeroed = |model: &str| {

@@ -86,7 +86,7 @@ impl Hysteresis {
         let ((min, max), unit) = (span(points), axis.temperature_unit);
         if max - min < unit.min_span() {
             return Err(format!(
-                "the temperature spans {:.1} {} and too little for it: let it warm and cool by {:.0}",
+                "the temperature spans {0:.1} {1}, too little to tell it: let it warm and cool by {2:.0} {1} or more",
                 max - min,
                 unit.name(),
                 unit.min_span()
@@ -124,7 +124,7 @@ impl Hysteresis {
         {
             let scale = RateScale::of(axis.calibration.rate_unit, &[mean, mean_standard_error], asked);
             return Err(format!(
-                "heating and cooling differ on average by {} ± {}, which is not told apart from wandering in time; {} cycles do",
+                "heating and cooling differ on average by {} ± {}, which may as well be wandering in time; a log of {} cycles can tell them apart",
                 scale.number(mean),
                 scale.told(mean_standard_error),
                 if has_cycles(points, warming) { "more" } else { "several" }

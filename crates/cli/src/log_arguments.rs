@@ -12,6 +12,8 @@ use zerorate_cal::units::{RateUnit, TimeUnit, WrittenRate, WrittenTemperature};
 use zerorate_fit::drift_fit::ResidualOver;
 use zerorate_fit::model::Model;
 
+use crate::output::argument;
+
 /// Which column is which. What is left open is taken from the names where they make it plain.
 #[derive(Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Columns (guessed from their names where these make it plain)")]
@@ -93,6 +95,24 @@ impl ColumnArguments {
             likely_rate_unit: None,
         }
     }
+
+    /// As it is typed again, each option after a space: nothing where all was left to the names.
+    pub fn typed(&self) -> String {
+        let units = &self.units;
+        let rate = Some(self.rate.join(",")).filter(|rate| !rate.is_empty());
+        let given = [
+            ("--time", self.time.clone()),
+            ("--temperature", self.temperature.clone()),
+            ("--rate", rate),
+            ("--time-unit", units.time_unit.map(|unit| unit.to_string())),
+            ("--temperature-unit", units.temperature_unit.map(|unit| unit.option().to_owned())),
+            ("--rate-unit", units.rate_unit.map(|unit| unit.to_string())),
+        ];
+        let typed = |(option, value): (&str, Option<String>)| {
+            value.map(|value| format!(" {option} {}", argument(Path::new(&value))))
+        };
+        given.into_iter().filter_map(typed).collect()
+    }
 }
 
 /// A log and how it is fitted.
@@ -106,7 +126,8 @@ pub struct LogArguments {
 
     /// The drift model: poly:1 to poly:5, table:1 to table:32 (straight pieces), or auto: curve,
     /// history (hysteresis, lag) and drift in time, each as strong as the data say; the cubic where that predicts
-    /// clearly better
+    /// better by more than 5 %. With --plain auto is the simplest polynomial whose held-out rms is within one standard error
+    /// of the best one's
     #[arg(long, value_name = "MODEL", default_value = "auto")]
     model: Model,
 
@@ -154,6 +175,11 @@ impl LogArguments {
             sensor: self.sensor,
             ..FitOptions::default()
         }
+    }
+
+    /// The columns and their units, as they are typed again.
+    pub fn typed_columns(&self) -> String {
+        self.columns.typed()
     }
 
     /// The logs, as paths.

@@ -142,6 +142,13 @@ impl FitStatistics {
         Self::new(ResidualOver::Groups, 0, ResidualStatistics::NONE, ResidualStatistics::NONE, Vec::new())
     }
 
+    /// Which of the candidates was taken, for people; `None` where there was no choice.
+    #[must_use]
+    pub fn how_it_was_chosen(&self) -> Option<&'static str> {
+        let how = if self.residual_over == ResidualOver::Rows { HOW_PLAIN_CHOOSES } else { HOW_AUTO_CHOOSES };
+        (self.candidates.len() > 1).then_some(how)
+    }
+
     /// Of a fit to `residuals` rows or groups, whatever was tried beside it.
     #[must_use]
     pub fn new(
@@ -188,10 +195,13 @@ pub struct LogLeft {
 }
 
 /// Which of the candidates `auto` takes, for people: the last, or a cubic.
-pub const HOW_AUTO_CHOOSES: &str = "the last one, whose curve and memories are as strong as the data say, if it leaves no more \
-    than a twentieth more, zeroed, than poly:3 and than the cubic that autopilots get of it. Else a cubic is taken: poly:3 + time \
+pub const HOW_AUTO_CHOOSES: &str = "the last one, whose curve and memories are as strong as the data say, if it leaves, zeroed, \
+    at most 5 % more than poly:3 and than the cubic that autopilots get of it. Else a cubic is taken: poly:3 + time \
     where a drift in time was found, or poly:3. Held out, cold end and hot end decide nothing. On a board's ramp only temperatures \
     between those of the other folds count";
+
+/// Which of the candidates is taken where every row counts once, for people: the simplest of those that are told apart from none.
+const HOW_PLAIN_CHOOSES: &str = "the simplest one whose held-out rms is within one standard error of the best one's";
 
 /// Why a model without a history is judged too strictly by its folds, for people ([`DriftFit::misses_its_own_branch`]).
 pub const A_FOLD_MISSES_ITS_BRANCH: &str = "A model without a history goes between the two ways of a log that went both ways; \

@@ -147,6 +147,8 @@ impl Residuals {
 
 #[cfg(test)]
 mod tests {
+    use std::slice::from_ref;
+
     use super::*;
     use crate::folds::folds_of_logs;
 
@@ -155,7 +157,7 @@ mod tests {
         // Mean squares 1, 9, 1, 9, 1, 9, 1, 9 of two residuals each: 5 on average, and the variance of such a mean is
         // 8 x 16 / (8 x 7). The error of a root is that of the square over twice the root.
         let residuals: Vec<f64> = (0..16).map(|row| if row / 2 % 2 == 0 { 1.0 } else { -3.0 }).collect();
-        let found = ResidualStatistics::by_folds(&residuals, &folds_of_logs(&[0..residuals.len()]));
+        let found = ResidualStatistics::by_folds(&residuals, &folds_of_logs(from_ref(&(0..residuals.len()))));
         assert!((found.rms - 5.0_f64.sqrt()).abs() < 1e-12 && (found.pp - 4.0).abs() < 1e-12);
         let by_hand = (8.0 * 16.0 / (8.0 * 7.0_f64)).sqrt() / (2.0 * 5.0_f64.sqrt());
         assert!((found.rms_standard_error.unwrap() - by_hand).abs() < 1e-12, "{found:?}");
@@ -166,6 +168,10 @@ mod tests {
         let one = ResidualStatistics::of_folds(&[Residuals::of([1.0, -2.0])]);
         assert_eq!((one.rms_standard_error, one.pp), (None, 3.0));
         assert_eq!(ResidualStatistics::of_folds(&[]).rms_standard_error, None);
-        assert_eq!(ResidualStatistics::by_folds(&[0.0; 16], &folds_of_logs(&[0..16])).rms_standard_error, None, "nothing is left");
+        assert_eq!(
+            ResidualStatistics::by_folds(&[0.0; 16], &folds_of_logs(from_ref(&(0..16)))).rms_standard_error,
+            None,
+            "nothing is left"
+        );
     }
 }

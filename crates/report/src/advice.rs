@@ -47,7 +47,9 @@ fn on(kind: ReasonKind) -> &'static str {
         }
         ReasonKind::Spikes => "Look for a loose connection or a disturbed bench, and log again with the unit on foam.",
         ReasonKind::Rotation => "Leave the unit untouched while it logs: turn off motors, close the box, walk away.",
-        ReasonKind::StartUp => "Let the unit run for a minute before the log begins, or log on: the start is left out.",
+        ReasonKind::StartUp => {
+            "Nothing needs doing: the first readings, which settle, are left out. Where too little is left, log for longer."
+        }
         ReasonKind::Gap => "Look for why nothing was logged for a while: a full or slow card, a link that was lost.",
         ReasonKind::FrozenTemperature => {
             "Look for why the temperature stood still: a sensor that is read too seldom, or a bus that hangs."

@@ -1,7 +1,7 @@
 //! The table of candidate models, the same for a board and for a log.
 
 use maud::{Markup, html};
-use zerorate_fit::drift_fit::{Candidate, HOW_AUTO_CHOOSES};
+use zerorate_fit::drift_fit::{Candidate, FitStatistics};
 
 use super::number::{decimals_for, fixed, fixed_or_none};
 use super::page::Table;
@@ -11,12 +11,10 @@ use zerorate_cal::units::RateScale;
 const SHOWN: usize = 12;
 
 /// The candidates of one axis; nothing where one model was asked for, for then there was no choice.
-pub(super) fn table(axis: &str, candidates: &[Candidate], scale: RateScale) -> Markup {
-    if candidates.len() < 2 {
-        return html! {};
-    }
-    let all = candidates.len();
-    let candidates = shown(candidates);
+pub(super) fn table(axis: &str, statistics: &FitStatistics, scale: RateScale) -> Markup {
+    let Some(how) = statistics.how_it_was_chosen() else { return html! {} };
+    let all = statistics.candidates.len();
+    let candidates = shown(&statistics.candidates);
     let held_out = || candidates.iter().filter_map(|candidate| candidate.held_out_rms);
     let decimals = 1 + decimals_for(scale.of_rate(held_out().fold(f64::INFINITY, f64::min)));
     let scaled = |value: Option<f64>| html! { (fixed_or_none(value.map(|value| scale.of_rate(value)), decimals)) };
@@ -34,7 +32,7 @@ pub(super) fn table(axis: &str, candidates: &[Candidate], scale: RateScale) -> M
     let caption = html! {
         b { (axis) } ": models compared by blocked cross-validation. Held out is within the recording, its drift in time taken off; ± is "
         "one standard error of how far that is from the best one’s. Zeroed by fold is what a device has left in a run as long as "
-        "a fold, which knows no drift in time and takes its zero at the fold’s start: over a whole log, deployed, it may be more. Taken (✓) is " (HOW_AUTO_CHOOSES) ". In " (scale.unit()) "."
+        "a fold, which knows no drift in time and takes its zero at the fold’s start: over a whole log, deployed, it may be more. Taken (✓) is " (how) ". In " (scale.unit()) "."
         @if all > candidates.len() { " The " (candidates.len()) " of " (all) " that predict best." }
     };
     Table { caption, heads: &heads, rows: candidates.into_iter().map(row).collect(), numbers_from: 1 }.markup()

@@ -102,7 +102,7 @@ impl LogPage<'_> {
     fn models(&self) -> Markup {
         let table = |axis: &AxisFit| {
             let scale = self.fit.scale(axis.calibration.rate_unit, self.units);
-            candidates::table(&axis.name, &axis.calibration.fit.statistics.candidates, scale)
+            candidates::table(&axis.name, &axis.calibration.fit.statistics, scale)
         };
         html! { div.pair { @for axis in &self.fit.axes { (table(axis)) } } }
     }
@@ -145,8 +145,8 @@ fn excluded(fit: &LogFit) -> Markup {
         }
         @if !rejected.is_empty() {
             (Table {
-                caption: html! { "Samples left out, each axis by itself." },
-                heads: &["Axis", "Why", "Samples"],
+                caption: html! { "Rows left out, each axis by itself." },
+                heads: &["Axis", "Why", "Rows"],
                 rows: rejected,
                 numbers_from: 2,
             }.markup())

@@ -1,6 +1,7 @@
 //! The temperatures of axes, as a screen and a page tell them.
 
 use zerorate_cal::log_fit::AxisFit;
+use zerorate_cal::units::from_to;
 use zerorate_core::drift::ValidRange;
 
 /// What the axes were fitted to, each degree called `unit`; where they differ, each range with the axes that have it.
@@ -18,7 +19,7 @@ pub fn believed_temperatures(axes: &[&AxisFit], unit: &str) -> String {
 fn told(axes: &[&AxisFit], unit: &str, of: impl Fn(&AxisFit) -> ValidRange) -> String {
     let mut found: Vec<(String, Vec<&str>)> = Vec::new();
     for axis in axes {
-        let range = format!("{:.1} to {:.1} {unit}", of(axis).min(), of(axis).max());
+        let range = format!("{} {unit}", from_to(of(axis).min(), of(axis).max()));
         match found.iter_mut().find(|(known, _)| *known == range) {
             Some((_, names)) => names.push(&axis.name),
             None => found.push((range, vec![&axis.name])),

@@ -3,7 +3,7 @@
 use super::VerifiedAxis;
 use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::quality::{Judgement, Reason, ReasonKind};
-use zerorate_cal::units::{RateScale, RateUnit, TemperatureUnit, WrittenRate};
+use zerorate_cal::units::{RateScale, RateUnit, TemperatureUnit, WrittenRate, from_to};
 
 /// A larger share of the log outside what was measured is told. Two runs of one chamber's ramp end a few averages apart, and
 /// that is less.
@@ -27,8 +27,10 @@ pub(super) fn little_seen(axes: &[VerifiedAxis], unit: TemperatureUnit) -> Optio
     let least = axes.iter().filter(|axis| seen(axis) < MUCH).min_by(|a, b| seen(a).total_cmp(&seen(b)))?;
     let ([from, to], [min, max]) = (least.temperature, least.calibrated_temperature);
     Some(format!(
-        "the log has {:.0} % of the temperatures that were calibrated, {from:.1} to {to:.1} of {min:.1} to {max:.1} {}: what is told holds there alone",
+        "the log has {:.0} % of the temperatures that were calibrated, {} of {} {}: what is told holds there alone",
         100.0 * seen(least),
+        from_to(from, to),
+        from_to(min, max),
         unit.name()
     ))
 }
@@ -121,9 +123,10 @@ fn outside(axes: &[VerifiedAxis], unit: TemperatureUnit) -> impl Iterator<Item =
         let [min, max] = axis.calibrated_temperature;
         let there = if axis.goes_on { "goes on as it ends, for a little, and is then held" } else { "is held" };
         let text = format!(
-            "{}: {:.0} % of the averages are outside the {min:.1} to {max:.1} {} that were measured for the calibration: there the curve {there}",
+            "{}: {:.0} % of the averages are outside the {} {} that were measured for the calibration: there the curve {there}",
             names.join(", "),
             100.0 * axis.outside,
+            from_to(min, max),
             unit.name()
         );
         Reason::new(ReasonKind::OutsideRange, text)

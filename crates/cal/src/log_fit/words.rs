@@ -13,7 +13,7 @@ use crate::condition::{
 };
 use crate::log::Stream;
 use crate::quality::{Judgement, Reason, ReasonKind};
-use crate::units::{RateScale, TemperatureUnit};
+use crate::units::{RateScale, TemperatureUnit, decimal, from_to};
 
 /// A step of the temperature of this fraction of the least span is coarse.
 const COARSE: f64 = 0.02;
@@ -128,9 +128,10 @@ pub(super) fn of_hole(temperatures: impl Iterator<Item = f64>, unit: &str) -> Op
     let (hole, span) = widest_hole(temperatures.collect())?;
     let text = || {
         format!(
-            "nothing was measured between {:.1} and {:.1} {unit}: there the curve is a guess; add a log that \
+            "nothing was measured between {} and {} {unit}: there the curve is a guess; add a log that \
              goes through it",
-            hole.0, hole.1
+            decimal(hole.0, 1),
+            decimal(hole.1, 1)
         )
     };
     (hole.1 - hole.0 > 2.0 * BEYOND * span).then(|| Reason::new(ReasonKind::Unmeasured, text()))
@@ -173,7 +174,7 @@ pub(super) fn of_temperature(sensor: &Gathered) -> Vec<Reason> {
             (0..sensor.stream.names.len()).map(|axis| log.iter().map(rate(axis)).collect()).collect();
         for Frozen { groups, axis, share } in frozen(&temperatures, &rates) {
             let text = format!(
-                "the temperature stands still {} while {} goes on by {:.0} % of all that it does: its sensor, or the line to it, has \
+                "the temperature stands still {} while {} changes by {:.0} % of its whole range: its sensor, or the line to it, has \
                  stopped, or the rate drifts in time",
                 of_groups(sensor, &log[groups.start], &log[groups.end - 1]),
                 sensor.stream.names[axis],
@@ -247,9 +248,9 @@ fn of_excluded(interval: &Excluded, unit: TemperatureUnit) -> Option<Reason> {
                 (first, end) => (first + 1, end),
             };
             let text = format!(
-                "nothing was logged for {}, from {from:.0} s to {to:.0} s, between rows {before} and {after}, at {least:.1} to \
-                 {most:.1} {}: {}",
+                "nothing was logged for {}, from {from:.0} s to {to:.0} s, between rows {before} and {after}, at {} {}: {}",
                 lasting(to - from),
+                from_to(least, most),
                 unit.name(),
                 of_gap(to - from, most - least, unit)
             );
@@ -276,10 +277,11 @@ fn moved((from, to): (f64, f64)) -> &'static str {
 /// Where in a log something is. A log without a time column has rows alone.
 fn place(time_s: (f64, f64), rows: (u64, u64), (least, most): (f64, f64), unit: &str) -> String {
     let (first, last) = (rows.0 + 1, rows.1);
+    let temperatures = from_to(least, most);
     if time_s.0.is_finite() && time_s.1.is_finite() {
-        format!("from {:.0} s to {:.0} s (rows {first} to {last}, {least:.1} to {most:.1} {unit})", time_s.0, time_s.1)
+        format!("from {:.0} s to {:.0} s (rows {first} to {last}, {temperatures} {unit})", time_s.0, time_s.1)
     } else {
-        format!("in rows {first} to {last} ({least:.1} to {most:.1} {unit})")
+        format!("in rows {first} to {last} ({temperatures} {unit})")
     }
 }
 

@@ -90,6 +90,12 @@ impl RateScale {
     }
 }
 
+/// Where temperatures go from and to, in tenths.
+#[must_use]
+pub fn from_to(least: f64, most: f64) -> String {
+    format!("{} to {}", decimal(least, 1), decimal(most, 1))
+}
+
 /// A number with so many decimals; what is zero by then has no sign.
 #[must_use]
 pub fn decimal(number: f64, decimals: usize) -> String {

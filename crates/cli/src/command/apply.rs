@@ -13,6 +13,7 @@ use zerorate_bench::whole_file::WholeFile;
 use zerorate_cal::calibration::{Calibration, Kind};
 use zerorate_cal::log::{SensorChoice, autopilot_format};
 use zerorate_cal::source::Source;
+use zerorate_cal::units::from_to;
 use zerorate_fit::predict::Start;
 
 use self::table::Found;
@@ -207,33 +208,37 @@ impl Apply {
     fn page(&self, told: &Told, unit: &str) -> Page {
         let Told { columns, applied, calibrated_temperature: [min, max], measured_temperature, notes } = told;
         let mut page = Page::default();
-        let (rows, columns) = (thousands(applied.rows), columns.join(", "));
-        page.sentence("", &format!("Wrote {}: {rows} rows, {columns} corrected.", self.out.display()));
-        // Where the curve is believed no further than it was measured, one sentence says both.
-        if applied.unmeasured > applied.outside {
-            let (rows, [coldest, hottest]) = (thousands(applied.unmeasured), measured_temperature);
+        let rows = |count: u64| format!("{} {}", thousands(count), if count == 1 { "row" } else { "rows" });
+        let rows_are = |count: u64| format!("{} {}", rows(count), if count == 1 { "is" } else { "are" });
+        let (written, columns) = (rows(applied.rows), columns.join(", "));
+        page.sentence("", &format!("Wrote {}: {written}, {columns} corrected.", self.out.display()));
+        let believed = from_to(*min, *max);
+        let goes_on = applied.unmeasured - applied.outside;
+        if goes_on > 0 {
+            let (rows, [coldest, hottest]) = (rows_are(goes_on), measured_temperature);
+            let measured = from_to(*coldest, *hottest);
             let text = format!(
-                "{rows} rows are outside {coldest:.1} to {hottest:.1} {unit}, the coldest and the warmest average that was fitted: there the curve goes on as it ends"
+                "{rows} outside {measured} {unit}, the coldest and the warmest average that was fitted, and within {believed} {unit}: there the curve goes on as it ends"
             );
             page.sentence("  - ", &text);
         }
         if applied.outside > 0 {
-            let rows = thousands(applied.outside);
+            let rows = rows_are(applied.outside);
             let text = format!(
-                "{rows} rows are outside {min:.1} to {max:.1} {unit}, over which the curve is believed: there it was held at its end"
+                "{rows} outside {believed} {unit}, over which the curve is believed: there it was held at its end"
             );
             page.sentence("  - ", &text);
         }
         if applied.uncertain > 0 {
-            let rows = thousands(applied.uncertain);
+            let rows = rows_are(applied.uncertain);
             let text = format!(
-                "{rows} rows come before enough of the temperature's history was seen: there the prediction is uncertain by up to the hysteresis"
+                "{rows} from before enough of the temperature's history was seen: there the prediction is uncertain by up to the hysteresis"
             );
             page.sentence("  - ", &text);
         }
         if applied.without_temperature > 0 {
-            let rows = thousands(applied.without_temperature);
-            page.sentence("  - ", &format!("{rows} rows have no temperature: they were kept, without a correction"));
+            let rows = rows_are(applied.without_temperature);
+            page.sentence("  - ", &format!("{rows} without a temperature: kept, without a correction"));
         }
         if let Some(line) = applied.cut_line {
             let text = format!("the file ends without a line feed: line {line} may be cut, and was left out");

@@ -83,7 +83,7 @@ pub struct Calibrate {
     #[arg(long, value_name = "INSTRUMENT")]
     chamber: Option<Instrument>,
 
-    /// The fine supply and the voltmeter: manual, scpi:HOST:PORT or scpi:PATH; without it as the chamber is without. Of several
+    /// The fine supply and the voltmeter: manual, scpi:HOST:PORT or scpi:PATH; without it simulated with a simulated board, manual with a real one. Of several
     /// boards one for each, in their order, or one that is wired to all and used by one after the other
     #[arg(long = "supply", value_name = "INSTRUMENT")]
     supplies: Vec<Instrument>,
@@ -146,7 +146,7 @@ Examples:
   zerorate setup > bench.toml; zerorate calibrate --setup bench.toml
       the limits that a unit must pass are in the set-up
   zerorate calibrate --device serial:/dev/ttyUSB0 --chamber manual --supply manual --setup bench.toml
-      a real board; soaks_c = [] in the set-up leaves out the soaks, which take most of it
+      a real board; soaks_c = [] in the set-up leaves out the soaks, which take 13 of the 28 hours
   zerorate setup --controller watlow-f4t > night.toml
   zerorate calibrate --device serial:/dev/ttyUSB0 --chamber modbus-tcp:10.0.0.7:502 --supply scpi:10.0.0.8:5025 \\
       --setup night.toml --dry-run
@@ -224,7 +224,7 @@ impl Calibrate {
         let others = self.chamber.iter().chain(&self.supplies).any(|own| *own != Instrument::Simulated);
         ensure!(
             !others,
-            "without --device the board is simulated, and its chamber and supply are: name the board by --device, or leave --chamber and --supply out"
+            "the board is simulated, and so are its chamber and supply: name a real board by --device, or leave --chamber and --supply out"
         );
         if self.dry_run {
             dry_run::print(&setup, &[], self.json)?;
@@ -234,7 +234,7 @@ impl Calibrate {
         let mut bench = self.bench(device, kind, &setup, &unit)?;
         let live = self.looking_on(&setup, &unit)?;
         let run = Run { setup: &setup, out: &self.out, live, keep: Keep::Nothing };
-        self.end_with(&self.carry_out(&mut bench, run, unit, Bar::new(&setup))?)
+        self.end_with(&self.carry_out(&mut bench, run, unit, Bar::new(&setup))?, &setup)
     }
 
     /// A real board, and a person or instruments about it.
@@ -266,7 +266,7 @@ impl Calibrate {
         instruments.found.iter().for_each(|found| bar.note(found));
         let mut bench = instruments.bench(device, || AtTerminal::new(bar.bar.clone()))?;
         let run = Run { setup, out: &self.out, live: self.looking_on(setup, &unit)?, keep: self.keep() };
-        self.end_with(&self.carry_out(&mut bench, run, unit, bar)?)
+        self.end_with(&self.carry_out(&mut bench, run, unit, bar)?, setup)
     }
 
     fn keep(&self) -> Keep {
@@ -311,8 +311,8 @@ impl Calibrate {
     }
 
     /// The result is said; who does not hear it to its end has it in the folder.
-    fn end_with(&self, summary: &Summary) -> Result<End> {
-        let said = if self.json { screen::print_json(summary) } else { page::page(summary, &self.out).print() };
+    fn end_with(&self, summary: &Summary, setup: &SetUp) -> Result<End> {
+        let said = if self.json { screen::print_json(summary) } else { page::page(summary, &self.out, setup).print() };
         unless_gone(said)?;
         Ok(End::Carried(summary.verdict))
     }

@@ -13,7 +13,7 @@ use zerorate_cal::quality::{Reason, ReasonKind};
 use zerorate_cal::recording::Recording;
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
-use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::{RateUnit, decimal, from_to};
 use zerorate_characterise::{
     AxisNoise, Characteristics, NoiseOf, coarse, doubtful, filtered, is_of_a_soak, left_out, missing, noise, trended,
 };
@@ -26,8 +26,8 @@ use crate::screen::{self, Grid, Page, three_digits};
 
 /// Tell a sensor's noise, hysteresis and sensitivities from a log
 ///
-/// The noise is told by the overlapping Allan deviation, sample by sample (of more than 131 072 rows of pairs, or of pairs of
-/// pairs) and without spikes, of the longest soak in the log (constant temperature), or with a calibration of what that leaves
+/// The noise is told by the overlapping Allan deviation, sample by sample (a log of more than 131 072 rows is first averaged by
+/// twos, fours and so on) and without spikes, of the longest soak in the log (constant temperature), or with a calibration of what that leaves
 /// of the whole log; on a ramp it is refused, for there it would show the drift. Hysteresis and sensitivities are told where the log holds both directions and several speeds of the
 /// temperature. Names are those of IEEE Std 952 and 528.
 #[derive(Debug, Args)]
@@ -119,12 +119,9 @@ impl Characterise {
         } else {
             let mut page = Page::default();
             page.sentence("", &format!("{}:", self.log.display()));
-            noise_page(&mut page, &noises);
-            sensitivity_page(
-                &mut page,
-                &sensitivities,
-                fit.axes.first().map_or("C", |axis| axis.temperature_unit.name()),
-            );
+            let degree = fit.axes.first().map_or("C", |axis| axis.temperature_unit.name());
+            noise_page(&mut page, &noises, degree);
+            sensitivity_page(&mut page, &sensitivities, degree);
             if !reasons.is_empty() {
                 page.heading(if sensitivities.is_empty() { "Sensitivities" } else { "To look at in the log" });
                 let is_soak = |reason: &Reason| reason.kind == ReasonKind::NarrowSpan && !fit.axes.is_empty();
@@ -170,7 +167,7 @@ impl Usual {
     }
 }
 
-fn noise_page(page: &mut Page, noises: &[AxisNoise]) {
+fn noise_page(page: &mut Page, noises: &[AxisNoise], degree: &str) {
     let heading = match noises.first().map(|axis| axis.of) {
         Some(NoiseOf::Residual) => "Noise of what the calibration leaves",
         _ => "Noise of the longest soak",
@@ -200,8 +197,9 @@ fn noise_page(page: &mut Page, noises: &[AxisNoise]) {
             page.sentence(
                 "  ",
                 &format!(
-                    "From {from:.0} to {to:.0} s, {min:.1} to {max:.1}. In brackets the 95 % confidence; < where other noise \
-                     or a trend hides it."
+                    "From {from:.0} to {to:.0} s, {} {degree}. In brackets the 95 % confidence; < where other noise \
+                     or a trend hides it.",
+                    from_to(min, max)
                 ),
             );
         }
@@ -251,13 +249,22 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
         grid.row([
             axis.name.clone(),
             format!("{:.2e}{}", slope.mean, or_unknown(slope.mean_standard_error)),
-            format!("{:.2e}{} at {:.0}", slope.steepest, or_unknown(slope.steepest_standard_error), slope.steepest_at),
+            format!(
+                "{:.2e}{} at {}",
+                slope.steepest,
+                or_unknown(slope.steepest_standard_error),
+                decimal(slope.steepest_at, 0)
+            ),
             found.hysteresis.as_ref().map_or("-".to_owned(), |found| {
                 let share = Some(found.share).filter(|share| share.is_finite());
                 let share = share.map(|share| format!(" ({:.0} %)", 100.0 * share)).unwrap_or_default();
                 format!(
-                    "{:.2e} +- {:.0e}; {:.2e} +- {:.0e} at {:.0}{share}",
-                    found.mean, found.mean_standard_error, found.largest, found.standard_error, found.at
+                    "{:.2e} +- {:.0e}; {:.2e} +- {:.0e} at {}{share}",
+                    found.mean,
+                    found.mean_standard_error,
+                    found.largest,
+                    found.standard_error,
+                    decimal(found.at, 0)
                 )
             }),
             ramp.map_or("-".to_owned(), |found| format!("{:.1e} +- {:.1e}", found.value, found.standard_error)),

@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use zerorate_cal::calibration::Calibration;
+use zerorate_cal::units::from_to;
 use zerorate_export::{ExportOptions, Exported, ExportedAxis, ExportedSensor, Format, export};
 
 use super::Outcome;
@@ -103,9 +104,8 @@ impl Export {
         page.sentence("", &format!("Wrote {out}, for {}.", self.format));
         for sensor in &exported.sensors {
             page.heading(&format!(
-                "{sensor}, {:.1} to {:.1} C: what a cubic leaves of {}, {} rms",
-                sensor.range[0],
-                sensor.range[1],
+                "{sensor}, {} C: what a cubic leaves of {}, {} rms",
+                from_to(sensor.range[0], sensor.range[1]),
                 of_what(sensor),
                 sensor.told.unit()
             ));
@@ -119,10 +119,15 @@ impl Export {
                  c holds the whole curve and its history.",
             );
         }
-        page.heading("What to do");
         // The losses stand in the table.
         let is_loss = |note: &&String| exported.sensors.iter().any(|sensor| note.starts_with(&sensor.to_string()));
-        exported.notes.iter().filter(|note| !is_loss(note)).for_each(|note| page.sentence("  - ", note));
+        let notes: Vec<&String> = exported.notes.iter().filter(|note| !is_loss(note)).collect();
+        if !notes.is_empty() {
+            // Parameters are to be set: what is then to be done stands among them.
+            let are_set = matches!(self.format, Format::Px4 | Format::ArduPilot | Format::MethodicConfigurator);
+            page.heading(if are_set { "What to do" } else { "What to know" });
+            notes.iter().for_each(|note| page.sentence("  - ", note));
+        }
         page
     }
 }

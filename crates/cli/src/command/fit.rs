@@ -208,7 +208,15 @@ impl Fit {
                 "To get its curves as a table",
                 format!("zerorate export {} --format csv --out curves.csv", output::argument(out)),
             ),
-            None => ("To correct a log by it", apply_command(out, &self.log.files[0])),
+            None => (
+                "To correct a log by it",
+                format!(
+                    "zerorate apply {} {}{} --out corrected.csv",
+                    output::argument(out),
+                    output::argument(&self.log.files[0]),
+                    self.log.typed_columns()
+                ),
+            ),
         }
     }
 
@@ -272,8 +280,4 @@ fn label(text: &str) -> std::result::Result<(String, String), String> {
 struct Places {
     out: Option<PathBuf>,
     report: Option<PathBuf>,
-}
-
-fn apply_command(calibration: &Path, log: &Path) -> String {
-    format!("zerorate apply {} {} --out corrected.csv", output::argument(calibration), output::argument(log))
 }

@@ -43,7 +43,8 @@ pub struct Info {
 const EXAMPLES: &str = "\
 Examples:
   zerorate info calibration/*
-  zerorate info calibration/full-temperature.arrows     how much of a cut recording is there
+  zerorate info calibration/in-progress/full-temperature.arrows
+                                                        how much of a cut recording is there
   zerorate info log.csv                                 what fit would take its columns for
   zerorate info flight.ulg                              the sensors in it, how warm, how long
   zerorate info calibration/device-record.bin --json";

@@ -8,7 +8,7 @@ use serde::Serialize;
 use zerorate_cal::board_run::{BoardRun, CALIBRATION, CERTIFICATE, FILES, REPORT};
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, sha256};
 use zerorate_cal::log::{Sensor, SensorChoice};
-use zerorate_cal::log_fit::{FitOptions, LogFit};
+use zerorate_cal::log_fit::{FitOptions, GROUP_SECONDS, LogFit, are_alike};
 use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
 use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
@@ -35,7 +35,8 @@ pub struct Report {
     #[arg(value_name = "CALIBRATION")]
     calibration: PathBuf,
 
-    /// The log it was made from; without this it is looked for beside the calibration
+    /// The log it was made from, of several the first; without this it is looked for beside the calibration. The others are
+    /// looked for beside that one
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
 
@@ -118,7 +119,11 @@ impl Report {
         let busy = Busy::reading(log);
         let sources: Vec<Source> = logs.iter().map(Source::from).collect();
         let told_in = self.shown.asked().or(calibration.told_in);
-        let fit = fitted(&sources, &FitOptions { told_in, ..self.options(&calibration) })?;
+        let options = FitOptions { told_in, ..self.options(&calibration) };
+        let mut fit = fitted(&sources, &options)?;
+        if let Some(then) = averaged_otherwise(&fit, &calibration) {
+            fit = fitted(&sources, &FitOptions { group_s: Some(then), ..options })?;
+        }
         drop(busy);
         in_the_same_units(log, &fit, &calibration)?;
         self.force.text("--out", &out, &calibration.sources, None)?;
@@ -185,8 +190,13 @@ impl Report {
             bail!("{}: the calibration names no log that it was made from", path.display());
         };
         let place = self.log.clone().unwrap_or_else(|| path.with_file_name(&first.file));
-        let others = others.iter().map(|source| (place.with_file_name(&source.file), source));
-        std::iter::once((place.clone(), first)).chain(others).map(|(log, source)| same_log(path, log, source)).collect()
+        let advice = "--log says where it is";
+        let mut logs = vec![same_log(path, place.clone(), first, advice)?];
+        for other in others {
+            let advice = format!("put it beside {}", place.display());
+            logs.push(same_log(path, place.with_file_name(&other.file), other, &advice)?);
+        }
+        Ok(logs)
     }
 
     /// The options by which the calibration comes out again.
@@ -238,6 +248,12 @@ fn in_the_same_units(log: &Path, fit: &LogFit, calibration: &Calibration) -> Res
     Ok(())
 }
 
+/// The seconds in an average of the calibration, where this fit has others: then they were asked for.
+fn averaged_otherwise(fit: &LogFit, calibration: &Calibration) -> Option<f64> {
+    let (now, then) = fit.averaged_over_s().zip(calibration.averaged_over_s)?;
+    Some(then).filter(|then| !are_alike(now, *then) && GROUP_SECONDS.contains(then))
+}
+
 /// Whether the calibration is that of a board's run, trim experiment and all, and not of a log or one recording.
 fn went_through_a_run(calibration: &Calibration) -> bool {
     calibration.axes.values().any(|axis| axis.trim.as_ref().is_some_and(|trim| trim.paired.is_some()))
@@ -252,14 +268,13 @@ fn choice(sensors: &[Sensor]) -> Option<SensorChoice> {
     sensors.iter().all(|sensor| sensor.kind == first.kind).then_some(SensorChoice::Kind(first.kind))
 }
 
-/// A log, if it is the same to the byte.
-fn same_log(path: &Path, log: PathBuf, origin: &Origin) -> Result<PathBuf> {
-    let sha256 = sha256(&(&log).into()).with_context(|| {
-        format!("{}: cannot be read (the log {} is needed; --log says where it is)", log.display(), origin.file)
-    })?;
+/// A log, if it is the same to the byte; `advice` says what to do where there is none.
+fn same_log(path: &Path, log: PathBuf, origin: &Origin, advice: &str) -> Result<PathBuf> {
+    let sha256 = sha256(&(&log).into())
+        .with_context(|| format!("{}: cannot be read (the log {} is needed; {advice})", log.display(), origin.file))?;
     ensure!(
         sha256 == origin.sha256,
-        "{}: not the log that {} was made from (its SHA-256 is another): give that with --log, or fit this one",
+        "{}: not the log that {} was made from (its SHA-256 is another): {advice}, or fit this one",
         log.display(),
         path.display()
     );

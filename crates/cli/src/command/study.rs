@@ -9,6 +9,7 @@ use serde::Serialize;
 use zerorate_bench::board::Mode;
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::study::{self, Quantiles, UnitRejected, UnitResult};
+use zerorate_report::number::counted;
 
 use super::Outcome;
 use crate::plant::Plant;
@@ -111,7 +112,9 @@ fn page(
     page.sentence(
         "",
         &format!(
-            "{within_limits} of {units} units meet the limits of the set-up on the X axis, which alone is tested."
+            "{within_limits} of {} {} the limits of the set-up on the X axis, which alone is tested.",
+            counted(units, "unit"),
+            if within_limits == 1 { "meets" } else { "meet" }
         ),
     );
     page.gap();

@@ -84,7 +84,7 @@ Examples:
       a table, by the calibration of an autopilot's log that has several gyros
 
 Exit codes: 0 within the limits, or none were given (then \"worse\" is a warning); 1 a limit is missed, or an axis is not
-there; 2 error.";
+there or has lost most of its rates; 2 error.";
 
 /// What was found, as JSON has it.
 #[derive(Serialize)]
@@ -142,7 +142,8 @@ impl Verify {
         };
         let logs = calibration.sources.iter().map(place).chain([self.log.clone()]);
         let logs: Vec<String> = logs.map(|log| output::argument(&log)).collect();
-        Some(format!("zerorate fit {} --out both.calibration.json --report both.report.html", logs.join(" ")))
+        let (logs, columns) = (logs.join(" "), self.columns.typed());
+        Some(format!("zerorate fit {logs}{columns} --out both.calibration.json --report both.report.html"))
     }
 
     fn limits(&self) -> Result<Limits> {

@@ -145,7 +145,7 @@ fn rows_without_a_temperature_are_kept_and_counted() {
     let folder = calibrated(&Log::cycle());
     fs::write(folder.path().join("flight.csv"), "temperature_c,x_rad_s,y_rad_s\n,1,2\n20,1,2\n90,1,2\n").unwrap();
     let ran = apply(folder.path(), "flight.csv");
-    ran.says(&["1 rows have no temperature", "1 rows are outside -28.2 to 84.2 C, over which the curve is believed"]);
+    ran.says(&["1 row is without a temperature", "1 row is outside -28.2 to 84.2 C, over which the curve is believed"]);
     assert!(fs::read_to_string(folder.path().join("out.csv")).unwrap().contains("\n,1,2,,,,\n"));
 }
 
@@ -239,8 +239,10 @@ fn rows_outside_of_what_was_measured_are_told_whether_the_curve_is_believed_ther
     )
     .unwrap();
     let ran = apply(folder.path(), "hot.csv");
-    ran.says(&["3 rows are outside -17.0 to 73.0 C, the coldest and the warmest average that was fitted: there the curve goes on as it ends"]);
-    ran.says(&["1 rows are outside -28.", "over which the curve is believed: there it was held at its end"]);
+    ran.says(&[
+        "2 rows are outside -17.0 to 73.0 C, the coldest and the warmest average that was fitted, and within -28.",
+    ]);
+    ran.says(&["1 row is outside -28.", "over which the curve is believed: there it was held at its end"]);
 }
 
 #[test]

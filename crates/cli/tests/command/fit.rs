@@ -157,6 +157,17 @@ fn what_was_asked_for_is_written_and_named() {
         "Wrote report.html and calibration.json.",
         "zerorate apply calibration.json 'my log.csv' --out corrected.csv",
     ]);
+    // The next command reads the log as it was read.
+    let unnamed = Log::cycle().csv().replace("temperature_c", "die");
+    fs::write(folder.path().join("unnamed.csv"), unnamed).unwrap();
+    let ran = zerorate(
+        folder.path(),
+        &["fit", "unnamed.csv", "--temperature", "die", "--temperature-unit", "C", "--out", "own.json"],
+    );
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let next = "zerorate apply own.json unnamed.csv --temperature die --temperature-unit celsius --out corrected.csv";
+    ran.says(&[next]);
+    assert_eq!(zerorate(folder.path(), &next.split(' ').skip(1).collect::<Vec<_>>()).code, 0);
     let calibration: serde_json::Value =
         serde_json::from_slice(&fs::read(folder.path().join("calibration.json")).unwrap()).unwrap();
     schema::hold("calibration.json", &calibration);

@@ -54,6 +54,18 @@ fn calibrations_of_a_log_and_of_a_board_are_told() {
 }
 
 #[test]
+fn gyros_and_accelerometers_are_told_in_units_of_their_own() {
+    let folder = folder_with("flight.ulg", Log::cycle().ulg_of_topics(&[("sensor_gyro", 3), ("sensor_accel", 5)]));
+    assert_eq!(zerorate(folder.path(), &["fit", "flight.ulg", "--out", "flight.json"]).code, 0);
+    let ran = zerorate(folder.path(), &["info", "flight.json"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let (of_accelerometers, of_gyros) = ran.out.split_once("mrad/s").unwrap();
+    assert!(of_accelerometers.contains("mm/s^2") && of_accelerometers.contains("accel0.x"), "{}", ran.out);
+    assert!(!of_accelerometers.contains("gyro0.x"), "{}", ran.out);
+    assert!(of_gyros.contains("gyro0.x") && !of_gyros.contains("accel0"), "{}", ran.out);
+}
+
+#[test]
 fn a_device_record_is_told_and_a_damaged_one_refused() {
     let record = bench::device_record();
     let folder = folder_with("device-record.bin", &record);

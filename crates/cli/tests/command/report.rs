@@ -7,7 +7,7 @@ use crate::{bench, folder_with, zerorate};
 
 #[test]
 fn the_report_made_again_is_the_one_that_fit_made() {
-    for options in [&[][..], &["--plain", "--model", "poly:3"], &["--model", "table:6"]] {
+    for options in [&[][..], &["--plain", "--model", "poly:3"], &["--model", "table:6"], &["--group-seconds", "40"]] {
         let folder = folder_with("log.csv", Log::cycle().csv());
         let fit = ["fit", "log.csv", "--out", "calibration.json"];
         assert_eq!(zerorate(folder.path(), &[&fit, options].concat()).code, 0);
@@ -34,6 +34,18 @@ fn another_log_than_the_calibrations_own_is_refused() {
     zerorate(folder.path(), &["report", "calibration.json"])
         .is_error(&["log.csv: cannot be read", "--log says where it is"]);
     assert_eq!(fs::read_to_string(folder.path().join("report.html")).unwrap(), "earlier");
+}
+
+#[test]
+fn of_several_logs_the_others_are_looked_for_beside_the_first() {
+    let folder = folder_with("one.csv", Log::cycle().csv());
+    fs::write(folder.path().join("two.csv"), Log::cycle_of_run(2).csv()).unwrap();
+    let fit = ["fit", "one.csv", "two.csv", "--out", "calibration.json"];
+    assert_eq!(zerorate(folder.path(), &fit).code, 0);
+    assert_eq!(zerorate(folder.path(), &["report", "."]).code, 0);
+    fs::remove_file(folder.path().join("two.csv")).unwrap();
+    zerorate(folder.path(), &["report", ".", "--log", "one.csv"])
+        .is_error(&["two.csv: cannot be read", "put it beside one.csv"]);
 }
 
 #[test]

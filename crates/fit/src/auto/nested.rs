@@ -212,7 +212,8 @@ impl Outer {
     /// How it stands among the others, `best` the one that predicts the recording best.
     pub(super) fn candidate(&self, model: String, in_sample: f64, series: &Series<'_>, best: &Self) -> Candidate {
         let (own, least) = (self.figures(), best.figures().in_recording);
-        let excess: Vec<f64> = self.squares(series).iter().zip(best.squares(series)).map(|(own, best)| own - best).collect();
+        let excess: Vec<f64> =
+            self.squares(series).iter().zip(best.squares(series)).map(|(own, best)| own - best).collect();
         // a - b = (a^2 - b^2) / (a + b)
         let error = standard_error(&excess) / (own.in_recording.zip(least).map_or(f64::NAN, |(a, b)| a + b));
         let directions = directions(series.temperature);

@@ -23,7 +23,7 @@ pub(super) fn chapter(board: &Board) -> Markup {
         p { "Zero-rate output " i { "V" } " in counts, as a function of the temperature reading " i { "T" } " in counts." }
         @for axis in &board.axes { (equation(axis)) }
         (what_fits(board))
-        div.pair { @for axis in &board.axes { (candidates::table(axis.name, &axis.calibration.fit.statistics.candidates, in_counts())) } }
+        div.pair { @for axis in &board.axes { (candidates::table(axis.name, &axis.calibration.fit.statistics, in_counts())) } }
     }
 }
 

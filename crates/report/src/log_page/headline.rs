@@ -70,15 +70,15 @@ impl LogPage<'_> {
                     "Of a whole log like this one, its zero taken in the " (fit.zero_taken_in()) ": held out. The log’s own "
                     "drift in time, which no device knows, is left in it. "
                     @if !fit.steps.is_empty() { "The steps told below are taken out of it. " }
-                    "Before is the same without a model. "
-                } @else { "Before is about its own mean. " }
+                    "Uncorrected is the same without a model. "
+                } @else { "Uncorrected is about its own mean. " }
                 "± is one standard error, by how much the eight folds of the log differ"
                 @if is_deployed(fit) { " and by the noise of the zero" } "."
                 @if axes.iter().any(|axis| axis.calibration.fit.misses_its_own_branch()) {
                     " " (A_FOLD_MISSES_ITS_BRANCH) "."
                 }
             },
-            heads: &["Axis", left_rms, "Times smaller, by rms", left_pp, "Before, rms", "Before, pp", "Model", "Samples"],
+            heads: &["Axis", left_rms, "Times smaller, by rms", left_pp, "Uncorrected, rms", "Uncorrected, pp", "Model", "Rows used"],
             rows: axes.iter().map(row).collect(),
             numbers_from: 1,
         }

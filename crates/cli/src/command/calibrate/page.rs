@@ -4,6 +4,7 @@ use std::path::Path;
 
 use console::Style;
 use zerorate_bench::board::Axis;
+use zerorate_bench::setup::SetUp;
 use zerorate_cal::board_run::{CALIBRATION, CERTIFICATE, REPORT};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::summary::Summary;
@@ -11,7 +12,7 @@ use zerorate_cal::summary::Summary;
 use crate::screen::{self, Grid, Page};
 
 /// The page: the verdict, the drift, the trim, the tests, where to look.
-pub fn page(summary: &Summary, out: &Path) -> Page {
+pub fn page(summary: &Summary, out: &Path, setup: &SetUp) -> Page {
     let mut page = Page::default();
     headline(&mut page, summary);
 
@@ -24,7 +25,7 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
             axis.model.clone(),
             format!("{:.1}", axis.drift_pp_counts),
             format!("{:.2}", axis.fit_rms_counts),
-            format!("{:.2}", axis.held_out_rms_counts.unwrap_or(f64::NAN)),
+            axis.held_out_rms_counts.map_or_else(|| "-".into(), |rms| format!("{rms:.2}")),
         ]);
     }
     page.grid(&grid);
@@ -84,14 +85,22 @@ pub fn page(summary: &Summary, out: &Path) -> Page {
     ]);
     if summary.plant.is_none() {
         page.gap();
-        page.sentence("", stored(summary.verdict));
+        page.sentence("", stored(summary.verdict, setup.trim.works_alone));
     }
     page
 }
 
-/// What the board does with its calibration from now on.
-const fn stored(verdict: Verdict) -> &'static str {
+/// What the board does with its calibration from now on; where it does not work `alone`, a host has it start.
+const fn stored(verdict: Verdict, alone: bool) -> &'static str {
     match verdict {
+        Verdict::Rejected if !alone => {
+            "The unit is rejected, and yet its calibration is stored on the board, which was tested with it and waits in mode off: do not \
+             have it start. `zerorate device deploy` puts another calibration in its place."
+        }
+        Verdict::Good | Verdict::Warning if !alone => {
+            "The calibration is stored on the board, which waits in mode off (works_alone = false in the set-up): `zerorate device mode` \
+             has an axis start."
+        }
         Verdict::Rejected => {
             "The unit is rejected, and yet its calibration is stored on the board, which was tested with it: from its next power-up on it \
              compensates. Do not use the unit as it is; `zerorate device deploy` puts another calibration in its place."

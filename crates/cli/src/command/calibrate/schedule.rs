@@ -18,7 +18,11 @@ pub fn of(plan: &Plan) -> Vec<String> {
 /// The whole plan in a line.
 pub fn head(plan: &Plan) -> String {
     let (all, left) = (plan.parts.len(), plan.left_from(0));
-    let steps = if left == all { format!("{all} steps") } else { format!("{left} of {all} steps are left") };
+    let steps = if left == all {
+        format!("{all} steps")
+    } else {
+        format!("{left} of {all} steps {} left", if left == 1 { "is" } else { "are" })
+    };
     clock::plan(&steps, plan.time_from(0).0)
 }
 

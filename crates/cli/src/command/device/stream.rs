@@ -66,7 +66,8 @@ impl Stream {
             shown += 1;
         }
         if line.damaged() > 0 {
-            screen::note(&format!("{} damaged frames", line.damaged()));
+            let damaged = line.damaged();
+            screen::note(&format!("{damaged} damaged {}", if damaged == 1 { "frame" } else { "frames" }));
         }
         Ok(Outcome::Done)
     }
@@ -74,7 +75,8 @@ impl Stream {
     fn show(&self, scan: &HeardScan, json: bool) -> Result<()> {
         let shown = Shown::of(scan, self.scan_period_us);
         if scan.missed > 0 {
-            screen::note(&format!("{} scans before scan {} did not arrive", scan.missed, shown.scan));
+            let scans = if scan.missed == 1 { "scan" } else { "scans" };
+            screen::note(&format!("{} {scans} before scan {} did not arrive", scan.missed, shown.scan));
         }
         if json {
             return screen::print(&(serde_json::to_string(&shown)? + "\n"));

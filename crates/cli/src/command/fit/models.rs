@@ -2,7 +2,7 @@
 
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::units::{RateScale, WrittenRate};
-use zerorate_fit::drift_fit::{Candidate, HOW_AUTO_CHOOSES, HeldOut};
+use zerorate_fit::drift_fit::{Candidate, HeldOut};
 
 use crate::screen::{Grid, Page, aligned};
 
@@ -51,14 +51,15 @@ pub fn explain(page: &mut Page, fit: &LogFit, asked: Option<WrittenRate>) {
         fill(&mut grid, candidates.iter().map(row).collect(), scale);
         page.grid(&grid);
     }
+    let taken = fit.axes.iter().find_map(|axis| axis.calibration.fit.statistics.how_it_was_chosen());
+    let taken = taken.map(|how| format!(" Taken (*) is {how}.")).unwrap_or_default();
     page.gap();
     page.sentence(
         "  ",
         &format!(
             "Held out: each fold of the log, predicted by a fit of the others; ± to the best: one standard error of how \
              far that is from the best one's. Zeroed: the same without drift in time, less \
-             the mean of each fold's {}. Cold and hot end: the coldest and the hottest groups held out, as many as a fold. Taken (*) is \
-             {HOW_AUTO_CHOOSES}.",
+             the mean of each fold's {}. Cold and hot end: the coldest and the hottest groups held out, as many as a fold.{taken}",
             fit.zero_taken_in()
         ),
     );

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use serde::Serialize;
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin};
-use zerorate_cal::units::{RateScale, RateUnit};
+use zerorate_cal::units::{RateScale, RateUnit, from_to};
 use zerorate_fit::drift_fit::ResidualOver;
 
 use crate::screen::{Grid, Page, aligned, three_digits};
@@ -22,9 +22,9 @@ pub struct Facts {
     temperature_unit: &'static str,
     axes: Vec<Axis>,
     warnings: Vec<String>,
-    /// The unit for the axes' rates.
+    /// How the rates of each unit are shown: of a log with gyros and accelerometers two.
     #[serde(skip)]
-    scale: Option<RateScale>,
+    scales: Vec<(RateUnit, RateScale)>,
 }
 
 #[derive(Debug, Serialize)]
@@ -53,9 +53,14 @@ struct Trim {
 impl Facts {
     pub fn read(file: &Path) -> Result<Self> {
         let calibration = Calibration::read(&file.into())?;
-        let scale = calibration.axes.values().next().map(|first| calibration.scale(first.rate_unit));
+        let mut scales: Vec<(RateUnit, RateScale)> = Vec::new();
+        for unit in calibration.axes.values().map(|axis| axis.rate_unit) {
+            if scales.iter().all(|(known, _)| *known != unit) {
+                scales.push((unit, calibration.scale(unit)));
+            }
+        }
         Ok(Self {
-            scale,
+            scales,
             calibrated: calibration.kind,
             unit_serial: calibration.unit_serial,
             created_by: calibration.created_by,
@@ -79,7 +84,7 @@ impl Facts {
             let recorded = source.started.as_ref().map(|started| format!(", recorded {started}")).unwrap_or_default();
             page.facts(&[("from   ", format!("{} ({}{recorded}, SHA-256 {hash}...)", source.file, source.content))]);
         }
-        self.show_axes(page);
+        self.scales.iter().for_each(|(unit, scale)| self.show_axes(*unit, *scale, page));
         for axis in &self.axes {
             if let Some(trim) = &axis.trim {
                 trim.show(&axis.name, page);
@@ -94,8 +99,9 @@ impl Facts {
         }
     }
 
-    fn show_axes(&self, page: &mut Page) {
-        let Some(scale) = self.scale else { return };
+    /// The axes of one unit.
+    fn show_axes(&self, unit: RateUnit, scale: RateScale, page: &mut Page) {
+        let axes: Vec<&Axis> = self.axes.iter().filter(|axis| axis.rate_unit == unit).collect();
         page.gap();
         let mut grid = Grid::new("llrrrr");
         grid.head(["", "", "calibrated", "curve", "in-sample", "held out"]);
@@ -108,15 +114,14 @@ impl Facts {
             &format!("rms, {unit}"),
             &format!("rms, {unit}"),
         ]);
-        let column = |of: &dyn Fn(&Axis) -> f64| {
-            aligned(&self.axes.iter().map(|axis| scale.of_rate(of(axis))).collect::<Vec<_>>())
-        };
+        let column =
+            |of: &dyn Fn(&Axis) -> f64| aligned(&axes.iter().map(|axis| scale.of_rate(of(axis))).collect::<Vec<_>>());
         let drift = column(&|axis| axis.drift_pp);
         let in_sample = column(&|axis| axis.in_sample_rms.unwrap_or(f64::NAN));
         let held_out = column(&|axis| axis.held_out_rms.unwrap_or(f64::NAN));
-        for (place, axis) in self.axes.iter().enumerate() {
+        for (place, axis) in axes.iter().enumerate() {
             let [min, max] = axis.temperature;
-            let range = format!("{min:.1} to {max:.1}");
+            let range = from_to(min, max);
             grid.row([&axis.name, &axis.model, &range, &drift[place], &in_sample[place], &held_out[place]]);
         }
         page.grid(&grid);

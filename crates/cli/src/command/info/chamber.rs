@@ -4,6 +4,8 @@ use chrono::SecondsFormat;
 use serde::Serialize;
 use zerorate_bench::profile::Profile;
 use zerorate_cal::recording::ChamberRecording;
+use zerorate_cal::units::from_to;
+use zerorate_report::number::counted;
 
 use super::recording::{duration, range};
 use crate::screen::{Page, thousands};
@@ -55,10 +57,10 @@ impl Facts {
             ("last step", format!("{}{of_all}", self.last_step)),
         ];
         if self.chamber_c[0].is_finite() {
-            facts.push(("chamber", format!("{:.1} to {:.1} C", self.chamber_c[0], self.chamber_c[1])));
+            facts.push(("chamber", format!("{} C", from_to(self.chamber_c[0], self.chamber_c[1]))));
         }
         if self.away > 0 {
-            facts.push(("away", format!("{} moments without an answer", thousands(self.away as u64))));
+            facts.push(("away", format!("{} without an answer", counted(self.away, "moment"))));
         }
         page.facts(&facts);
         page.gap();

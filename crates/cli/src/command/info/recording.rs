@@ -3,6 +3,8 @@
 use chrono::SecondsFormat;
 use serde::Serialize;
 use zerorate_cal::recording::{GroupRow, Recording, status};
+use zerorate_cal::units::from_to;
+use zerorate_report::number::counted;
 
 use crate::screen::{Grid, Page, thousands};
 
@@ -83,15 +85,14 @@ impl Facts {
         facts.extend(self.started.clone().map(|started| ("started", started)));
         facts.push(("groups", format!("{groups} of {samples} samples, {}", duration(self.seconds))));
         if self.chamber_c[0].is_finite() {
-            facts.push(("chamber", format!("{:.1} to {:.1} C", self.chamber_c[0], self.chamber_c[1])));
+            facts.push(("chamber", format!("{} C", from_to(self.chamber_c[0], self.chamber_c[1]))));
         }
         if self.saturated_rows > 0 {
-            facts
-                .push(("saturated", format!("{} rows: the A/D was at its end", thousands(self.saturated_rows as u64))));
+            facts.push(("saturated", format!("{}: the A/D was at its end", counted(self.saturated_rows, "row"))));
         }
         let mut flagged = |rows: usize, what: &'static str, why: &str| {
             if rows > 0 {
-                facts.push((what, format!("{} rows: {why}", thousands(rows as u64))));
+                facts.push((what, format!("{}: {why}", counted(rows, "row"))));
             }
         };
         flagged(self.unbelieved_rows, "not believed", "their temperature was stuck, jumped or at the A/D's end");

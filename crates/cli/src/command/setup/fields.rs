@@ -71,18 +71,24 @@ pub struct Difference {
     pub paper: String,
 }
 
-/// In what a set-up differs from the paper's.
+/// In what a set-up differs from the paper's. Of a section that the paper's has not, as a controller's registers, it is told
+/// that it is given.
 pub fn differences(setup: &SetUp) -> Result<Vec<Difference>> {
     let (table, paper) = (Table::try_from(setup)?, Table::try_from(SetUp::paper())?);
+    let sections = table.iter().filter_map(|(name, value)| Some((name, value.as_table()?)));
+    let difference = |field: String, here: &Value, paper: Option<&Value>| Difference {
+        field,
+        here: if here.is_table() { "given".to_owned() } else { here.to_string() },
+        paper: paper.map_or_else(|| "none".to_owned(), Value::to_string),
+    };
     let mut found = Vec::new();
-    for (section, fields) in paper.iter().filter_map(|(name, value)| Some((name, value.as_table()?))) {
-        for (field, paper) in fields {
-            let here: &Value = &table[section][field];
-            if here != paper {
-                let field = format!("{section}.{field}");
-                found.push(Difference { field, here: here.to_string(), paper: paper.to_string() });
-            }
-        }
+    for (section, fields) in sections {
+        let Some(paper) = paper.get(section) else {
+            found.push(difference(section.clone(), &table[section], None));
+            continue;
+        };
+        let differs = fields.iter().filter(|(field, here)| paper.get(field.as_str()) != Some(*here));
+        found.extend(differs.map(|(field, here)| difference(format!("{section}.{field}"), here, paper.get(field))));
     }
     Ok(found)
 }
@@ -127,5 +133,9 @@ mod tests {
         let setup = SetUp::parse("[chamber]\ncold_c = -20.0\n", "x").unwrap();
         let difference = Difference { field: "chamber.cold_c".into(), here: "-20.0".into(), paper: "-40.0".into() };
         assert_eq!(differences(&setup).unwrap(), [difference]);
+        let mut remote = SetUp { supply: Some(SupplyTable::default()), ..SetUp::paper() };
+        remote.chamber.controller = Some(ControllerTable::of("binder"));
+        let given = |field: &str| Difference { field: field.into(), here: "given".into(), paper: "none".into() };
+        assert_eq!(differences(&remote).unwrap(), [given("chamber.controller"), given("supply")]);
     }
 }

@@ -3,7 +3,7 @@
 use console::Style;
 use zerorate_apply::verify::{Verified, VerifiedAxis};
 use zerorate_cal::log_fit::{are_alike, zero_taken_in};
-use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
+use zerorate_cal::units::{RateScale, RateUnit, WrittenRate, from_to};
 
 use crate::screen::{Grid, Page, aligned, style};
 
@@ -23,9 +23,11 @@ pub fn page(verified: &Verified, asked: Option<WrittenRate>, join: Option<&str>)
         let sizes: Vec<f64> = axes.iter().map(|axis| axis.raw.pp).collect();
         let scale = RateScale::of(rate_unit, &sizes, asked);
         page.heading(&format!(
-            "Over {:.1} to {:.1} {}, in {}",
-            axes.iter().map(|axis| axis.temperature[0]).fold(f64::INFINITY, f64::min),
-            axes.iter().map(|axis| axis.temperature[1]).fold(f64::NEG_INFINITY, f64::max),
+            "Over {} {}, in {}",
+            from_to(
+                axes.iter().map(|axis| axis.temperature[0]).fold(f64::INFINITY, f64::min),
+                axes.iter().map(|axis| axis.temperature[1]).fold(f64::NEG_INFINITY, f64::max)
+            ),
             verified.temperature_unit.name(),
             scale.unit()
         ));
@@ -36,7 +38,7 @@ pub fn page(verified: &Verified, asked: Option<WrittenRate>, join: Option<&str>)
         page.sentence("  ", &terms(verified));
     }
     if !verified.notes.is_empty() {
-        page.heading("What was guessed");
+        page.heading("What to know");
         verified.notes.iter().for_each(|note| page.sentence("  - ", note));
     }
     if let Some(command) = join {
@@ -127,7 +129,7 @@ fn terms(verified: &Verified) -> String {
     let own_and_fits = verified.averaged_over_s.zip(verified.fit_averaged_over_s);
     let fit_told = match own_and_fits.filter(|&(own, fits)| !are_alike(own, fits)) {
         Some((_, fits)) => format!("fit told both of averages over {fits:.0} s, which have another noise"),
-        None => "fit tells both first".to_owned(),
+        None => "`zerorate fit` foretells both of a next run".to_owned(),
     };
     let told = verified.axes.iter().any(|axis| axis.fit_told.is_some());
     let told = if told { " Fit told: what the calibration's fit told of deployed, held out." } else { "" };
