@@ -129,7 +129,7 @@ fn terms(verified: &Verified) -> String {
     let own_and_fits = verified.averaged_over_s.zip(verified.fit_averaged_over_s);
     let fit_told = match own_and_fits.filter(|&(own, fits)| !are_alike(own, fits)) {
         Some((_, fits)) => format!("fit told both of averages over {fits:.0} s, which have another noise"),
-        None => "`zerorate fit` foretells both of a next run".to_owned(),
+        None => "fit foretells both of a next run".to_owned(),
     };
     let told = verified.axes.iter().any(|axis| axis.fit_told.is_some());
     let told = if told { " Fit told: what the calibration's fit told of deployed, held out." } else { "" };
