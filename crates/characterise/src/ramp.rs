@@ -31,8 +31,8 @@ struct Ramp {
 }
 
 impl RampSensitivity {
-    /// The residual against the speed of the temperature, beside a constant for each direction (hysteresis) and a cubic of
-    /// temperature (what the curve may have taken).
+    /// The residual against the speed of the temperature, beside a cubic of temperature for each direction: what the curve may have
+    /// taken, and a hysteresis, which is another at each temperature. In equal cycles that goes with the speed as well.
     pub(super) fn of(points: &[TracePoint], warming: &[bool]) -> Result<Self, String> {
         let (min, max) = span(points);
         let speed = |i: usize| {
@@ -71,18 +71,14 @@ fn regression(rows: &[Ramp], without: Option<usize>) -> (f64, f64) {
         .filter(|i| without != Some(fold_of_row(*i as u64, rows.len() as u64)))
         .map(|i| &rows[i])
         .collect();
-    let terms: [fn(&Ramp) -> f64; 6] = [
-        |row| f64::from(u8::from(row.warming)),
-        |row| f64::from(u8::from(!row.warming)),
-        |row| row.x,
-        |row| row.x.powi(2),
-        |row| row.x.powi(3),
-        |row| row.speed,
-    ];
+    let of_direction =
+        |warming: bool, power: i32| move |row: &Ramp| if row.warming == warming { row.x.powi(power) } else { 0.0 };
+    let curves = [true, false].into_iter().flat_map(|warming| (0..=3).map(move |power| of_direction(warming, power)));
+    let columns = curves.map(|term| kept.iter().map(|row| term(row)).collect::<Vec<f64>>());
+    let speed = kept.iter().map(|row| row.speed).collect::<Vec<f64>>();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut before: Vec<Vec<f64>> = Vec::new();
-    for term in terms {
-        let mut column: Vec<f64> = kept.iter().map(|row| term(row)).collect();
+    for mut column in columns.chain([speed]) {
         for other in &before {
             let squares = dot(other, other);
             // A direction that the log does not have is a column of zeros.

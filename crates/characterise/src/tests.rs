@@ -168,6 +168,23 @@ fn ramp_sensitivity_is_told_from_hysteresis_by_the_speeds_within_a_direction() {
     assert!(found.standard_error > 0.0 && found.standard_error < 0.3, "{found:?}");
 }
 
+/// Three equal cycles of a unit with a play and nothing that goes with the speed: at each temperature there is one speed a direction.
+#[test]
+fn of_equal_cycles_no_ramp_sensitivity_is_told() {
+    let mut play = -13.0_f64;
+    let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();
+    for row in 0..6000_i32 {
+        let t = 20.0 - 30.0 * (std::f64::consts::TAU * f64::from(row) / 2000.0).cos();
+        play = play.clamp(t - 12.0, t + 12.0);
+        let noise = (f64::from((row * 617) % 1000) - 499.5) * 1e-7;
+        text += &format!("{row},{t},{}\n", 1e-3 * t + 0.005 * (t - play) / 24.0 + noise);
+    }
+    let options = FitOptions { model: "poly:1".parse().unwrap(), ..FitOptions::default() };
+    let fit = fit(&[Source::bytes("cycles.csv", text.into_bytes())], &options).unwrap();
+    let found = Characteristics::of(&fit.axes[0], None).ramp_sensitivity;
+    assert!(found.as_ref().is_err_and(|why| why.contains("fast and slowly")), "{found:?}");
+}
+
 #[test]
 fn what_a_log_does_not_hold_is_refused_with_what_to_do() {
     let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();

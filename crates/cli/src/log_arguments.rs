@@ -12,7 +12,7 @@ use zerorate_cal::units::{RateUnit, TimeUnit, WrittenRate, WrittenTemperature};
 use zerorate_fit::drift_fit::ResidualOver;
 use zerorate_fit::model::Model;
 
-use crate::output::argument;
+use crate::output::word;
 
 /// Which column is which. What is left open is taken from the names where they make it plain.
 #[derive(Debug, Default, PartialEq, Args)]
@@ -108,9 +108,7 @@ impl ColumnArguments {
             ("--temperature-unit", units.temperature_unit.map(|unit| unit.option().to_owned())),
             ("--rate-unit", units.rate_unit.map(|unit| unit.to_string())),
         ];
-        let typed = |(option, value): (&str, Option<String>)| {
-            value.map(|value| format!(" {option} {}", argument(Path::new(&value))))
-        };
+        let typed = |(option, value): (&str, Option<String>)| value.map(|value| format!(" {option} {}", word(&value)));
         given.into_iter().filter_map(typed).collect()
     }
 }
@@ -125,8 +123,8 @@ pub struct LogArguments {
     pub files: Vec<PathBuf>,
 
     /// The drift model: poly:1 to poly:5, table:1 to table:32 (straight pieces), or auto: curve,
-    /// history (hysteresis, lag) and drift in time, each as strong as the data say; the cubic where that predicts
-    /// better by more than 5 %. With --plain auto is the simplest polynomial whose held-out rms is within one standard error
+    /// history (hysteresis, lag) and drift in time, each as strong as the data say; poly:3 where that, or the
+    /// cubic that autopilots get of it, predicts better by more than 5 %. With --plain auto is the simplest polynomial whose held-out rms is within one standard error
     /// of the best one's
     #[arg(long, value_name = "MODEL", default_value = "auto")]
     model: Model,

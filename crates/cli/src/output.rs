@@ -78,8 +78,16 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
 /// A path as it is typed in a shell.
 pub fn argument(path: &Path) -> String {
     let text = path.display().to_string();
+    // What begins with a hyphen would be taken for an option.
+    let text = if text.starts_with('-') { format!("./{text}") } else { text };
+    word(&text)
+}
+
+/// Any word as it is typed in a shell.
+pub fn word(text: &str) -> String {
     let plain = |letter: char| letter.is_alphanumeric() || "/._-+=:,@%".contains(letter);
-    if !text.is_empty() && text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
+    let is_plain = !text.is_empty() && text.chars().all(plain);
+    if is_plain { text.to_owned() } else { format!("'{}'", text.replace('\'', r"'\''")) }
 }
 
 #[cfg(test)]
@@ -91,6 +99,8 @@ mod tests {
         assert_eq!(argument(Path::new("logs/a-1.csv")), "logs/a-1.csv");
         assert_eq!(argument(Path::new("my log.csv")), "'my log.csv'");
         assert_eq!(argument(Path::new("it's.csv")), r"'it'\''s.csv'");
+        assert_eq!(argument(Path::new("-log.csv")), "./-log.csv");
+        assert_eq!(word("--out"), "--out");
     }
 
     #[test]

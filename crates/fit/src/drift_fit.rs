@@ -249,6 +249,10 @@ impl DriftFit {
     /// went both ways. A fold is one way, and its temperatures are known by the other way alone.
     #[must_use]
     pub fn misses_its_own_branch(&self) -> bool {
+        // Of several logs in-sample has their levels in it, and is no bound.
+        if !self.statistics.by_log.is_empty() {
+            return false;
+        }
         let chosen = self.statistics.candidates.iter().find(|candidate| candidate.chosen);
         let ways = chosen.and_then(|candidate| candidate.by_direction_rms);
         self.model.history.is_none() && ways.is_some_and(|ways| ways.iter().all(Option::is_some))

@@ -110,21 +110,23 @@ impl AxisCalibration {
     /// The same by whole logs, each of them as a fit of the others leaves it: what was fitted is to the next run what the
     /// others are to each.
     fn no_gain_by_logs(&self, name: &str, asked: Option<WrittenRate>) -> Option<String> {
+        let by_log = &self.fit.statistics.by_log;
         let logs: Vec<(f64, f64)> =
-            self.fit.statistics.by_log.iter().filter_map(|log| Some((log.by_the_others?, log.uncorrected))).collect();
+            by_log.iter().filter_map(|log| Some((log.by_the_others?, log.uncorrected))).collect();
+        if logs.is_empty() || logs.len() < by_log.len() || logs.iter().any(|(left, uncorrected)| left < uncorrected) {
+            return None;
+        }
         let rms = |of: fn(&(f64, f64)) -> f64| {
             (logs.iter().map(|log| of(log).powi(2)).sum::<f64>() / logs.len() as f64).sqrt()
         };
         let (left, uncorrected) = (rms(|log| log.0), rms(|log| log.1));
-        (left >= uncorrected).then(|| {
-            let scale = RateScale::of(self.rate_unit, &[left, uncorrected], asked);
-            format!(
-                "{name}: a fit of the other logs leaves {} rms of each log, and {} are left without it: it does not help on \
-                 a log that was not fitted, or not at its temperatures",
-                scale.told(left),
-                scale.number(uncorrected)
-            )
-        })
+        let scale = RateScale::of(self.rate_unit, &[left, uncorrected], asked);
+        Some(format!(
+            "{name}: of none of the logs is less left by a fit of the others, {} rms of all together for {} without it: it does \
+             not help on a log that was not fitted, or not at its temperatures",
+            scale.told(left),
+            scale.number(uncorrected)
+        ))
     }
 
     /// The drift's shape and size.

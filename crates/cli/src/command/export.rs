@@ -116,7 +116,8 @@ impl Export {
             page.sentence(
                 "  ",
                 "away is how far the cubic is from the chosen model's curve at most. What an autopilot cannot hold is lost; \
-                 c holds the whole curve and its history.",
+                 c holds the whole curve and its history. Where the two ways of a log differ, the same run again leaves less by a \
+                 cubic than is told here: of an eighth that is left out its own way is missing from the other seven.",
             );
         }
         // The losses stand in the table.

@@ -2,7 +2,6 @@
 
 use std::ffi::OsString;
 use std::fmt;
-use std::path::Path;
 
 use crate::output;
 
@@ -21,6 +20,6 @@ impl fmt::Display for Typed {
     /// As it is typed again, whatever the program's path.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("zerorate")?;
-        self.0.iter().skip(1).try_for_each(|argument| write!(f, " {}", output::argument(Path::new(argument))))
+        self.0.iter().skip(1).try_for_each(|argument| write!(f, " {}", output::word(&argument.to_string_lossy())))
     }
 }

@@ -11,7 +11,7 @@ use crate::choose::standard_error;
 use crate::drift_fit::{Candidate, HeldOut, LogLeft, StaticCubic, finite};
 use crate::folds::FOLDS;
 use crate::model_fit::ModelFit;
-use crate::predict::Start;
+use crate::predict::{DriftModel, Start};
 use crate::residual::ResidualStatistics;
 use crate::series::{NextRun, Series};
 
@@ -67,8 +67,7 @@ impl Outer {
     fn see(&mut self, series: &Series<'_>, fold: &[Range<usize>]) {
         let is_out = |group: &usize| fold.iter().any(|part| part.contains(group));
         let others = (0..series.rate.len()).filter(|group| !is_out(group) && series.is_used(*group));
-        let others = others.map(|group| series.temperature[group]);
-        let (least, most) = others.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
+        let (least, most) = ends_of(others.map(|group| series.temperature[group]));
         for group in fold.iter().cloned().flatten() {
             self.between[group] = (least..=most).contains(&series.temperature[group]);
         }
@@ -216,7 +215,7 @@ impl Outer {
             self.squares(series).iter().zip(best.squares(series)).map(|(own, best)| own - best).collect();
         // a - b = (a^2 - b^2) / (a + b)
         let error = standard_error(&excess) / (own.in_recording.zip(least).map_or(f64::NAN, |(a, b)| a + b));
-        let directions = directions(series.temperature);
+        let directions = directions(series);
         let in_direction = |wanted: usize| {
             let all = self.residuals.iter().zip(&directions);
             ResidualStatistics::of(all.filter(|(_, own)| **own == Some(wanted)).map(|(residual, _)| *residual)).rms
@@ -241,13 +240,33 @@ impl Outer {
     }
 }
 
-/// What fits of all logs but one leave of that one, as deployed and a zero taken off; nothing of one log.
+/// What fits of all logs but one leave of that one, as deployed and a zero taken off; nothing of one log. Each is believed as far
+/// beyond its own logs' temperatures as the fit of all is beyond all of them, and held from there.
 fn by_the_others(series: &Series<'_>, fits: &Fits) -> Vec<f64> {
-    let of_log = |(log, made): (Range<usize>, &Option<ModelFit>)| match made {
-        Some(made) => predict(&made.model, Start::Unknown, series, log),
-        None => vec![f64::NAN; log.len()],
+    let of_used = |kept: &dyn Fn(usize) -> bool| {
+        let used = (0..series.rate.len()).filter(|&group| kept(group) && series.is_used(group));
+        ends_of(used.map(|group| series.temperature[group]))
+    };
+    let (coldest, hottest) = of_used(&|_| true);
+    let of_log = |(log, made): (Range<usize>, &Option<ModelFit>)| {
+        let (min, max) = of_used(&|group| !log.contains(&group));
+        let own = made.as_ref().and_then(|made| {
+            let all = made.model.drift.valid;
+            let further = (all.max() - hottest) / (hottest - coldest) * (max - min);
+            let valid = ValidRange::new(min - further, max + further)?;
+            Some(DriftModel { drift: Drift { valid, ..made.model.drift.clone() }, ..made.model.clone() })
+        });
+        match own {
+            Some(model) => predict(&model, Start::Unknown, series, log),
+            None => vec![f64::NAN; log.len()],
+        }
     };
     zeroed(series, &series.logs().into_iter().zip(&fits.logs).flat_map(of_log).collect::<Vec<_>>())
+}
+
+/// The coldest and the warmest.
+fn ends_of(temperatures: impl Iterator<Item = f64>) -> (f64, f64) {
+    temperatures.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)))
 }
 
 /// What a fit without an end of temperature leaves of it, root mean square; NaN without one.
@@ -333,20 +352,20 @@ pub(super) fn static_cubic(
     Some(StaticCubic { drift, in_sample, held_out, deployed })
 }
 
-/// Which way the temperature goes at each group: 0 heating, 1 cooling, by the change over a few groups on either side.
-fn directions(temperature: &[f64]) -> Vec<Option<usize>> {
+/// Which way the temperature goes at each group: 0 heating, 1 cooling, by the change over a few groups of its log on either
+/// side.
+fn directions(series: &Series<'_>) -> Vec<Option<usize>> {
     /// Groups to either side.
     const REACH: usize = 3;
     /// A change smaller than this share of the span over them is a soak.
     const STILL: f64 = 0.002;
-    let finite = || temperature.iter().copied().filter(|t| t.is_finite());
+    let finite = || series.temperature.iter().copied().filter(|t| t.is_finite());
     let span = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
-    (0..temperature.len())
-        .map(|group| {
-            let before = temperature[group.saturating_sub(REACH)];
-            let after = temperature[(group + REACH).min(temperature.len() - 1)];
-            let change = after - before;
-            (change.abs() > STILL * span).then(|| usize::from(change < 0.0))
-        })
-        .collect()
+    let of_group = |log: &Range<usize>, group: usize| {
+        let before = series.temperature[group.saturating_sub(REACH).max(log.start)];
+        let after = series.temperature[(group + REACH).min(log.end - 1)];
+        let change = after - before;
+        (change.abs() > STILL * span).then(|| usize::from(change < 0.0))
+    };
+    series.logs().into_iter().flat_map(|log| log.clone().map(move |group| of_group(&log, group))).collect()
 }

@@ -193,6 +193,10 @@ fn a_cubic_leaves_less_of_the_same_loop_again_than_of_its_folds_and_no_less_than
     }
     let one_way = Made::new(temperature[..200].to_vec(), |_, t| cubic(t));
     assert!(!one_way.fit(Model::Poly(3)).fit.misses_its_own_branch());
+    // Between two logs that warm nothing cools.
+    let twice = Made::new(temperature[..200].repeat(2), |_, t| cubic(t));
+    let log: Vec<u32> = (0..400).map(|group| group / 200).collect();
+    assert!(!twice.fit_of_logs(Model::Poly(3), &log).fit.misses_its_own_branch());
 }
 
 #[test]

@@ -20,10 +20,14 @@ pub(super) struct Wander {
 pub(super) struct Whitened {
     /// A row of the recording a column.
     pub rows: DMatrix<f64>,
-    /// Each column times each.
+    /// Each column times each, of several logs the mean of their sums: what no column holds comes again in every run that goes the
+    /// same way, and would be taken, run after run, for more evidence of columns that look like it. So logs tell of strength what
+    /// one of them tells (a power of the likelihood: Grünwald, *The safe Bayesian*, 2012), and of the coefficients all they know.
     pub products: DMatrix<f64>,
-    /// Of the noise's covariance, the white part's variance being 1.
+    /// Of the noise's covariance, the white part's variance being 1; of several logs their mean.
     pub log_determinant: f64,
+    /// For how many rows that stands.
+    pub told: f64,
 }
 
 impl Whitened {
@@ -54,8 +58,9 @@ impl Whitened {
             variance *= 1.0 - gain;
             log_determinant += libm::log(whole);
         }
-        let products = products_of(&rows);
-        Self { rows, products, log_determinant }
+        let share = 1.0 / averages.begins.iter().filter(|begins| **begins).count().max(1) as f64;
+        let products = products_of(&rows) * share;
+        Self { told: rows.ncols() as f64 * share, rows, products, log_determinant: log_determinant * share }
     }
 }
 

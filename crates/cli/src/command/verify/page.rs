@@ -43,7 +43,7 @@ pub fn page(verified: &Verified, asked: Option<WrittenRate>, join: Option<&str>)
     }
     if let Some(command) = join {
         page.gap();
-        page.line("Two runs say more of a unit than one. To fit them as one:");
+        page.line("Runs that go other ways, over other temperatures or at other speeds, say more of a unit than one. To fit them as one:");
         page.line(format!("  {command}"));
     }
     page
