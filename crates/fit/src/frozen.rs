@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use crate::robust::median;
+use crate::robust::{median, noise};
 
 /// Temperatures within this share of the log's span are one.
 const STILL: f64 = 0.02;
@@ -20,6 +20,9 @@ const LEAST_GROUPS: usize = 12;
 /// A rate that goes on by this share of its peak to peak is none that settles: what lags behind a chamber's temperature, and
 /// what a part remembers at a turn, is less.
 const GOES_ON: f64 = 0.3;
+
+/// A dozen averages of noise alone lie within so many standard deviations of each other, but for one dozen in a thousand.
+const OF_NOISE: f64 = 5.0;
 
 /// A stretch of groups at one temperature.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,9 +50,12 @@ pub fn frozen(temperatures: &[f64], rates: &[Vec<f64>]) -> Vec<Frozen> {
         .into_iter()
         .filter(|groups| groups.len() as f64 >= long)
         .filter_map(|groups| {
-            let shares = rates.iter().zip(&whole).map(|(rates, whole)| goes_on_by(&rates[groups.clone()]) / whole);
-            let (axis, share) =
-                shares.enumerate().filter(|(_, share)| *share >= GOES_ON).max_by(|a, b| a.1.total_cmp(&b.1))?;
+            let share_of = |(axis, (rates, whole)): (usize, (&Vec<f64>, &f64))| {
+                let (by, by_noise) = goes_on_by(&rates[groups.clone()], noise(&measured(rates)));
+                (by - by_noise >= GOES_ON * whole).then_some((axis, by / whole))
+            };
+            let shares = rates.iter().zip(&whole).enumerate().filter_map(share_of);
+            let (axis, share) = shares.max_by(|a, b| a.1.total_cmp(&b.1))?;
             Some(Frozen { groups, axis, share })
         })
         .collect()
@@ -70,13 +76,18 @@ fn still(temperatures: &[f64], near: f64) -> Vec<Range<usize>> {
     found
 }
 
-/// How far the eighths of some rates are from one another, by their medians; NaN of too few.
-fn goes_on_by(rates: &[f64]) -> f64 {
-    let measured: Vec<f64> = rates.iter().copied().filter(|rate| rate.is_finite()).collect();
+/// How far the eighths of some rates are from one another, by their medians, and how far noise alone would take them; NaN of too
+/// few.
+fn goes_on_by(rates: &[f64], noise: f64) -> (f64, f64) {
+    let measured = measured(rates);
     let eighth = (measured.len() / 8).max(1);
     let medians: Vec<f64> = measured.chunks_exact(eighth).map(|part| median(&mut part.to_vec())).collect();
     let [least, most] = ends(&medians);
-    most - least
+    (most - least, OF_NOISE * noise / (eighth as f64).sqrt())
+}
+
+fn measured(rates: &[f64]) -> Vec<f64> {
+    rates.iter().copied().filter(|rate| rate.is_finite()).collect()
 }
 
 fn ends(values: &[f64]) -> [f64; 2] {
@@ -112,6 +123,21 @@ mod tests {
             let [found] = &frozen(&shown, &rates(&truth()))[..] else { panic!("{size}") };
             assert!(found.groups.start.abs_diff(120) <= 6 && found.groups.end == GROUPS, "{found:?}");
             assert!(found.share > GOES_ON, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn noise_at_a_slow_start_is_no_rate_that_goes_on() {
+        // 140 averages, the first dozen within 2 % of the span; a rate that drifts not at all beside one that does.
+        let mut state = 1_u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / (1_u64 << 31) as f64
+        };
+        for _ in 0..200 {
+            let shown: Vec<f64> = (0..140).map(|group| 20.0 - 25.0 * (f64::from(group) / 140.0 * 3.1).cos()).collect();
+            let still: Vec<f64> = (0..140).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect();
+            assert_eq!(frozen(&shown, &[shown.clone(), still]), []);
         }
     }
 
