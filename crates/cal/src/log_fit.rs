@@ -75,7 +75,7 @@ pub enum LogFitError {
     Log(#[from] LogError),
     /// Several logs have no sensor in common.
     #[error(
-        "{name}: this is another unit's log: it has {found}, and the logs before it {expected}: fit each unit by itself"
+        "{name}: it has {found}, and the logs before it {expected}: if it is another unit's, fit it by itself; if the same unit's, name its columns and units as theirs are"
     )]
     AnotherUnit {
         /// The log.

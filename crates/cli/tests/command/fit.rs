@@ -139,7 +139,7 @@ fn logs_of_one_unit_make_one_fit_and_of_two_units_none() {
     });
     fs::write(folder.path().join("other.ulg"), other).unwrap();
     zerorate(folder.path(), &["fit", "cold.ulg", "other.ulg"]).is_error(&[
-        "other.ulg: this is another unit's log",
+        "if it is another unit's, fit it by itself",
         "2621448",
         "2621449",
     ]);

@@ -93,7 +93,7 @@ impl Facts {
         let columns = self.column_names.len();
         page.sentence("", &format!("{file}: a log, {} rows of {columns} columns", thousands(self.rows)));
         match &self.taken_for {
-            TakenFor::Unclear { unclear } => page.sentence("  - ", unclear),
+            TakenFor::Unclear { unclear } => page.sentence("  - ", &format!("fit is to be told: {unclear}")),
             TakenFor::Plain(plain) => plain.show(page),
         }
     }
