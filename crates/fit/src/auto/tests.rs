@@ -330,6 +330,19 @@ fn of_two_logs_each_is_predicted_by_the_other() {
     assert!(alone.fit.statistics.by_log.is_empty());
 }
 
+/// A cold log and a warm one beside it, on one line of 0.01 a degree: a calibration of either is held where the other begins, and
+/// leaves of that all 2 to 398 steps of 0.125 C after its zero.
+#[test]
+fn what_the_others_predict_is_held_beyond_their_temperatures() {
+    let log: Vec<u32> = (0..800).map(|group| u32::from(group >= 400)).collect();
+    let made = Made::new((0..800).map(|group| -30.0 + 0.125 * f64::from(group)).collect(), |_, t| 0.01 * t);
+    let span = 0.125 * f64::sqrt((398.0 * 399.0 * 797.0 / 6.0 - 1.0) / 397.0);
+    for left in made.fit_of_logs(Model::Poly(1), &log).fit.statistics.by_log {
+        let others = left.by_the_others.expect("the other log settles a line");
+        assert!((others / (0.01 * span) - 1.0).abs() < 2e-3, "{left:?}");
+    }
+}
+
 /// One log begins cold and one warm, on one line of 0.01 a degree: each moves by the 396 steps of 0.25 C after its zero was taken.
 #[test]
 fn logs_that_start_at_other_temperatures_do_not_add_their_ends() {
