@@ -27,9 +27,12 @@ struct Program {
 /// The program whose tests wait for boards and chambers that have a clock: many of them do so at once, beside what computes.
 const WAITING: &str = "cli, tests/device/main.rs";
 
-/// Tests that a fast run leaves out: of many units, or of the power cut at every moment, a minute each.
-const LONG: [&str; 5] = [
+/// Tests that a fast run leaves out: of many units, or of the power cut at every moment, half a minute to two minutes each.
+const LONG: [&str; 8] = [
     "ten_times_better_by_the_potentiometer_and_the_floor_by_numbers_seeds_11_to_20",
+    "a_history_survives_hysteresis_where_a_static_curve_does_not",
+    "no_clean_unit_is_rejected_for_wild_groups",
+    "a_wild_group_is_found_in_the_ramp_of_every_unit",
     "the_plants_own_output_at_another_switch_on_lies_within_u_as_often_as_is_said",
     "no_cut_loses_both_records_of_the_greatest_length",
     "no_cut_loses_both_records_with_longer_words_and_smaller_pages",

@@ -71,7 +71,7 @@ enum Chore {
     ///
     /// Recordings are looked for in ../shared/data, or in the folder that the variable ZERORATE_DATA names.
     Test {
-        /// Leave out what needs Python, ngspice, the FPGA tools or a browser, whole lots, and five long tests
+        /// Leave out what needs Python, ngspice, the FPGA tools or a browser, whole lots, and eight long tests
         #[arg(long)]
         fast: bool,
         /// Leave out the tests of whole lots, and so the query engine, which is long to build: `cargo test -p zerorate-lot` makes good for it
