@@ -60,7 +60,7 @@ fn every_whole_group_survives_a_kill_at_any_moment() {
         for (number, rows) in (0..).zip(recording.rows.chunks(2)) {
             assert_eq!(rows, bench::group(number), "kill {kill}: group {number} as it was written");
         }
-        assert_all_whole(&folder.path().join("whole.parquet"), groups, size);
+        assert_all_whole(folder.path(), groups, size);
 
         let ran = zerorate(folder.path(), &["info", "run.arrows", "--json"]);
         let found = &ran.json()["files"][0];
@@ -70,9 +70,12 @@ fn every_whole_group_survives_a_kill_at_any_moment() {
 }
 
 /// One group more would not have fitted into the killed stream: none that was whole was left out.
-fn assert_all_whole(path: &Path, groups: usize, killed_size: u64) {
+fn assert_all_whole(folder: &Path, groups: usize, killed_size: u64) {
     let size_with = |groups: usize| {
-        let mut writer = bench::recording(path);
+        // Each under a name of its own: a command that another test starts at this moment has this one's files, and with them
+        // the lock of a recording, until it runs.
+        let path = folder.join(format!("{groups}-groups.parquet"));
+        let mut writer = bench::recording(&path);
         (0..groups).for_each(|number| writer.write_group(&bench::group(u32::try_from(number).unwrap())).unwrap());
         fs::metadata(path.with_extension("arrows")).unwrap().len()
     };
