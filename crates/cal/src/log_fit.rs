@@ -324,8 +324,8 @@ fn admit(
     rows: u64,
     (min, max): (f64, f64),
 ) -> Option<(Scale, ValidRange)> {
-    let what = if options.plain { "rows" } else { "groups" };
-    judgement.rows(&stream.names[axis], rows, what, options.model.least_coefficients());
+    let noun = if options.plain { "row" } else { "group" };
+    judgement.rows(&stream.names[axis], rows, noun, options.model.least_coefficients());
     if rows > 0 {
         judgement.celsius(min, max, stream.temperature_unit);
         judgement.span(min, max, stream.temperature_unit, options.allow_narrow);

@@ -271,16 +271,16 @@ impl Judgement {
         }
     }
 
-    /// Judges whether there are enough rows (`what` says of what: rows or groups) for so many coefficients.
-    pub fn rows(&mut self, axis: &str, rows: u64, what: &str, coefficients: usize) {
+    /// Judges whether there are enough rows (each a `noun`: row or group) for so many coefficients.
+    pub fn rows(&mut self, axis: &str, rows: u64, noun: &str, coefficients: usize) {
         let least = MIN_ROWS_A_COEFFICIENT * coefficients as u64;
         if rows == 0 {
             let text = format!("{axis}: no row has both a temperature and a rate");
             self.add(Reason::new(ReasonKind::NoFiniteRows, text));
         } else if rows < least {
             let text = format!(
-                "{axis}: {rows} {} cannot settle {coefficients} coefficients ({least} are needed): record for longer, or choose a smaller model",
-                if rows == 1 { what.trim_end_matches('s') } else { what }
+                "{axis}: {rows} {noun}{} cannot settle {coefficients} coefficients ({least} are needed): record for longer, or choose a smaller model",
+                if rows == 1 { "" } else { "s" }
             );
             self.add(Reason::new(ReasonKind::TooFewGroups, text));
         }
@@ -351,7 +351,7 @@ mod tests {
         assert_eq!(judgement.verdict, Verdict::Good);
         judgement.dropped(ReasonKind::Spikes, "x", "spikes", 80, 8400);
         assert_eq!(judgement.verdict, Verdict::Warning);
-        judgement.rows("x", 7, "groups", 4);
+        judgement.rows("x", 7, "group", 4);
         judgement.dropped(ReasonKind::Spikes, "y", "spikes", 80, 8400);
         assert_eq!((judgement.verdict, judgement.reasons.len()), (Verdict::Rejected, 3));
     }

@@ -132,6 +132,18 @@ impl fmt::Display for RateUnit {
 }
 
 impl RateUnit {
+    /// Each of some units once, in their order.
+    #[must_use]
+    pub fn each(units: impl Iterator<Item = Self>) -> Vec<Self> {
+        let mut each = Vec::new();
+        for unit in units {
+            if !each.contains(&unit) {
+                each.push(unit);
+            }
+        }
+        each
+    }
+
     /// The unit as it is written after a number.
     #[must_use]
     pub fn name(self) -> &'static str {

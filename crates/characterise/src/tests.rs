@@ -16,11 +16,17 @@ fn cycle(hysteresis: f64, ramp: f64) -> Characteristics {
 }
 
 /// The two cycles, and a rate made of the row, the temperature and its speed.
-fn two_cycles(model: &str, mut rate: impl FnMut(i32, f64, f64) -> f64) -> Characteristics {
+fn two_cycles(model: &str, rate: impl FnMut(i32, f64, f64) -> f64) -> Characteristics {
+    cycles(&[3000, 1000], model, rate)
+}
+
+/// Cycles between the same temperatures, each of so many seconds.
+fn cycles(lasting_s: &[i32], model: &str, mut rate: impl FnMut(i32, f64, f64) -> f64) -> Characteristics {
     let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();
-    for row in 0..4000_i32 {
-        let turn = std::f64::consts::TAU / if row < 3000 { 3000.0 } else { 1000.0 };
-        let angle = turn * f64::from(if row < 3000 { row } else { row - 3000 });
+    let rows = lasting_s.iter().flat_map(|lasts_s| (0..*lasts_s).map(move |second| (*lasts_s, second)));
+    for (row, (lasts_s, second)) in (0..).zip(rows) {
+        let turn = std::f64::consts::TAU / f64::from(lasts_s);
+        let angle = turn * f64::from(second);
         let (t, speed) = (20.0 - 30.0 * angle.cos(), 30.0 * turn * angle.sin());
         text += &format!("{row},{t},{}\n", rate(row, t, speed));
     }
@@ -172,16 +178,12 @@ fn ramp_sensitivity_is_told_from_hysteresis_by_the_speeds_within_a_direction() {
 #[test]
 fn of_equal_cycles_no_ramp_sensitivity_is_told() {
     let mut play = -13.0_f64;
-    let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();
-    for row in 0..6000_i32 {
-        let t = 20.0 - 30.0 * (std::f64::consts::TAU * f64::from(row) / 2000.0).cos();
+    let found = cycles(&[2000; 3], "poly:1", |row, t, _| {
         play = play.clamp(t - 12.0, t + 12.0);
         let noise = (f64::from((row * 617) % 1000) - 499.5) * 1e-7;
-        text += &format!("{row},{t},{}\n", 1e-3 * t + 0.005 * (t - play) / 24.0 + noise);
-    }
-    let options = FitOptions { model: "poly:1".parse().unwrap(), ..FitOptions::default() };
-    let fit = fit(&[Source::bytes("cycles.csv", text.into_bytes())], &options).unwrap();
-    let found = Characteristics::of(&fit.axes[0], None).ramp_sensitivity;
+        1e-3 * t + 0.005 * (t - play) / 24.0 + noise
+    });
+    let found = found.ramp_sensitivity;
     assert!(found.as_ref().is_err_and(|why| why.contains("fast and slowly")), "{found:?}");
 }
 

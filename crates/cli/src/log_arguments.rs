@@ -124,8 +124,8 @@ pub struct LogArguments {
 
     /// The drift model: poly:1 to poly:5, table:1 to table:32 (straight pieces), or auto: curve,
     /// history (hysteresis, lag) and drift in time, each as strong as the data say; poly:3 where that, or the
-    /// cubic that autopilots get of it, predicts better by more than 5 %. With --plain auto is the simplest polynomial whose held-out rms is within one standard error
-    /// of the best one's
+    /// cubic that autopilots get of it, predicts better by more than 5 %. With --plain auto is the simplest polynomial whose
+    /// held-out rms is within one standard error of the best one's
     #[arg(long, value_name = "MODEL", default_value = "auto")]
     model: Model,
 

@@ -1,5 +1,7 @@
 //! Equal weight in temperature: what a log dwelt on is not fitted at the cost of what it passed.
 
+use crate::intervals::ends;
+
 /// Bins over the temperature range: finer than any curve bends.
 const BINS: usize = 40;
 
@@ -10,8 +12,7 @@ const MOST: f64 = 4.0;
 /// The weight of each temperature: the inverse of how many there are like it, 1 on average. None where they do not differ.
 #[must_use]
 pub fn weights(temperatures: &[f64]) -> Option<Vec<f64>> {
-    let (least, most) =
-        temperatures.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
+    let (least, most) = ends(temperatures.iter().copied());
     if least >= most || !least.is_finite() {
         return None;
     }

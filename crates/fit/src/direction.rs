@@ -1,6 +1,6 @@
 //! Which way the temperature was going, point by point, without being fooled by noise.
 
-use crate::intervals::{Interval, joined};
+use crate::intervals::{Interval, ends, joined};
 
 /// A turn counts once the temperature has come back by this part of its span.
 const TURN: f64 = 0.03;
@@ -8,8 +8,7 @@ const TURN: f64 = 0.03;
 /// For each temperature, in order of time, whether it was recorded while the unit warmed.
 #[must_use]
 pub fn warming(temperatures: &[f64]) -> Vec<bool> {
-    let finite = || temperatures.iter().copied().filter(|t| t.is_finite());
-    let (min, max) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (min.min(t), max.max(t)));
+    let (min, max) = ends(temperatures.iter().copied().filter(|t| t.is_finite()));
     let turn = TURN * (max - min);
     let mut warming = vec![true; temperatures.len()];
     // The leg begins at the last extreme; its direction is known once the temperature has moved by a turn.
@@ -48,8 +47,7 @@ const NOISE: f64 = 0.05;
 pub(crate) fn go_both_ways(logs: &[&[f64]]) -> bool {
     let finite = |log: &[f64]| log.iter().copied().filter(|t| t.is_finite()).collect::<Vec<f64>>();
     let logs: Vec<Vec<f64>> = logs.iter().map(|log| finite(log)).collect();
-    let all = logs.iter().flatten();
-    let (least, most) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
+    let (least, most) = ends(logs.iter().flatten().copied());
     let margin = NOISE * (most - least);
     let (mut up, mut down) = (0.0, 0.0);
     for log in &logs {
@@ -75,9 +73,8 @@ pub fn both_ways(logs: &[Vec<(f64, bool)>]) -> (Vec<Interval>, Vec<Interval>) {
             // Where it turns belongs to both ways.
             let end = start + leg.len();
             let passed = log[start..(end + 1).min(log.len())].iter().filter(|(t, measured)| *measured && t.is_finite());
-            let ends = passed.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), (t, _)| (min.min(*t), max.max(*t)));
             let way = if leg[0] { &mut up } else { &mut down };
-            way.push(ends);
+            way.push(ends(passed.map(|(t, _)| *t)));
             start = end;
         }
     }

@@ -200,7 +200,7 @@ pub const HOW_AUTO_CHOOSES: &str = "the last one, whose curve and memories are a
     where a drift in time was found, or poly:3. Held out, cold end and hot end decide nothing. On a board's ramp only temperatures \
     between those of the other folds count";
 
-/// Which of the candidates is taken where every row counts once, for people: the simplest of those that are told apart from none.
+/// Which of the candidates is taken where every row counts once, for people.
 const HOW_PLAIN_CHOOSES: &str = "the simplest one whose held-out rms is within one standard error of the best one's";
 
 /// Why a model without a history is judged too strictly by its folds, for people ([`DriftFit::misses_its_own_branch`]).

@@ -1,6 +1,7 @@
 //! Blocked cross-validation: the folds of a record.
 //!
-//! A fold is contiguous. Neighbouring rows are alike, so rows dealt out at random would show a model its own test.
+//! A fold is contiguous, of several logs one part of each. Neighbouring rows are alike, so rows dealt out at random would show a
+//! model its own test.
 
 use std::ops::Range;
 
@@ -16,15 +17,38 @@ pub fn rows_of_fold(fold: usize, rows: usize) -> Range<usize> {
     fold * rows / FOLDS..(fold + 1) * rows / FOLDS
 }
 
-/// The folds of several logs, one after the other: of each log the same eighth, so that what is held out of a log lasts as long
-/// whatever logs stand beside it.
-#[must_use]
-pub fn folds_of_logs(logs: &[Range<usize>]) -> Vec<Vec<Range<usize>>> {
-    let part = |log: &Range<usize>, fold| {
-        let rows = rows_of_fold(fold, log.len());
-        log.start + rows.start..log.start + rows.end
-    };
-    (0..FOLDS).map(|fold| logs.iter().map(|log| part(log, fold)).collect()).collect()
+/// What is held out at a time: a part of each log.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fold(Vec<Range<usize>>);
+
+impl Fold {
+    /// The folds of several logs, one after the other: of each log the same eighth, so that what is held out of a log lasts as
+    /// long whatever logs stand beside it.
+    #[must_use]
+    pub fn of_logs(logs: &[Range<usize>]) -> Vec<Self> {
+        let part = |log: &Range<usize>, fold| {
+            let rows = rows_of_fold(fold, log.len());
+            log.start + rows.start..log.start + rows.end
+        };
+        (0..FOLDS).map(|fold| Self(logs.iter().map(|log| part(log, fold)).collect())).collect()
+    }
+
+    /// Its part of each log.
+    #[must_use]
+    pub fn parts(&self) -> &[Range<usize>] {
+        &self.0
+    }
+
+    /// Its rows, in order.
+    pub fn rows(&self) -> impl Iterator<Item = usize> {
+        self.0.iter().cloned().flatten()
+    }
+
+    /// Whether a row is in it.
+    #[must_use]
+    pub fn has(&self, row: usize) -> bool {
+        self.0.iter().any(|part| part.contains(&row))
+    }
 }
 
 /// The fold that a row is in: the inverse of [`rows_of_fold`].
@@ -51,11 +75,12 @@ mod tests {
 
     #[test]
     fn of_several_logs_a_fold_has_the_same_eighth_of_each() {
-        let folds = folds_of_logs(&[0..16, 16..24, 24..28]);
-        assert_eq!(folds[0], [0..2, 16..17, 24..24]);
-        assert_eq!(folds[7], [14..16, 23..24, 27..28]);
-        let all: usize = folds.iter().flatten().map(Range::len).sum();
+        let folds = Fold::of_logs(&[0..16, 16..24, 24..28]);
+        assert_eq!(folds[0].parts(), [0..2, 16..17, 24..24]);
+        assert_eq!(folds[7].parts(), [14..16, 23..24, 27..28]);
+        let all: usize = folds.iter().map(|fold| fold.rows().count()).sum();
         assert_eq!(all, 28);
+        assert!(folds[7].has(23) && !folds[7].has(22));
     }
 
     #[test]

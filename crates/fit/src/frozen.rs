@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use crate::intervals::ends;
 use crate::robust::{median, noise};
 
 /// Temperatures within this share of the log's span are one.
@@ -39,22 +40,27 @@ pub struct Frozen {
 /// is NaN.
 #[must_use]
 pub fn frozen(temperatures: &[f64], rates: &[Vec<f64>]) -> Vec<Frozen> {
-    let [least, most] = ends(temperatures);
+    let (least, most) = ends(measured(temperatures));
     let near = STILL * (most - least);
     if near.is_nan() || near <= 0.0 {
         return Vec::new();
     }
-    let whole: Vec<f64> = rates.iter().map(|rates| ends(rates)).map(|[least, most]| most - least).collect();
+    let whole = |rates: &Vec<f64>| {
+        let measured = measured(rates);
+        let noise = noise(&measured);
+        let (least, most) = ends(measured);
+        (most - least, noise)
+    };
+    let whole: Vec<(f64, f64)> = rates.iter().map(whole).collect();
     let long = (LEAST_PART * temperatures.len() as f64).max(LEAST_GROUPS as f64);
     still(temperatures, near)
         .into_iter()
         .filter(|groups| groups.len() as f64 >= long)
         .filter_map(|groups| {
-            let share_of = |(axis, (rates, whole)): (usize, (&Vec<f64>, &f64))| {
-                let (by, by_noise) = goes_on_by(&rates[groups.clone()], noise(&measured(rates)));
+            let shares = rates.iter().zip(&whole).enumerate().filter_map(|(axis, (rates, &(whole, noise)))| {
+                let (by, by_noise) = goes_on_by(&rates[groups.clone()], noise);
                 (by - by_noise >= GOES_ON * whole).then_some((axis, by / whole))
-            };
-            let shares = rates.iter().zip(&whole).enumerate().filter_map(share_of);
+            });
             let (axis, share) = shares.max_by(|a, b| a.1.total_cmp(&b.1))?;
             Some(Frozen { groups, axis, share })
         })
@@ -82,17 +88,12 @@ fn goes_on_by(rates: &[f64], noise: f64) -> (f64, f64) {
     let measured = measured(rates);
     let eighth = (measured.len() / 8).max(1);
     let medians: Vec<f64> = measured.chunks_exact(eighth).map(|part| median(&mut part.to_vec())).collect();
-    let [least, most] = ends(&medians);
+    let (least, most) = ends(medians);
     (most - least, OF_NOISE * noise / (eighth as f64).sqrt())
 }
 
-fn measured(rates: &[f64]) -> Vec<f64> {
-    rates.iter().copied().filter(|rate| rate.is_finite()).collect()
-}
-
-fn ends(values: &[f64]) -> [f64; 2] {
-    let finite = values.iter().filter(|value| value.is_finite());
-    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(*value), most.max(*value)])
+fn measured(values: &[f64]) -> Vec<f64> {
+    values.iter().copied().filter(|value| value.is_finite()).collect()
 }
 
 #[cfg(test)]

@@ -3,6 +3,11 @@
 /// From one value to another.
 pub type Interval = (f64, f64);
 
+/// From the least to the greatest of some values; from infinity down of none.
+pub fn ends(values: impl IntoIterator<Item = f64>) -> Interval {
+    values.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), own| (least.min(own), most.max(own)))
+}
+
 /// Intervals without overlap, in order.
 #[must_use]
 pub fn joined(mut intervals: Vec<Interval>) -> Vec<Interval> {

@@ -2,6 +2,7 @@
 
 use zerorate_core::drift::{Scale, Shape};
 
+use crate::intervals::ends;
 use crate::least_squares::{Basis, Fit};
 use crate::line::Line;
 
@@ -101,7 +102,7 @@ pub fn background(jumps: &[Jump], separate: usize) -> f64 {
 
 /// What the best curve over temperature leaves of some values.
 fn beside_a_curve(temperatures: &[f64], values: &[f64]) -> Option<Vec<f64>> {
-    let (min, max) = temperatures.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
+    let (min, max) = ends(temperatures.iter().copied());
     let mut fit = Fit::new(Scale::spanning(min, max)?, Basis::Powers(CURVE_ORDER));
     temperatures.iter().zip(values).for_each(|(temperature, value)| fit.push(*temperature, *value));
     let curve: Shape = fit.finish().ok()?.shape()?;

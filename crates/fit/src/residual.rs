@@ -1,8 +1,8 @@
 //! What a curve leaves, in a few numbers.
 
-use std::ops::Range;
-
 use serde::{Deserialize, Serialize};
+
+use crate::folds::Fold;
 
 /// The size of a residual, in the rate's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -41,10 +41,10 @@ impl ResidualStatistics {
         Self { rms_standard_error: Some(error).filter(|error| error.is_finite()), ..all.statistics() }
     }
 
-    /// The same of residuals in their order, and the parts of each fold; those that are no numbers are left out.
+    /// The same of residuals in their order; those that are no numbers are left out.
     #[must_use]
-    pub fn by_folds(residuals: &[f64], folds: &[Vec<Range<usize>>]) -> Self {
-        let fold = |fold: &Vec<Range<usize>>| Residuals::of(fold.iter().cloned().flatten().map(|row| residuals[row]));
+    pub fn by_folds(residuals: &[f64], folds: &[Fold]) -> Self {
+        let fold = |fold: &Fold| Residuals::of(fold.rows().map(|row| residuals[row]));
         Self::of_folds(&folds.iter().map(fold).collect::<Vec<_>>())
     }
 
@@ -150,14 +150,13 @@ mod tests {
     use std::slice::from_ref;
 
     use super::*;
-    use crate::folds::folds_of_logs;
 
     #[test]
     fn the_standard_error_of_an_rms_is_by_folds() {
         // Mean squares 1, 9, 1, 9, 1, 9, 1, 9 of two residuals each: 5 on average, and the variance of such a mean is
         // 8 x 16 / (8 x 7). The error of a root is that of the square over twice the root.
         let residuals: Vec<f64> = (0..16).map(|row| if row / 2 % 2 == 0 { 1.0 } else { -3.0 }).collect();
-        let found = ResidualStatistics::by_folds(&residuals, &folds_of_logs(from_ref(&(0..residuals.len()))));
+        let found = ResidualStatistics::by_folds(&residuals, &Fold::of_logs(from_ref(&(0..residuals.len()))));
         assert!((found.rms - 5.0_f64.sqrt()).abs() < 1e-12 && (found.pp - 4.0).abs() < 1e-12);
         let by_hand = (8.0 * 16.0 / (8.0 * 7.0_f64)).sqrt() / (2.0 * 5.0_f64.sqrt());
         assert!((found.rms_standard_error.unwrap() - by_hand).abs() < 1e-12, "{found:?}");
@@ -169,7 +168,7 @@ mod tests {
         assert_eq!((one.rms_standard_error, one.pp), (None, 3.0));
         assert_eq!(ResidualStatistics::of_folds(&[]).rms_standard_error, None);
         assert_eq!(
-            ResidualStatistics::by_folds(&[0.0; 16], &folds_of_logs(from_ref(&(0..16)))).rms_standard_error,
+            ResidualStatistics::by_folds(&[0.0; 16], &Fold::of_logs(from_ref(&(0..16)))).rms_standard_error,
             None,
             "nothing is left"
         );

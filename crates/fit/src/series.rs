@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::direction::go_both_ways;
-use crate::folds::folds_of_logs;
+use crate::folds::Fold;
 
 /// What the run after this one will be like: what a calibration is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,9 +60,9 @@ impl Series<'_> {
         begins.iter().copied().zip(ends).map(|(begin, end)| begin..end).collect()
     }
 
-    /// The groups of each fold, log by log.
-    pub(crate) fn folds(&self) -> Vec<Vec<Range<usize>>> {
-        folds_of_logs(&self.logs())
+    /// The groups of each fold.
+    pub(crate) fn folds(&self) -> Vec<Fold> {
+        Fold::of_logs(&self.logs())
     }
 
     /// Whether a group is the first of its log.

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::direction::warming;
 use crate::folds::{FOLDS, TELLING, fold_of_row, jackknife_error};
+use crate::intervals::ends;
 use crate::series::Series;
 
 /// Noise alone exceeds this, to either side, once in a thousand times: Student's t of seven degrees of freedom, one fewer
@@ -158,9 +159,7 @@ fn correlation(points: &[Point]) -> f64 {
 /// How far the points reach: in time within the longest log, in temperature over all.
 fn span(points: &[Point], axis: usize) -> f64 {
     let reach = |points: &[Point]| {
-        let (min, max) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), point| {
-            (min.min(point.at[axis]), max.max(point.at[axis]))
-        });
+        let (min, max) = ends(points.iter().map(|point| point.at[axis]));
         max - min
     };
     match axis {

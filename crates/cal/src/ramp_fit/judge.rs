@@ -33,7 +33,7 @@ pub fn judge_survey(
     options: &FitOptions,
 ) {
     let groups = survey.groups();
-    judgement.rows(axis, groups, "groups", options.model.least_coefficients());
+    judgement.rows(axis, groups, "group", options.model.least_coefficients());
     if groups == 0 {
         return;
     }

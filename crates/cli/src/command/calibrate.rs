@@ -83,8 +83,8 @@ pub struct Calibrate {
     #[arg(long, value_name = "INSTRUMENT")]
     chamber: Option<Instrument>,
 
-    /// The fine supply and the voltmeter: manual, scpi:HOST:PORT or scpi:PATH; without it simulated with a simulated board, manual with a real one. Of several
-    /// boards one for each, in their order, or one that is wired to all and used by one after the other
+    /// The fine supply and the voltmeter: manual, scpi:HOST:PORT or scpi:PATH; without it simulated with a
+    /// simulated board, manual with a real one. Of several boards one for each, in their order, or one that is wired to all and used by one after the other
     #[arg(long = "supply", value_name = "INSTRUMENT")]
     supplies: Vec<Instrument>,
 

@@ -27,9 +27,9 @@ use crate::screen::{self, Grid, Page, three_digits};
 /// Tell a sensor's noise, hysteresis and sensitivities from a log
 ///
 /// The noise is told by the overlapping Allan deviation, sample by sample (a log of more than 131 072 rows is first averaged by
-/// twos, fours and so on) and without spikes, of the longest soak in the log (constant temperature), or with a calibration of what that leaves
-/// of the whole log; on a ramp it is refused, for there it would show the drift. Hysteresis and sensitivities are told where the log holds both directions and several speeds of the
-/// temperature. Names are those of IEEE Std 952 and 528.
+/// twos, fours and so on) and without spikes, of the longest soak in the log (constant temperature), or with a calibration of
+/// what that leaves of the whole log; on a ramp it is refused, for there it would show the drift. Hysteresis and sensitivities
+/// are told where the log holds both directions and several speeds of the temperature. Names are those of IEEE Std 952 and 528.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Characterise {

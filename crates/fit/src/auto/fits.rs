@@ -1,8 +1,6 @@
 //! The fits of one model: of everything, and of everything but what is held out.
 
-use std::ops::Range;
-
-use crate::folds::FOLDS;
+use crate::folds::{FOLDS, Fold};
 use crate::model_fit::ModelFit;
 use crate::series::Series;
 
@@ -20,10 +18,8 @@ pub(super) struct Fits {
 impl Fits {
     /// By `make`, which fits the groups that are kept. `None` where all of them do not settle the model.
     pub fn of(series: &Series<'_>, make: impl Fn(&dyn Fn(usize) -> bool) -> Option<ModelFit>) -> Option<Self> {
-        let fold = |fold: &Vec<Range<usize>>| {
-            let is_out = |group: usize| fold.iter().any(|part| part.contains(&group));
-            let has_any = fold.iter().cloned().flatten().any(|group| series.is_used(group));
-            has_any.then(|| make(&|group| !is_out(group))).flatten()
+        let fold = |fold: &Fold| {
+            fold.rows().any(|group| series.is_used(group)).then(|| make(&|group| !fold.has(group))).flatten()
         };
         let logs = series.logs();
         let several = if logs.len() < 2 { &[] } else { &logs[..] };

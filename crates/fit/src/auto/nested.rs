@@ -9,7 +9,8 @@ use super::{in_recording, predict};
 use crate::boot::{booted, move_zero, take_zero_off, variance_by_the_zero};
 use crate::choose::standard_error;
 use crate::drift_fit::{Candidate, HeldOut, LogLeft, StaticCubic, finite};
-use crate::folds::FOLDS;
+use crate::folds::{FOLDS, Fold};
+use crate::intervals::{self, Interval};
 use crate::model_fit::ModelFit;
 use crate::predict::{DriftModel, Start};
 use crate::residual::ResidualStatistics;
@@ -54,7 +55,7 @@ impl Outer {
             failed: false,
         };
         for (fold, made) in series.folds().iter().zip(&fits.folds) {
-            outer.failed |= made.is_none() && fold.iter().cloned().flatten().any(|group| series.is_used(group));
+            outer.failed |= made.is_none() && fold.rows().any(|group| series.is_used(group));
             outer.see(series, fold);
             if let Some(made) = made {
                 outer.predict(series, made, fold);
@@ -64,19 +65,17 @@ impl Outer {
     }
 
     /// Marks the groups of a fold that lie between the temperatures of the others.
-    fn see(&mut self, series: &Series<'_>, fold: &[Range<usize>]) {
-        let is_out = |group: &usize| fold.iter().any(|part| part.contains(group));
-        let others = (0..series.rate.len()).filter(|group| !is_out(group) && series.is_used(*group));
-        let (least, most) = ends_of(others.map(|group| series.temperature[group]));
-        for group in fold.iter().cloned().flatten() {
+    fn see(&mut self, series: &Series<'_>, fold: &Fold) {
+        let (least, most) = temperatures(series, |group| !fold.has(group));
+        for group in fold.rows() {
             self.between[group] = (least..=most).contains(&series.temperature[group]);
         }
     }
 
-    fn predict(&mut self, series: &Series<'_>, made: &ModelFit, fold: &[Range<usize>]) {
+    fn predict(&mut self, series: &Series<'_>, made: &ModelFit, fold: &Fold) {
         let known = in_recording(&made.model, series);
         let warm = predict(&made.model, Start::Unknown, series, 0..series.rate.len());
-        for out in fold {
+        for out in fold.parts() {
             let used: Vec<usize> = out.clone().filter(|&group| series.is_used(group)).collect();
             let cold = predict(&made.model, Start::Unknown, series, out.clone());
             for &group in &used {
@@ -234,22 +233,17 @@ impl Outer {
 
     /// The mean square of each fold within the recording.
     fn squares(&self, series: &Series<'_>) -> Vec<f64> {
-        let left = |fold: Vec<Range<usize>>| fold.into_iter().flatten().map(|group| self.residuals[group]);
-        let of = |fold| ResidualStatistics::of(left(fold)).rms.powi(2);
-        series.folds().into_iter().map(of).filter(|square| square.is_finite()).collect()
+        let of = |fold: &Fold| ResidualStatistics::of(fold.rows().map(|group| self.residuals[group])).rms.powi(2);
+        series.folds().iter().map(of).filter(|square| square.is_finite()).collect()
     }
 }
 
 /// What fits of all logs but one leave of that one, as deployed and a zero taken off; nothing of one log. Each is believed as far
 /// beyond its own logs' temperatures as the fit of all is beyond all of them, and held from there.
 fn by_the_others(series: &Series<'_>, fits: &Fits) -> Vec<f64> {
-    let of_used = |kept: &dyn Fn(usize) -> bool| {
-        let used = (0..series.rate.len()).filter(|&group| kept(group) && series.is_used(group));
-        ends_of(used.map(|group| series.temperature[group]))
-    };
-    let (coldest, hottest) = of_used(&|_| true);
+    let (coldest, hottest) = temperatures(series, |_| true);
     let of_log = |(log, made): (Range<usize>, &Option<ModelFit>)| {
-        let (min, max) = of_used(&|group| !log.contains(&group));
+        let (min, max) = temperatures(series, |group| !log.contains(&group));
         let own = made.as_ref().and_then(|made| {
             let all = made.model.drift.valid;
             let further = (all.max() - hottest) / (hottest - coldest) * (max - min);
@@ -264,9 +258,10 @@ fn by_the_others(series: &Series<'_>, fits: &Fits) -> Vec<f64> {
     zeroed(series, &series.logs().into_iter().zip(&fits.logs).flat_map(of_log).collect::<Vec<_>>())
 }
 
-/// The coldest and the warmest.
-fn ends_of(temperatures: impl Iterator<Item = f64>) -> (f64, f64) {
-    temperatures.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)))
+/// The coldest and the warmest of the groups that are used and `kept`.
+fn temperatures(series: &Series<'_>, kept: impl Fn(usize) -> bool) -> Interval {
+    let used = (0..series.rate.len()).filter(|&group| kept(group) && series.is_used(group));
+    intervals::ends(used.map(|group| series.temperature[group]))
 }
 
 /// What a fit without an end of temperature leaves of it, root mean square; NaN without one.
@@ -330,11 +325,11 @@ pub(super) fn static_cubic(
     let groups = series.rate.len();
     let timeless = super::timeless(&fits.whole.model, series);
     let residual = |cubic: &Drift, group: usize| timeless[group] - cubic.evaluate(series.temperature[group]).0;
-    let used = |range: Range<usize>| range.filter(|&group| series.is_used(group));
-    let in_sample = ResidualStatistics::of(used(0..groups).map(|group| residual(&drift, group)));
+    let used = (0..groups).filter(|&group| series.is_used(group));
+    let in_sample = ResidualStatistics::of(used.map(|group| residual(&drift, group)));
     let mut held_out = Vec::new();
     for (fold, made) in series.folds().iter().zip(&fits.folds) {
-        let out = fold.iter().cloned().flat_map(used);
+        let out = fold.rows().filter(|&group| series.is_used(group));
         match made.as_ref().and_then(|made| made.cubic.as_ref()) {
             Some(cubic) => held_out.extend(out.map(|group| residual(cubic, group))),
             None => held_out.extend(out.map(|_| f64::INFINITY)),
@@ -359,8 +354,8 @@ fn directions(series: &Series<'_>) -> Vec<Option<usize>> {
     const REACH: usize = 3;
     /// A change smaller than this share of the span over them is a soak.
     const STILL: f64 = 0.002;
-    let finite = || series.temperature.iter().copied().filter(|t| t.is_finite());
-    let span = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
+    let (coldest, hottest) = intervals::ends(series.temperature.iter().copied().filter(|t| t.is_finite()));
+    let span = hottest - coldest;
     let of_group = |log: &Range<usize>, group: usize| {
         let before = series.temperature[group.saturating_sub(REACH).max(log.start)];
         let after = series.temperature[(group + REACH).min(log.end - 1)];

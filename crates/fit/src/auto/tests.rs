@@ -110,18 +110,20 @@ fn hysteresis_of_another_kind_is_found_and_predicted_on_data_never_seen() {
     assert!(warm < 0.5 * cubic && cold < 1.1 * cubic, "{nested:?}");
 }
 
+/// The inside of a part, which follows the temperature with a time constant, solved in steps of a second.
+fn inside(temperature: &[f64], time_constant_s: f64) -> Vec<f64> {
+    let mut inside = temperature[0];
+    let follow = |t: &f64| {
+        (0..10).for_each(|_| inside += (t - inside) / time_constant_s);
+        inside
+    };
+    temperature.iter().map(follow).collect()
+}
+
 #[test]
 fn a_lag_and_a_drift_in_time_are_told_apart() {
     let temperature = cycles();
-    // The inside follows with 240 s, solved in steps of a second.
-    let mut inside = temperature[0];
-    let ahead: Vec<f64> = temperature
-        .iter()
-        .map(|t| {
-            (0..10).for_each(|_| inside += (t - inside) / 240.0);
-            inside - t
-        })
-        .collect();
+    let ahead: Vec<f64> = inside(&temperature, 240.0).iter().zip(&temperature).map(|(inside, t)| inside - t).collect();
     let fit = Made::new(temperature, |group, t| cubic(t) + 2e-4 * ahead[group] + 1e-6 * 10.0 * group as f64);
     let fit = fit.fit(Model::Auto);
     assert!(chosen(&fit).contains("lag"), "{}", chosen(&fit));
@@ -252,21 +254,12 @@ fn several_logs_have_a_history_each_and_no_drift_in_time() {
     assert!(fit.fit.statistics.held_out.unwrap().rms < 4e-4, "{:?}", fit.fit.statistics.held_out);
 }
 
-/// What a die shows that follows its sensor with 120 s, solved in steps of a second.
-fn behind(temperature: &[f64]) -> Vec<f64> {
-    let mut inside = temperature[0];
-    let follow = |t: &f64| {
-        (0..10).for_each(|_| inside += (t - inside) / 120.0);
-        cubic(inside)
-    };
-    temperature.iter().map(follow).collect()
-}
-
 /// A unit that warms up and whose die is behind its sensor, switched on twice: what both runs say of it helps on the third no less
 /// than what one says. A fold that lasts twice as long has twice the warming up in it, which no device predicts.
 #[test]
 fn two_runs_of_a_unit_leave_no_more_of_a_third_than_one_does() {
-    let run = behind(&cycle());
+    let behind = |temperature: Vec<f64>| inside(&temperature, 120.0).into_iter().map(cubic);
+    let run: Vec<f64> = behind(cycle()).collect();
     let warming_up = |group: usize| 3e-2 * libm::exp(-10.0 * (group % 400) as f64 / 900.0);
     let left_of_the_third = |runs: usize| {
         let temperature = (0..runs).flat_map(|_| cycle()).collect();
@@ -274,7 +267,7 @@ fn two_runs_of_a_unit_leave_no_more_of_a_third_than_one_does() {
         let made = Made::new(temperature, |group, _| run[group % 400] + warming_up(group));
         let model = made.fit_of_logs(Model::Auto, &log).fit.model;
         let rows = cycles().into_iter().enumerate().map(|(group, t)| (10.0 * group as f64, t));
-        let left: Vec<f64> = behind(&cycles()).iter().zip(model.biases(rows)).map(|(rate, bias)| rate - bias).collect();
+        let left: Vec<f64> = behind(cycles()).zip(model.biases(rows)).map(|(rate, bias)| rate - bias).collect();
         ResidualStatistics::about_mean(&left).0.rms
     };
     let (one, two) = (left_of_the_third(1), left_of_the_third(2));

@@ -116,7 +116,7 @@ impl<'a> Marginal<'a> {
             target: whitened.products.view((0, width), (width, 1)).column(0).into_owned(),
             square: whitened.products[(width, width)],
             log_determinant: whitened.log_determinant,
-            rows: whitened.told,
+            rows: whitened.count,
             wander,
         }
     }

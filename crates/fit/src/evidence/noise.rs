@@ -21,13 +21,13 @@ pub(super) struct Whitened {
     /// A row of the recording a column.
     pub rows: DMatrix<f64>,
     /// Each column times each, of several logs the mean of their sums: what no column holds comes again in every run that goes the
-    /// same way, and would be taken, run after run, for more evidence of columns that look like it. So logs tell of strength what
-    /// one of them tells (a power of the likelihood: Grünwald, *The safe Bayesian*, 2012), and of the coefficients all they know.
+    /// same way, and would be taken, run after run, for more evidence of columns that look like it. So logs weigh against the priors
+    /// as one of them does (a power of the likelihood: Grünwald, *The safe Bayesian*, 2012).
     pub products: DMatrix<f64>,
     /// Of the noise's covariance, the white part's variance being 1; of several logs their mean.
     pub log_determinant: f64,
-    /// For how many rows that stands.
-    pub told: f64,
+    /// How many rows a log has, on average.
+    pub count: f64,
 }
 
 impl Whitened {
@@ -58,9 +58,9 @@ impl Whitened {
             variance *= 1.0 - gain;
             log_determinant += libm::log(whole);
         }
-        let share = 1.0 / averages.begins.iter().filter(|begins| **begins).count().max(1) as f64;
-        let products = products_of(&rows) * share;
-        Self { told: rows.ncols() as f64 * share, rows, products, log_determinant: log_determinant * share }
+        let share = 1.0 / averages.begins.iter().filter(|begins| **begins).count() as f64;
+        let (products, count) = (products_of(&rows) * share, rows.ncols() as f64 * share);
+        Self { rows, products, log_determinant: log_determinant * share, count }
     }
 }
 

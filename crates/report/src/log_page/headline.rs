@@ -169,13 +169,7 @@ fn lead(fit: &LogFit) -> Markup {
 
 /// The units of the rates, each once, in the order of the axes.
 pub(super) fn units(fit: &LogFit) -> Vec<RateUnit> {
-    let mut units: Vec<RateUnit> = Vec::new();
-    for axis in &fit.axes {
-        if !units.contains(&axis.calibration.rate_unit) {
-            units.push(axis.calibration.rate_unit);
-        }
-    }
-    units
+    RateUnit::each(fit.axes.iter().map(|axis| axis.calibration.rate_unit))
 }
 
 fn axes_in(fit: &LogFit, unit: RateUnit) -> Vec<&AxisFit> {

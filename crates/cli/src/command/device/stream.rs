@@ -6,6 +6,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::Serialize;
 use zerorate_bench::scan_line::{HeardScan, ScanFlags, ScanLine};
+use zerorate_report::number::counted;
 
 use super::Device;
 use crate::command::Outcome;
@@ -66,8 +67,7 @@ impl Stream {
             shown += 1;
         }
         if line.damaged() > 0 {
-            let damaged = line.damaged();
-            screen::note(&format!("{damaged} damaged {}", if damaged == 1 { "frame" } else { "frames" }));
+            screen::note(&counted(line.damaged() as usize, "damaged frame"));
         }
         Ok(Outcome::Done)
     }
@@ -75,8 +75,8 @@ impl Stream {
     fn show(&self, scan: &HeardScan, json: bool) -> Result<()> {
         let shown = Shown::of(scan, self.scan_period_us);
         if scan.missed > 0 {
-            let scans = if scan.missed == 1 { "scan" } else { "scans" };
-            screen::note(&format!("{} {scans} before scan {} did not arrive", scan.missed, shown.scan));
+            let scans = counted(scan.missed as usize, "scan");
+            screen::note(&format!("{scans} before scan {} did not arrive", shown.scan));
         }
         if json {
             return screen::print(&(serde_json::to_string(&shown)? + "\n"));

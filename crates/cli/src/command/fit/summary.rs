@@ -34,12 +34,7 @@ pub fn page(fit: &LogFit, about: &About, written: &[PathBuf], next: &Option<(&'s
     verdict(&mut page, fit);
     rejected_axes(&mut page, fit);
     if !fit.axes.is_empty() {
-        let mut units: Vec<RateUnit> = Vec::new();
-        for axis in &fit.axes {
-            if !units.contains(&axis.calibration.rate_unit) {
-                units.push(axis.calibration.rate_unit);
-            }
-        }
+        let units = RateUnit::each(fit.axes.iter().map(|axis| axis.calibration.rate_unit));
         units.iter().for_each(|unit| curves(&mut page, fit, fit.scale(*unit, asked), *unit));
         terms(&mut page, fit);
         for trend in trend_sentences(fit, asked) {

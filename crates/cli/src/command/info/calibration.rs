@@ -53,14 +53,9 @@ struct Trim {
 impl Facts {
     pub fn read(file: &Path) -> Result<Self> {
         let calibration = Calibration::read(&file.into())?;
-        let mut scales: Vec<(RateUnit, RateScale)> = Vec::new();
-        for unit in calibration.axes.values().map(|axis| axis.rate_unit) {
-            if scales.iter().all(|(known, _)| *known != unit) {
-                scales.push((unit, calibration.scale(unit)));
-            }
-        }
+        let units = RateUnit::each(calibration.axes.values().map(|axis| axis.rate_unit));
         Ok(Self {
-            scales,
+            scales: units.into_iter().map(|unit| (unit, calibration.scale(unit))).collect(),
             calibrated: calibration.kind,
             unit_serial: calibration.unit_serial,
             created_by: calibration.created_by,

@@ -11,14 +11,8 @@ use crate::screen::{Grid, Page, aligned, style};
 pub fn page(verified: &Verified, asked: Option<WrittenRate>, join: Option<&str>) -> Page {
     let mut page = Page::default();
     verdict(&mut page, verified);
-    let mut units: Vec<RateUnit> = Vec::new();
-    for axis in &verified.axes {
-        if !units.contains(&axis.rate_unit) {
-            units.push(axis.rate_unit);
-        }
-    }
     // Rates and accelerations are told apart: they have no scale in common.
-    for rate_unit in units {
+    for rate_unit in RateUnit::each(verified.axes.iter().map(|axis| axis.rate_unit)) {
         let axes: Vec<&VerifiedAxis> = verified.axes.iter().filter(|axis| axis.rate_unit == rate_unit).collect();
         let sizes: Vec<f64> = axes.iter().map(|axis| axis.raw.pp).collect();
         let scale = RateScale::of(rate_unit, &sizes, asked);
