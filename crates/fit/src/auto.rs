@@ -87,7 +87,7 @@ pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<Gr
     let Some(own) = own else { return Ok(finish(&tried, tried.len() - 1, &groups)) };
     let cubic = tried.len() - 1;
     // The bench's next run is this one again: there is nothing to be careful about, and its cubic goes to no autopilot.
-    let own = if series.next == NextRun::Another { own.mean_with(&tried[cubic], series) } else { own };
+    let own = if series.next == NextRun::Another { own.mean_with(&tried[cubic], &groups) } else { own };
     let exported = own.outer.cubic_error(series);
     let is_worse = own.outer.error(series) > TELLING * exported.min(tried[cubic].outer.error(series));
     // A drift in time is no part of what is deployed, but a curve fitted as if there were none is bent by it.
@@ -128,12 +128,17 @@ impl Attempt {
 
     /// The mean with a plain cubic, and of its static cubic with it, each by what least is left of the folds. A model that
     /// tells a straight drift in time stays: what the cubic left of the folds has that drift in it, and says little of the two.
-    fn mean_with(self, plain: &Self, series: &Series<'_>) -> Self {
+    fn mean_with(self, plain: &Self, groups: &Groups<'_>) -> Self {
+        let Groups { series, measured, valid } = *groups;
         let of_model = mean::share(self.outer.warm(), plain.outer.warm());
-        let of_cubic = mean::share(self.outer.cubic_deployed(), plain.outer.cubic_deployed());
+        let of_cubics = [self.outer.cubic_deployed(), plain.outer.cubic_deployed()];
         let is_straight = self.fits.whole.model.time_drift.as_ref().is_some_and(|drift| drift.per_second != 0.0);
-        let share = if is_straight { 1.0 } else { of_model };
-        let joined = self.fits.with(&plain.fits, |own, plain| mean::of_two(own, plain, share, of_cubic));
+        let shares = mean::Shares {
+            model: if is_straight { 1.0 } else { of_model },
+            cubic: mean::share_of_cubic(of_cubics[0], of_cubics[1], &series.folds()),
+        };
+        let seen = series.seen(measured, valid);
+        let joined = self.fits.with(&plain.fits, |own, plain| mean::of_two(own, plain, shares, seen));
         joined.map_or(self, |fits| Self::of(series, fits))
     }
 
@@ -174,7 +179,7 @@ impl Attempt {
             trends: trends(&deployed, series),
             ..FitStatistics::new(ResidualOver::Groups, used, in_sample, held_out, made.covariance.clone())
         };
-        let static_cubic = nested::static_cubic(series, measured, fits, outer);
+        let static_cubic = nested::static_cubic(groups, fits, outer);
         GroupFit {
             fit: DriftFit { model: made.model.clone(), measured, static_cubic, band, next_run_band, statistics },
             residuals,

@@ -13,8 +13,10 @@ mod averages;
 mod columns;
 mod deployed;
 mod marginal;
+mod memories;
 mod noise;
 mod search;
+mod start_up;
 
 use zerorate_core::drift::ValidRange;
 

@@ -2,8 +2,11 @@
 
 use std::ops::Range;
 
+use zerorate_core::drift::ValidRange;
+
 use crate::direction::go_both_ways;
 use crate::folds::Fold;
+use crate::intervals::ends;
 
 /// What the run after this one will be like: what a calibration is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +41,14 @@ impl Series<'_> {
     #[must_use]
     pub fn is_used(&self, group: usize) -> bool {
         self.rate[group].is_finite() && self.temperature[group].is_finite() && self.weight[group] > 0.0
+    }
+
+    /// The temperatures that a next run will see as well, for all that is known: those that had a rate, `measured`, and those that
+    /// had none, where a curve is believed.
+    pub(crate) fn seen(&self, measured: ValidRange, valid: ValidRange) -> ValidRange {
+        let (coldest, hottest) = ends(self.temperature.iter().copied().filter(|t| t.is_finite()));
+        let (min, max) = (coldest.min(measured.min()).max(valid.min()), hottest.max(measured.max()).min(valid.max()));
+        ValidRange::new(min, max).unwrap_or(measured)
     }
 
     /// Whether a straight drift in time can be told from the rest: in one log, whose temperature goes both ways. Between logs a

@@ -3,34 +3,46 @@
 //! Deployed is a mean of the model by evidence and the plain cubic; exported one of the cubic nearest to that model's curve,
 //! every temperature alike, and the same plain cubic. A mean of two predictions is nearer than either where they err in
 //! different ways (Wolpert, *Stacked generalization*, 1992; Breiman, *Stacked regressions*, 1996: shares that are not negative).
+//! Beyond the temperatures that were seen the model goes on along its slope; the plain cubic is held there, as it is without a
+//! model.
 
-use zerorate_core::drift::{Drift, History, Shape, Table, Term};
+use zerorate_core::drift::{Drift, History, Shape, Table, Term, ValidRange};
 
-use crate::folds::FOLDS;
+use crate::folds::{FOLDS, Fold, TELLING};
 use crate::model_fit::{CUBIC, ModelFit};
 use crate::nearest::nearest;
 use crate::predict::{DriftModel, StartUp, TimeDrift};
 
-/// How far a share is expected from a half, a standard deviation: both ends are one away.
-const SPREAD: f64 = 0.5;
+/// How far a share is expected from a half, a standard deviation: beyond both ends.
+const SPREAD: f64 = 0.6;
 
-/// The mean of a model that is deployed as a table and of a plain curve, `share` of it the model's, and of their static cubics,
-/// `of_cubic` the model's. `None` where it is no table.
-pub(super) fn of_two(own: &ModelFit, plain: &ModelFit, share: f64, of_cubic: f64) -> Option<ModelFit> {
+/// How much of a mean is the model's.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shares {
+    pub model: f64,
+    pub cubic: f64,
+}
+
+/// The mean of a model that is deployed as a table and of a plain curve that is held outside of what was `seen`, and of their
+/// static cubics. `None` where it is no table.
+pub(super) fn of_two(own: &ModelFit, plain: &ModelFit, shares: Shares, seen: ValidRange) -> Option<ModelFit> {
     let cubic = match (&own.cubic, &plain.cubic) {
-        (Some(own), Some(plain)) => cubic(own, plain, of_cubic),
+        (Some(own), Some(plain)) => cubic(own, plain, shares.cubic),
         _ => own.cubic.clone(),
     };
-    Some(ModelFit { model: model(&own.model, &plain.model.drift, share)?, cubic, ..own.clone() })
+    Some(ModelFit { model: model(&own.model, &plain.model.drift, shares.model, seen)?, cubic, ..own.clone() })
 }
 
 /// The mean of a model and a curve. What it remembers, and what dies away after switching on, the curve does not have: so
-/// much less of it is left.
-fn model(own: &DriftModel, plain: &Drift, share: f64) -> Option<DriftModel> {
+/// much less of it is left. The curve is held from the knots on that are the first outside of `seen`: so it is as it was inside.
+fn model(own: &DriftModel, plain: &Drift, share: f64, seen: ValidRange) -> Option<DriftModel> {
     let Shape::Table(table) = &own.drift.shape else { return None };
+    let at: Vec<f64> = (0..table.knots().len()).map(|place| table.knot_temperature(place)).collect();
+    let coldest = at.iter().rev().find(|knot| **knot <= seen.min())?;
+    let hottest = at.iter().find(|knot| **knot >= seen.max())?;
     let mean =
-        |(place, knot): (usize, &f64)| share * knot + (1.0 - share) * plain.evaluate(table.knot_temperature(place)).0;
-    let knots: Vec<f64> = table.knots().iter().enumerate().map(mean).collect();
+        |(at, knot): (&f64, &f64)| share * knot + (1.0 - share) * plain.shape.evaluate(at.clamp(*coldest, *hottest));
+    let knots: Vec<f64> = at.iter().zip(table.knots()).map(mean).collect();
     let shape = Table::new(table.scale(), &knots).map(Shape::Table)?;
     let term = |term: &Term| Term { weight: share * term.weight, behind: share * term.behind, ..*term };
     let history = own.history.as_ref().and_then(|history| {
@@ -66,22 +78,49 @@ pub(super) fn share(own: &[f64], plain: &[f64]) -> f64 {
     if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 }
 }
 
+/// The share of the cubic that is nearest to the model. A part of autopilots' parameters that rests on a single fold is none:
+/// without the one that speaks most for the model the others must be predicted better by it as well, by more than a twentieth.
+pub(super) fn share_of_cubic(own: &[f64], plain: &[f64], folds: &[Fold]) -> f64 {
+    let sum = |fold: &Fold, of: &[f64]| {
+        let both = fold.rows().filter(|&group| own[group].is_finite() && plain[group].is_finite());
+        both.map(|group| of[group].powi(2)).sum::<f64>()
+    };
+    let mut squares: Vec<(f64, f64)> = folds.iter().map(|fold| (sum(fold, own), sum(fold, plain))).collect();
+    squares.sort_by(|(own, plain), (other_own, other_plain)| (own - plain).total_cmp(&(other_own - other_plain)));
+    let (own_of_others, plain_of_others) =
+        squares.iter().skip(1).fold((0.0, 0.0), |(own, plain), fold| (own + fold.0, plain + fold.1));
+    if TELLING.powi(2) * own_of_others < plain_of_others { share(own, plain) } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
-    use zerorate_core::drift::{Polynomial, Scale, ValidRange};
+    use zerorate_core::drift::{Polynomial, Scale};
 
     use super::*;
 
     /// Two that leave (1, 0, ...) and (0, 2, ...) have squares of 1 and 4 and nothing in common: the least of
-    /// `s^2 + 4 (1 - s)^2 + (s - 1/2)^2 / 2` is at 8.5 / 11.
+    /// `s^2 + 4 (1 - s)^2 + (s - 1/2)^2 k`, `k = 1 / 8 / 0.36`, is at `(4 + k / 2) / (5 + k)`.
     #[test]
     fn the_share_is_the_one_that_leaves_least() {
         let found = share(&[1.0, 0.0, f64::NAN, 1.0], &[0.0, 2.0, 1.0, f64::NAN]);
-        assert!((found - 8.5 / 11.0).abs() < 1e-12, "{found}");
+        assert!((found - 4.173611111111 / 5.347222222222).abs() < 1e-12, "{found}");
         assert!((share(&[1.0, -1.0], &[1.0, -1.0]) - 0.5).abs() < 1e-12, "what leaves the same has half");
         assert!((share(&[0.0, 0.0], &[1.0, 2.0]) - 1.0).abs() < 1e-12, "what leaves nothing has all");
-        // 3 times the same error: s = (2 - 3 x 2 + 1 / 2) / (8 + 1) is below nothing.
+        // 3 times the same error: s = (2 - 3 x 2 + k) / (8 + 2 k) is below nothing.
         assert!(share(&[3.0, 3.0], &[1.0, 1.0]).abs() < 1e-12);
+    }
+
+    /// Eight folds of a group each. At first one alone is better by the model; then another is as well.
+    #[test]
+    fn what_a_single_fold_says_gives_the_models_cubic_no_share() {
+        let folds = Fold::of_logs(&[0..8]);
+        let mut own = [1.0; 8];
+        own[0] = 0.1;
+        let plain = [1.02; 8];
+        assert!(share(&own, &plain) > 0.5);
+        assert!(share_of_cubic(&own, &plain, &folds).abs() < 1e-12);
+        own[1] = 0.1;
+        assert!((share_of_cubic(&own, &plain, &folds) - share(&own, &plain)).abs() < 1e-12);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use zerorate_core::drift::{Drift, ValidRange};
 
+use super::curve::Groups;
 use super::fits::{Fits, ends};
 use super::{in_recording, predict};
 use crate::boot::{booted, move_zero, take_zero_off, variance_by_the_zero};
@@ -315,17 +316,12 @@ fn known_by_log(series: &Series<'_>, left: &[f64]) -> Vec<Vec<usize>> {
 }
 
 /// The static cubic of everything, with what it leaves of the rates less the recording's own drift in time.
-pub(super) fn static_cubic(
-    series: &Series<'_>,
-    measured: ValidRange,
-    fits: &Fits,
-    outer: &Outer,
-) -> Option<StaticCubic> {
+pub(super) fn static_cubic(groups: &Groups<'_>, fits: &Fits, outer: &Outer) -> Option<StaticCubic> {
+    let Groups { series, measured, valid } = *groups;
     let drift = fits.whole.cubic.clone()?;
-    let groups = series.rate.len();
     let timeless = super::timeless(&fits.whole.model, series);
     let residual = |cubic: &Drift, group: usize| timeless[group] - cubic.evaluate(series.temperature[group]).0;
-    let used = (0..groups).filter(|&group| series.is_used(group));
+    let used = (0..series.rate.len()).filter(|&group| series.is_used(group));
     let in_sample = ResidualStatistics::of(used.map(|group| residual(&drift, group)));
     let mut held_out = Vec::new();
     for (fold, made) in series.folds().iter().zip(&fits.folds) {
@@ -341,9 +337,9 @@ pub(super) fn static_cubic(
         true => series.rate[group] - drift.evaluate(series.temperature[group]).0,
         false => f64::NAN,
     };
-    let deployed = outer.deployed_by_cubic(series, &(0..groups).map(of_all).collect::<Vec<_>>());
-    // Autopilots hold a curve at the ends of what was measured.
-    let drift = Drift { valid: measured, ..drift };
+    let deployed = outer.deployed_by_cubic(series, &(0..series.rate.len()).map(of_all).collect::<Vec<_>>());
+    // Autopilots hold a curve at the ends of what it is for.
+    let drift = Drift { valid: series.seen(measured, valid), ..drift };
     Some(StaticCubic { drift, in_sample, held_out, deployed })
 }
 

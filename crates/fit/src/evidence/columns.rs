@@ -3,26 +3,14 @@
 use std::ops::Range;
 
 use nalgebra::DMatrix;
-use zerorate_core::drift::{
-    Drift, History, HistoryState, MAX_KNOTS, Memory, Polynomial, Scale, Shape, Term, ValidRange,
-};
+use zerorate_core::drift::{MAX_KNOTS, Memory, Scale, Shape, ValidRange};
 
+use super::memories::{LAG_SECONDS, Memories};
+use super::start_up::{self, START_SECONDS};
 use crate::series::{NextRun, Series};
 
 /// The intervals of the curve's table: as many as a device holds.
 const INTERVALS: usize = MAX_KNOTS - 1;
-
-/// Half-widths of the plays as shares of the span of temperature: the smallest still stands clear of a sensor's noise, the
-/// largest is known once the temperature has gone over six tenths of the span.
-const PLAY_SHARES: [f64; 3] = [0.03, 0.1, 0.3];
-
-/// Time constants of the lags, seconds, a factor of four apart: a package against its board, a board in its box, a box in
-/// its room.
-const LAG_SECONDS: [f64; 3] = [30.0, 120.0, 480.0];
-
-/// Time constants of what a gyro does after it is switched on, seconds, the shortest first, a factor of four apart. To an
-/// hour's log the longest is a slow drift.
-pub(super) const START_SECONDS: [f64; 3] = [150.0, 600.0, 2400.0];
 
 /// What a drift in time comes to at last, of a log that goes both ways.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,6 +64,8 @@ pub(super) struct Columns {
     /// The temperatures of the curve's knots.
     pub table: Scale,
     pub measured: ValidRange,
+    /// The temperatures that a static curve is for.
+    pub seen: ValidRange,
     /// What each column of the curve is at each knot.
     pub shapes: DMatrix<f64>,
     pub memories: Vec<Memory>,
@@ -106,16 +96,9 @@ impl Columns {
         kinds.extend(vec![Kind::Bends; bends]);
         let timed = series.time_s.iter().all(|time| time.is_finite());
         let both = series.goes_both_ways();
-        let mut memories = Vec::new();
-        if both {
-            let span = measured.max() - measured.min();
-            memories.extend(PLAY_SHARES.map(|share| Memory::Play { half_width: share * span }));
-        }
-        if both && timed {
-            memories.extend(LAG_SECONDS.map(|time_constant_s| Memory::Lag { time_constant_s }));
-        }
-        kinds.extend(memories.iter().map(|memory| Kind::of(*memory)));
-        let before = before.filter(|_| both && timed);
+        let memories = Memories::of(series, measured, valid);
+        kinds.extend(memories.which.iter().map(|memory| Kind::of(*memory)));
+        let before = before.filter(|_| kinds.contains(&Kind::Lags));
         kinds.extend(before.iter().flat_map(|_| LAG_SECONDS.map(|_| Kind::Behind)));
         let straight = slow == Slow::Straight;
         if straight && !series.tells_slope() {
@@ -127,8 +110,10 @@ impl Columns {
         let logs = series.logs().len();
         kinds.extend(vec![Kind::Logs; if logs > 1 { logs } else { 0 }]);
         let rows = DMatrix::zeros(kinds.len(), series.rate.len());
-        let mut columns = Self { table, measured, shapes, memories, before, middle_s: middle(series), kinds, rows };
-        columns.fill(series);
+        let (middle_s, which) = (middle(series), memories.which);
+        let seen = series.seen(measured, valid);
+        let mut columns = Self { table, measured, seen, shapes, memories: which, before, middle_s, kinds, rows };
+        columns.fill(series, &memories.ahead);
         Some(columns)
     }
 
@@ -159,36 +144,24 @@ impl Columns {
         0.5 * (self.measured.max() - self.measured.min())
     }
 
-    fn fill(&mut self, series: &Series<'_>) {
-        // A history whose weights are all nothing, for its memories alone.
-        let share = 1.0 / self.memories.len() as f64;
-        let terms: Vec<Term> =
-            self.memories.iter().map(|&memory| Term { memory, weight: 0.0, behind: 0.0, share }).collect();
-        let flat = Polynomial::new(self.table, &[0.0, 0.0]).map(Shape::Polynomial);
-        let history = flat.clone().and_then(|shape| History::new(shape, &terms));
-        let valid = ValidRange::new(self.table.temperature(-1.0), self.table.temperature(1.0));
-        let drift = flat.zip(valid).map(|(shape, valid)| Drift { shape, valid });
+    /// Fills the rows; `ahead` is each memory's `m - T`.
+    fn fill(&mut self, series: &Series<'_>, ahead: &DMatrix<f64>) {
         let (starts, logs) = (self.count(Kind::Start), self.count(Kind::Logs));
         let is_straight = self.count(Kind::Time) > 0;
-        let (mut state, mut before, mut began, mut log) = (HistoryState::default(), f64::NAN, f64::NAN, 0);
+        let in_the_middle = start_up::left(self.middle_s);
+        let (mut began, mut log) = (f64::NAN, 0);
         for (group, (&time, &temperature)) in series.time_s.iter().zip(series.temperature).enumerate() {
             if series.begins(group) {
-                (state, began, log) = (HistoryState::default(), time, log + 1);
+                (began, log) = (time, log + 1);
             }
             let mut values = self.curve_at(temperature);
-            if let Some((history, drift)) = history.as_ref().zip(drift.as_ref()) {
-                history.advance(drift, &mut state, temperature, time - before);
-                let ahead = &history.ahead(&state)[..self.memories.len()];
-                values.extend(ahead.iter().map(|ahead| ahead / self.amplitude()));
-                let lags = &ahead[self.count(Kind::Plays)..];
-                let wholly_behind = |known: &Before| lags.iter().map(|&ahead| known.adds(temperature, ahead)).collect();
-                values.extend(self.before.as_ref().map_or_else(Vec::new, wholly_behind));
-            }
-            before = time;
-            values.extend(START_SECONDS[..starts].iter().map(|constant| {
-                let left = |since_s: f64| libm::exp(-since_s / constant);
-                left(time - began) - left(self.middle_s)
-            }));
+            let ahead: Vec<f64> = ahead.column(group).iter().copied().collect();
+            values.extend(ahead.iter().map(|ahead| ahead / self.amplitude()));
+            let lags = &ahead[self.count(Kind::Plays)..];
+            let wholly_behind = |known: &Before| lags.iter().map(|&ahead| known.adds(temperature, ahead)).collect();
+            values.extend(self.before.as_ref().map_or_else(Vec::new, wholly_behind));
+            let left = start_up::left(time - began);
+            values.extend(left.iter().zip(in_the_middle).map(|(left, middle)| left - middle).take(starts));
             let along = (time - began) / self.middle_s - 1.0;
             values.extend(is_straight.then_some(along));
             values.extend((1..=logs).map(|own| f64::from(u8::from(own == log))));

@@ -4,8 +4,9 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use zerorate_core::drift::{Drift, History, Memory, Shape, Table, Term, ValidRange};
 
 use super::averages::Averages;
-use super::columns::{Columns, Kind, START_SECONDS};
+use super::columns::{Columns, Kind};
 use super::marginal::Evaluated;
+use super::start_up::START_SECONDS;
 use crate::model_fit::{CUBIC, ModelFit, rows};
 use crate::nearest::nearest;
 use crate::predict::{DriftModel, StartUp, TimeDrift};
@@ -24,8 +25,8 @@ pub(super) fn model(columns: &Columns, averages: &Averages, evaluated: &Evaluate
     let terms = terms(columns, averages, &beta, &counts);
     let history = History::new(shape.clone(), &terms);
     let time_drift = time_drift(columns, averages, &beta, &counts);
-    let cubic = nearest(|temperature| shape.evaluate(temperature), columns.measured, CUBIC)
-        .map(|cubic| Drift { shape: Shape::Polynomial(cubic), valid: columns.measured });
+    let cubic = nearest(|temperature| shape.evaluate(temperature), columns.seen, CUBIC)
+        .map(|cubic| Drift { shape: Shape::Polynomial(cubic), valid: columns.seen });
     let valid = ValidRange::new(columns.table.temperature(-1.0), columns.table.temperature(1.0))?;
     let model = DriftModel { drift: Drift { shape, valid }, history, time_drift };
     let covariance: DMatrix<f64> = &columns.shapes

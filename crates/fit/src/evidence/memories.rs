@@ -1,0 +1,92 @@
+//! What may be remembered of a series' temperatures, and where each memory is.
+
+use nalgebra::{DMatrix, DVector};
+use zerorate_core::drift::{Drift, History, HistoryState, Memory, Polynomial, Scale, Shape, Term, ValidRange};
+
+use super::start_up;
+use crate::series::Series;
+
+/// Half-widths of the plays as shares of the span of temperature: the smallest still stands clear of a sensor's noise, the
+/// largest is known once the temperature has gone over six tenths of the span.
+const PLAY_SHARES: [f64; 3] = [0.03, 0.1, 0.3];
+
+/// Time constants of the lags, seconds, the shortest first, a factor of four apart: a package against its board, a board in
+/// its box, a box in its room.
+pub(super) const LAG_SECONDS: [f64; 3] = [30.0, 120.0, 480.0];
+
+/// Lags are told from all else where this much of what the shortest adds, root mean square, is something else. Between soaks it is
+/// 0.54 and more; along ramps 0.1, and 0.4 where the temperature comes in coarse steps.
+const TOLD: f64 = 0.5;
+
+/// Memories, plays first, and their `m - T`.
+#[derive(Debug, Clone)]
+pub(super) struct Memories {
+    pub which: Vec<Memory>,
+    /// A row a memory, a column a group, in the temperature's unit.
+    pub ahead: DMatrix<f64>,
+}
+
+impl Memories {
+    /// The ones that can be told of a series whose used rates span `measured`, the curve believed over `valid`: plays where it went
+    /// both ways; lags there too, and where it moved and stood in turn.
+    pub(super) fn of(series: &Series<'_>, measured: ValidRange, valid: ValidRange) -> Self {
+        let timed = series.time_s.iter().all(|time| time.is_finite());
+        let span = measured.max() - measured.min();
+        let both = series.goes_both_ways();
+        let plays = PLAY_SHARES.map(|share| Memory::Play { half_width: share * span });
+        let lags = LAG_SECONDS.map(|time_constant_s| Memory::Lag { time_constant_s });
+        let plays = if both { &plays[..] } else { &[] };
+        let of = |which: Vec<Memory>| Self { ahead: ahead(series, valid, &which), which };
+        let with_lags = timed.then(|| of([plays, &lags].concat()));
+        with_lags.filter(|with| both || with.tells_lags(series, measured)).unwrap_or_else(|| of(plays.to_vec()))
+    }
+
+    /// Whether what a lag adds is told from the curve and from what follows switching on. Along a steady ramp it is a level that
+    /// begins like a start-up, and where a box warms by itself it is a slope; where the temperature goes from soak to soak it comes
+    /// and goes at each.
+    fn tells_lags(&self, series: &Series<'_>, measured: ValidRange) -> bool {
+        let Some(scale) = Scale::spanning(measured.min(), measured.max()) else { return false };
+        let used: Vec<usize> = (0..series.rate.len()).filter(|&group| series.is_used(group)).collect();
+        let mut began = f64::NAN;
+        let others: Vec<Vec<f64>> = (used.iter().enumerate())
+            .map(|(place, &group)| {
+                if place == 0 || series.log[group] != series.log[used[place - 1]] {
+                    began = series.time_s[group];
+                }
+                let x = scale.x(series.temperature[group]);
+                let curve = [1.0, x, x * x, x * x * x];
+                [&curve[..], &start_up::left(series.time_s[group] - began)].concat()
+            })
+            .collect();
+        let Some(width) = others.first().map(Vec::len) else { return false };
+        let others = DMatrix::from_fn(used.len(), width, |row, column| others[row][column]);
+        let shortest = self.which.len() - LAG_SECONDS.len();
+        let adds = DVector::from_iterator(used.len(), used.iter().map(|&group| self.ahead[(shortest, group)]));
+        let Ok(fitted) = others.clone().svd(true, true).solve(&adds, f64::EPSILON) else { return false };
+        (&adds - others * fitted).norm() > TOLD * adds.norm()
+    }
+}
+
+/// Each memory's `m - T` at each group, anew with each log, as a device has it whose curve is believed over `valid`.
+fn ahead(series: &Series<'_>, valid: ValidRange, which: &[Memory]) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(which.len(), series.rate.len());
+    // A history whose weights are all nothing, for its memories alone.
+    let share = 1.0 / which.len() as f64;
+    let terms: Vec<Term> = which.iter().map(|&memory| Term { memory, weight: 0.0, behind: 0.0, share }).collect();
+    let flat = Scale::spanning(valid.min(), valid.max())
+        .and_then(|scale| Polynomial::new(scale, &[0.0, 0.0]))
+        .map(Shape::Polynomial);
+    let history = flat.clone().and_then(|shape| History::new(shape, &terms));
+    let Some((history, shape)) = history.zip(flat) else { return all };
+    let drift = Drift { shape, valid };
+    let (mut state, mut before) = (HistoryState::default(), f64::NAN);
+    for (group, (&time, &temperature)) in series.time_s.iter().zip(series.temperature).enumerate() {
+        if series.begins(group) {
+            state = HistoryState::default();
+        }
+        history.advance(&drift, &mut state, temperature, time - before);
+        before = time;
+        all.column_mut(group).copy_from_slice(&history.ahead(&state)[..which.len()]);
+    }
+    all
+}
