@@ -113,7 +113,7 @@ mod tests {
     /// Eight folds of a group each. At first one alone is better by the model; then another is as well.
     #[test]
     fn what_a_single_fold_says_gives_the_models_cubic_no_share() {
-        let folds = Fold::of_logs(&[0..8]);
+        let folds = Fold::of_logs(std::slice::from_ref(&(0..8)));
         let mut own = [1.0; 8];
         own[0] = 0.1;
         let plain = [1.02; 8];
@@ -121,6 +121,21 @@ mod tests {
         assert!(share_of_cubic(&own, &plain, &folds).abs() < 1e-12);
         own[1] = 0.1;
         assert!((share_of_cubic(&own, &plain, &folds) - share(&own, &plain)).abs() < 1e-12);
+    }
+
+    /// Knots at -40, -30 ... 40, of which -25 to 25 were seen: the curve goes on to -30 and 30.
+    #[test]
+    fn a_curve_is_held_beyond_what_was_seen_and_is_itself_inside() {
+        let range = |min, max| ValidRange::new(min, max).expect("a range");
+        let scale = Scale::spanning(-40.0, 40.0).expect("a span");
+        let table = Table::new(scale, &[0.0; 9]).map(Shape::Table).expect("a table");
+        let own = DriftModel::of_curve(Drift { shape: table, valid: range(-40.0, 40.0) });
+        let line = Polynomial::new(scale, &[0.0, 40.0]).map(Shape::Polynomial).expect("a line");
+        let plain = Drift { shape: line, valid: range(-40.0, 40.0) };
+        let made = model(&own, &plain, 0.25, range(-25.0, 25.0)).expect("a mean");
+        for (at, wanted) in [(-40.0, -22.5), (-30.0, -22.5), (-25.0, -18.75), (10.0, 7.5), (35.0, 22.5)] {
+            assert!((made.drift.evaluate(at).0 - wanted).abs() < 1e-9, "at {at}: {}", made.drift.evaluate(at).0);
+        }
     }
 
     #[test]

@@ -431,3 +431,21 @@ fn the_drift_of_a_loop_is_that_of_the_curve_between_its_ways() {
     let told = fit.measured_drift().peak_to_peak();
     assert!((told / (most - least) - 1.0).abs() < 0.1, "{told} of {}, by {}", most - least, fit.chosen_model());
 }
+
+/// Below -20 the rates were lost, not the temperatures: the next run sees them as well, and an autopilot's cubic is for them. No
+/// further than the curve is believed.
+#[test]
+fn a_static_cubic_is_for_the_temperatures_of_the_log_that_had_no_rate_too() {
+    let range = |lost_below: f64| {
+        let mut made = Made::new(cycle(), |_, t| cubic(t));
+        let lost = made.temperature.iter().map(|t| *t < lost_below).collect::<Vec<_>>();
+        made.rate.iter_mut().zip(lost).filter(|(_, lost)| *lost).for_each(|(rate, _)| *rate = f64::NAN);
+        let fit = made.fit(Model::Auto).fit;
+        (fit.measured.min(), fit.static_cubic.unwrap().drift)
+    };
+    let (measured, drift) = range(-25.0);
+    assert!((measured + 25.0).abs() < 0.7 && (drift.valid.min() + 30.0).abs() < 0.7, "{measured}: {drift:?}");
+    assert!((drift.evaluate(-30.0).0 - cubic(-30.0)).abs() < 1e-3, "{drift:?}");
+    let (measured, drift) = range(-15.0);
+    assert!((drift.valid.min() - (measured - (65.0 - measured) / 8.0)).abs() < 1e-6, "{measured}: {drift:?}");
+}

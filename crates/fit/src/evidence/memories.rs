@@ -90,3 +90,46 @@ fn ahead(series: &Series<'_>, valid: ValidRange, which: &[Memory]) -> DMatrix<f6
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::series::NextRun;
+
+    /// What is told of an hour and a half of a board that follows its air by 60 s.
+    fn told(air: impl Fn(f64) -> f64, step: f64) -> Vec<Memory> {
+        let mut board = air(0.0);
+        let follow = |group: u32| {
+            let air = air(f64::from(10 * group));
+            board += (air - board) * (1.0 - (-10.0_f64 / 60.0).exp());
+            (board / step).round() * step
+        };
+        let temperature: Vec<f64> = (0..540).map(follow).collect();
+        let time_s: Vec<f64> = (0..540).map(|group| 10.0 * f64::from(group)).collect();
+        let (rate, weight, log) = (vec![0.0; 540], vec![1.0; 540], vec![0; 540]);
+        let series = Series {
+            time_s: &time_s,
+            temperature: &temperature,
+            rate: &rate,
+            weight: &weight,
+            log: &log,
+            next: NextRun::Another,
+        };
+        let range = |min, max| ValidRange::new(min, max).unwrap();
+        Memories::of(&series, range(-20.0, 50.0), range(-28.0, 58.0)).which
+    }
+
+    #[test]
+    fn lags_are_told_between_soaks_and_not_along_a_ramp() {
+        let ramp = |t: f64| -20.0 + 70.0 * t / 5400.0;
+        let by_itself = |t: f64| 50.0 - 70.0 * (-t / 1350.0).exp();
+        for step in [0.01, 0.5] {
+            assert!(told(ramp, step).is_empty() && told(by_itself, step).is_empty(), "steps of {step}");
+        }
+        for soaks in [4.0, 8.0, 12.0] {
+            let soaked = told(|t| -20.0 + 70.0 * (t / 5400.0 * soaks).floor() / (soaks - 1.0), 0.01);
+            assert!(soaked.len() == 3 && soaked.iter().all(|memory| matches!(memory, Memory::Lag { .. })), "{soaks}");
+        }
+        assert_eq!(told(|t| 50.0 - 70.0 * (t / 2700.0 - 1.0).abs(), 0.01).len(), 6, "there and back");
+    }
+}

@@ -2,6 +2,7 @@ use super::averages::Averages;
 use super::marginal::{Marginal, Spreads};
 use super::noise::{Wander, Whitened};
 use super::*;
+use crate::predict::DriftModel;
 use crate::series::NextRun;
 
 /// A cycle of 60 groups with a curve, a loop and noise of no particular kind.
@@ -45,6 +46,17 @@ impl Cycle {
             }
         }
         cycle
+    }
+
+    /// What being behind adds, root mean square, and what a model leaves.
+    fn late_and_left(&self, model: &DriftModel) -> (f64, f64) {
+        let biases = model.biases(self.time_s.iter().copied().zip(self.temperature.iter().copied()));
+        let rms = |left: &dyn Fn(usize) -> f64| {
+            let squares: f64 = (0..biases.len()).map(|group| left(group).powi(2)).sum();
+            (squares / biases.len() as f64).sqrt()
+        };
+        let late = rms(&|group| self.rate[group] - 1e-3 * (self.temperature[group] - 20.0).powi(2));
+        (late, rms(&|group| self.rate[group] - biases[group]))
     }
 
     fn with<T>(&self, f: impl FnOnce(&Series<'_>) -> T) -> T {
@@ -147,15 +159,27 @@ fn a_part_that_is_behind_its_sensor_is_found_and_helps_another_run() {
         let (evidence, found) = with_parts_behind.expect("lags can be told");
         evidence.fit(&found, |_| true).unwrap()
     });
-    let rows = next.time_s.iter().copied().zip(next.temperature.iter().copied());
-    let biases = made.model.biases(rows);
-    let rms = |left: &dyn Fn(usize) -> f64| {
-        let squares: f64 = (0..biases.len()).map(|group| left(group).powi(2)).sum();
-        (squares / biases.len() as f64).sqrt()
-    };
-    let late = rms(&|group| next.rate[group] - 1e-3 * (next.temperature[group] - 20.0).powi(2));
-    let left = rms(&|group| next.rate[group] - biases[group]);
+    let (late, left) = next.late_and_left(&made.model);
     assert!(late > 0.1 && left < 0.25 * late, "{left} of {late}");
+}
+
+/// From soak to soak, warming alone: at each the part comes after, and there is no other way of it.
+#[test]
+fn a_part_that_is_behind_its_sensor_is_found_between_soaks() {
+    let soaks = |t: f64| {
+        let soak = (t / 600.0).floor().min(7.0);
+        let before = if soak > 0.0 { -10.0 + 60.0 * (soak - 1.0) / 7.0 } else { -10.0 };
+        let to = -10.0 + 60.0 * soak / 7.0;
+        to + (before - to) * (-(t - 600.0 * soak) / 60.0).exp()
+    };
+    let next = Cycle::behind(1400, 120.0, |t| -8.0 + 0.04 * t);
+    let made = Cycle::behind(4800, 120.0, soaks).with(|series| {
+        let (_, with_parts_behind) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
+        let (evidence, found) = with_parts_behind.expect("lags can be told");
+        evidence.fit(&found, |_| true).unwrap()
+    });
+    let (late, left) = next.late_and_left(&made.model);
+    assert!(late > 0.1 && left < 0.5 * late, "{left} of {late}");
 }
 
 /// With the first 600 s held out, what follows switching on is told from 600 s on, and is not carried back to the start, where
