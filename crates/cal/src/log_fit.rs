@@ -4,6 +4,7 @@
 //! has a temperature and a rate, each counted once: the reference to hold against other tools. Otherwise rows are first
 //! conditioned and averaged to groups of about 10 s ([`crate::condition`]), and the fit is of the groups.
 
+mod apart;
 mod averages;
 mod gather;
 mod grouped;

@@ -107,6 +107,8 @@ pub enum ReasonKind {
     Truncated,
     /// Warning: within the range, temperatures that were not measured.
     Unmeasured,
+    /// Warning: some of several logs share hardly a temperature with the others, so that their zeros are not told from the drift.
+    LogsApart,
     /// Warning: the same numbers stand in the log twice, rows or columns.
     Repeated,
     /// Warning: the temperature went one way over most of its span, so that hysteresis was not seen.
@@ -166,6 +168,7 @@ impl ReasonKind {
             | Self::Truncated
             | Self::Repeated
             | Self::Unmeasured
+            | Self::LogsApart
             | Self::GuessedUnit => Verdict::Warning,
             Self::AssumedUnit => Verdict::Good,
         }

@@ -69,6 +69,7 @@ fn on(kind: ReasonKind) -> &'static str {
                  or warm slowly."
         }
         ReasonKind::Unmeasured => "Log once more through the temperatures that are missing, and fit all logs together.",
+        ReasonKind::LogsApart => "Log once more over the temperatures of both, and fit all logs together.",
         ReasonKind::Repeated => "Look at how the file was made: a run joined to itself, or one column saved as two.",
         ReasonKind::Truncated => "Stop the log before the power goes, and copy the whole file.",
         ReasonKind::OneDirection => {

@@ -54,10 +54,10 @@ pub(super) fn reasons(
     judgement.reasons
 }
 
-/// A narrow span, a hole in it, one direction, and how well the log's own curve does are no faults of a log that is not fitted.
+/// A narrow span, a hole in it, logs apart, one direction, and how well the log's own curve does are no faults of a log that is not fitted.
 fn is_of_a_fit_alone(reason: &Reason) -> bool {
-    use ReasonKind::{NarrowSpan, OneDirection, Unmeasured, WorseThanUncorrected};
-    matches!(reason.kind, NarrowSpan | OneDirection | Unmeasured | WorseThanUncorrected)
+    use ReasonKind::{LogsApart, NarrowSpan, OneDirection, Unmeasured, WorseThanUncorrected};
+    matches!(reason.kind, LogsApart | NarrowSpan | OneDirection | Unmeasured | WorseThanUncorrected)
 }
 
 /// About its mean, or, of an axis that is no worse so, of what a device has left with its zero at the start.

@@ -7,7 +7,7 @@ use zerorate_fit::series::{NextRun, Series};
 use zerorate_fit::side_by_side::side_by_side;
 
 use super::gather::{Gathered, gather, is_accelerometer};
-use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, one_way, words};
+use super::{AxisFit, AxisVerdict, FitOptions, FoundStep, LogFit, LogFitError, admit, apart, one_way, words};
 use crate::calibration::AxisCalibration;
 use crate::condition::{
     DropReason, Excluded, Group, Levels, dequantise, extend_to_the_start, leave_out_stopped, leave_out_times,
@@ -176,6 +176,8 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
     let passed = |group: &Group| (group.temperature, group.axes[axis].rows > 0);
     let temperatures: Vec<Vec<(f64, bool)>> = whole_logs.map(|log| log.iter().map(passed).collect()).collect();
     one_way::reason(&temperatures).into_iter().for_each(|reason| judgement.add(reason));
+    let apart = apart::reason(&temperatures, stream.temperature_unit.name());
+    apart.into_iter().for_each(|reason| judgement.add(reason));
     let temperatures = used().map(|(_, group)| group.temperature);
     words::of_hole(temperatures, stream.temperature_unit.name()).into_iter().for_each(|reason| judgement.add(reason));
     let columns = Columns::of(groups, axis);

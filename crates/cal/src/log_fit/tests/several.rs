@@ -72,6 +72,24 @@ fn temperatures_between_two_logs_that_neither_has_are_told() {
     assert!(told(&[cold, hot, about("middle.csv", 3, 20.0)]).is_empty());
 }
 
+/// About 20 C and 10 to either side is a log of `half_hour` over three; an eighth of all is 5 degrees.
+#[test]
+fn two_logs_that_only_touch_are_told_and_one_over_both_joins_them() {
+    let about = |name: &str, seed: u32, middle: f64, part: f64| {
+        half_hour(name, seed, move |t, rate| format!("{},{rate}", middle + (t - 20.0) * part))
+    };
+    let told = |logs: &[Source]| {
+        let fit = fit_logs(logs, &FitOptions::default()).unwrap();
+        let of_these = fit.judgement.reasons.into_iter().filter(|reason| reason.kind == ReasonKind::LogsApart);
+        of_these.map(|reason| reason.text).collect::<Vec<_>>()
+    };
+    let (cold, hot) = (about("cold.csv", 1, 0.0, 1.0 / 3.0), about("hot.csv", 2, 20.0, 1.0 / 3.0));
+    let [apart] = &told(&[hot.clone(), cold.clone()])[..] else { panic!() };
+    assert!(apart.starts_with("the logs over -10.0 to 10.0 C and those over 10.0 to 30.0 C"), "{apart}");
+    assert!(told(&[hot.clone(), cold.clone(), about("both.csv", 3, 10.0, 1.0 / 3.0)]).is_empty(), "one goes over both");
+    assert!(told(&[hot, about("inside.csv", 4, 20.0, 1.0 / 9.0)]).is_empty(), "one is inside the other");
+}
+
 #[test]
 fn where_it_reads_one_number_in_a_second_log_is_told_by_that_logs_own_rows() {
     let logs = [
