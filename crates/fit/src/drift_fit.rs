@@ -1,7 +1,7 @@
 //! What a fit of a drift gives: the model, and how well it holds.
 
 use serde::{Deserialize, Serialize};
-use zerorate_core::drift::{Drift, ValidRange};
+use zerorate_core::drift::{Drift, History, Memory, Term, ValidRange};
 
 use crate::folds::FOLDS;
 use crate::predict::DriftModel;
@@ -236,11 +236,13 @@ pub struct Candidate {
 
 impl DriftFit {
     /// The drift as a curve without a history, over what was measured and no further: what is told of a drift (peak to peak,
-    /// slopes) is told of this. Beside plays and lags the model's own curve has only what those leave it, which no unit
-    /// shows: then it is the static cubic, which goes between both ways.
+    /// slopes) is told of this. Beside plays the model's own curve has only what those leave it, which no unit shows: then it is
+    /// the static cubic, which goes between both ways. Where lags have caught up the unit shows the curve.
     #[must_use]
     pub fn measured_drift(&self) -> Drift {
-        let cubic = self.static_cubic.as_ref().filter(|_| self.model.history.is_some());
+        let is_play = |term: &Term| matches!(term.memory, Memory::Play { .. });
+        let has_plays = self.model.history.iter().flat_map(History::terms).any(is_play);
+        let cubic = self.static_cubic.as_ref().filter(|_| has_plays);
         let curve = cubic.map_or(&self.model.drift, |cubic| &cubic.drift);
         Drift { valid: self.measured, ..curve.clone() }
     }

@@ -209,7 +209,7 @@ fn terms(page: &mut Page, fit: &LogFit) {
     page.gap();
     page.sentence(
         "  ",
-        "Drift, pp: the highest less the lowest of the fitted curve over the temperatures that were measured; of a model with a history, of the cubic for autopilots.",
+        "Drift, pp: the highest less the lowest of the fitted curve over the temperatures that were measured; of a model with plays, of the cubic for autopilots.",
     );
     let axes: Vec<&AxisFit> = fit.axes.iter().collect();
     if deployed(&axes) {
