@@ -44,6 +44,9 @@ pub struct ExportedAxis {
     /// Whether the model has a history, which no cubic holds.
     #[serde(skip)]
     pub has_history: bool,
+    /// The temperatures of the rates that it was fitted to: the log may have seen others.
+    #[serde(skip)]
+    pub measured: [f64; 2],
 }
 
 impl fmt::Display for ExportedSensor {
@@ -171,6 +174,8 @@ pub(super) fn remarks(sensor: &ExportedSensor) -> Vec<String> {
             None => format!("{sensor} {letter}: not calibrated, left at 0"),
             Some(axis) => format!("{sensor} {letter}: {}", axis.cost(sensor.told)),
         });
+        let unmeasured = axis.as_ref().and_then(ExportedAxis::unmeasured);
+        remarks.extend(unmeasured.map(|told| format!("{sensor} {letter}: {told}")));
     }
     remarks
 }
@@ -181,7 +186,26 @@ impl ExportedAxis {
     pub fn of(name: &str, axis: &AxisCalibration) -> Self {
         let cubic = Cubic::of(axis);
         let (model, loss) = (axis.fit.chosen_model(), Loss::of(axis, &cubic));
-        Self { name: name.to_owned(), model, cubic, loss, has_history: axis.fit.model.history.is_some() }
+        let (history, measured) =
+            (axis.fit.model.history.is_some(), [axis.fit.measured.min(), axis.fit.measured.max()]);
+        Self { name: name.to_owned(), model, cubic, loss, has_history: history, measured }
+    }
+
+    /// What is to know of temperatures over which the cubic holds without a rate; `None` where all had one.
+    fn unmeasured(&self) -> Option<String> {
+        let ([from, to], [least, most]) = (self.measured, self.cubic.range);
+        let is_wider = least < from - 0.005 || most > to + 0.005;
+        is_wider.then(|| {
+            format!(
+                "rates were measured from {from:.2} to {to:.2} C; from there to {} the log has temperatures without a rate, and the \
+                 cubic goes on",
+                match (least < from - 0.005, most > to + 0.005) {
+                    (true, false) => format!("{least:.2} C"),
+                    (false, _) => format!("{most:.2} C"),
+                    (true, true) => format!("{least:.2} and {most:.2} C"),
+                }
+            )
+        })
     }
 
     /// The same in another unit.
@@ -211,22 +235,14 @@ impl ExportedAxis {
                 )
             }
             (Some(chosen), Some(cubic)) => {
-                let costs = if cubic <= chosen {
-                    format!(
-                        "this cubic leaves {} {left}, no more than the chosen {} ({})",
-                        scale.told(cubic),
-                        self.model,
-                        scale.number(chosen)
-                    )
-                } else {
-                    format!(
-                        "this cubic leaves {} {left}, {:.0} % more than the chosen {} ({})",
-                        scale.told(cubic),
-                        100.0 * (cubic / chosen - 1.0),
-                        self.model,
-                        scale.number(chosen)
-                    )
-                };
+                let costs = format!(
+                    "this cubic leaves {} {left}, {:.0} % {} than the chosen {} ({})",
+                    scale.told(cubic),
+                    100.0 * (cubic / chosen - 1.0).abs(),
+                    if cubic <= chosen { "less" } else { "more" },
+                    self.model,
+                    scale.number(chosen)
+                );
                 // The cubic is the chosen curve.
                 if furthest < 1e-6 * cubic {
                     return costs;

@@ -6,7 +6,6 @@ use zerorate_core::drift::ValidRange;
 
 use crate::direction::go_both_ways;
 use crate::folds::Fold;
-use crate::intervals::ends;
 
 /// What the run after this one will be like: what a calibration is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,11 +43,17 @@ impl Series<'_> {
     }
 
     /// The temperatures that a next run will see as well, for all that is known: those that had a rate, `measured`, and those that
-    /// had none, where a curve is believed.
+    /// had none, where a curve is believed. A sensor whose rates are gone may show anything: what is across a hole is not counted.
     pub(crate) fn seen(&self, measured: ValidRange, valid: ValidRange) -> ValidRange {
-        let (coldest, hottest) = ends(self.temperature.iter().copied().filter(|t| t.is_finite()));
-        let (min, max) = (coldest.min(measured.min()).max(valid.min()), hottest.max(measured.max()).min(valid.max()));
-        ValidRange::new(min, max).unwrap_or(measured)
+        /// A hole, as a share of what was measured: an interval of a table.
+        const HOLE: f64 = 1.0 / 32.0;
+        let hole = HOLE * (measured.max() - measured.min());
+        let mut finite: Vec<f64> = self.temperature.iter().copied().filter(|t| t.is_finite()).collect();
+        finite.sort_by(f64::total_cmp);
+        let further = |end: f64, t: &f64| if (t - end).abs() <= hole { *t } else { end };
+        let max = finite.iter().filter(|t| **t > measured.max()).fold(measured.max(), further);
+        let min = finite.iter().rev().filter(|t| **t < measured.min()).fold(measured.min(), further);
+        ValidRange::new(min.max(valid.min()), max.min(valid.max())).unwrap_or(measured)
     }
 
     /// Whether a straight drift in time can be told from the rest: in one log, whose temperature goes both ways. Between logs a

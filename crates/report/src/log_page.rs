@@ -159,7 +159,8 @@ fn coefficients(fit: &LogFit, units: Option<WrittenRate>) -> Markup {
         p {
             "Temperature in " (degree(fit))
             ". Subtract the curve from the rate, and hold the temperature within the valid range. Where that is wider than "
-            "the measured range, the curve was tested a little beyond what it was fitted to, and is believed so far."
+            "the measured range, the curve was tested a little beyond what it was fitted to, and is believed so far; a cubic that stands for it is for "
+            "the temperatures of the log that had no rate, too."
         }
         div.pair { @for (place, axis) in fit.axes.iter().enumerate() { div {
             @let shape = &copied(axis).shape;

@@ -10,6 +10,7 @@ use crate::{Cubic, ExportError, ExportOptions, ExportedAxis, Format, Loss, expor
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::units::{RateScale, RateUnit};
 use zerorate_core::drift::ValidRange;
+use zerorate_fit::drift_fit::StaticCubic;
 use zerorate_fit::predict::TimeDrift;
 
 /// Reads lines of `1 1 NAME VALUE TYPE` with tabs between; singles for floats.
@@ -227,17 +228,36 @@ fn a_cubic_that_is_better_than_the_model_is_not_told_as_a_loss() {
     let cost = |chosen_rms, cubic_rms| {
         let loss =
             Loss { chosen_rms: Some(chosen_rms), cubic_rms: Some(cubic_rms), furthest: 0.0, over_whole_log: true };
-        ExportedAxis { name: "x".to_owned(), model: model.clone(), cubic: cubic.clone(), loss, has_history: false }
+        let (name, measured) = ("x".to_owned(), cubic.range);
+        ExportedAxis { name, model: model.clone(), cubic: cubic.clone(), loss, has_history: false, measured }
             .cost(RateScale::own(RateUnit::RadPerS))
     };
     assert_eq!(
         cost(1.0e-3, 0.8e-3),
-        "this cubic leaves 8.000e-4 rad/s rms of a whole log, held out, its zero taken at the start, no more than the chosen table:16 (0.001000)"
+        "this cubic leaves 8.000e-4 rad/s rms of a whole log, held out, its zero taken at the start, 20 % less than the chosen table:16 (0.001000)"
     );
     assert_eq!(
         cost(1.0e-3, 1.5e-3),
         "this cubic leaves 0.001500 rad/s rms of a whole log, held out, its zero taken at the start, 50 % more than the chosen table:16 (0.001000)"
     );
+}
+
+#[test]
+fn temperatures_without_a_rate_over_which_a_cubic_holds_are_told() {
+    let told = |min, max| {
+        let mut own = three_axes();
+        let fit = &mut own.axes.get_mut("gyro0.x").unwrap().fit;
+        let (drift, in_sample) = (fit.model.drift.clone(), fit.statistics.in_sample);
+        fit.static_cubic = Some(StaticCubic { drift, in_sample, held_out: None, deployed: None });
+        fit.measured = ValidRange::new(min, max).unwrap();
+        let written = export(&own, Format::Px4, &with_id()).unwrap();
+        written.notes.into_iter().find(|note| note.contains("without a rate"))
+    };
+    let ends = three_axes().axes["gyro0.x"].fit.model.drift.valid;
+    assert_eq!(told(ends.min(), ends.max()), None);
+    let note = told(ends.min() + 4.0, ends.max()).expect("a note");
+    let wanted = format!("from there to {:.2} C the log has temperatures without a rate", ends.min());
+    assert!(note.starts_with("gyro 0 X: rates were measured from") && note.contains(&wanted), "{note}");
 }
 
 #[test]

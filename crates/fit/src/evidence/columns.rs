@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 use zerorate_core::drift::{MAX_KNOTS, Memory, Scale, Shape, ValidRange};
 
-use super::memories::{LAG_SECONDS, Memories};
+use super::memories::Memories;
 use super::start_up::{self, START_SECONDS};
 use crate::series::{NextRun, Series};
 
@@ -98,8 +98,9 @@ impl Columns {
         let both = series.goes_both_ways();
         let memories = Memories::of(series, measured, valid);
         kinds.extend(memories.which.iter().map(|memory| Kind::of(*memory)));
-        let before = before.filter(|_| kinds.contains(&Kind::Lags));
-        kinds.extend(before.iter().flat_map(|_| LAG_SECONDS.map(|_| Kind::Behind)));
+        let lags = kinds.iter().filter(|kind| **kind == Kind::Lags).count();
+        let before = before.filter(|_| lags > 0);
+        kinds.extend(vec![Kind::Behind; if before.is_some() { lags } else { 0 }]);
         let straight = slow == Slow::Straight;
         if straight && !series.tells_slope() {
             return None;

@@ -1,6 +1,6 @@
 //! What may be remembered of a series' temperatures, and where each memory is.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use zerorate_core::drift::{Drift, History, HistoryState, Memory, Polynomial, Scale, Shape, Term, ValidRange};
 
 use super::start_up;
@@ -12,11 +12,14 @@ const PLAY_SHARES: [f64; 3] = [0.03, 0.1, 0.3];
 
 /// Time constants of the lags, seconds, the shortest first, a factor of four apart: a package against its board, a board in
 /// its box, a box in its room.
-pub(super) const LAG_SECONDS: [f64; 3] = [30.0, 120.0, 480.0];
+const LAG_SECONDS: [f64; 3] = [30.0, 120.0, 480.0];
 
-/// Lags are told from all else where this much of what the shortest adds, root mean square, is something else. Between soaks it is
-/// 0.54 and more; along ramps 0.1, and 0.4 where the temperature comes in coarse steps.
+/// A lag is told from all else where this much of what it adds, root mean square, is something else. Of the shortest it is 0.54 and
+/// more between soaks; along ramps 0.1, and 0.4 where the temperature comes in coarse steps.
 const TOLD: f64 = 0.5;
+
+/// As much of a longer one, beside the shortest.
+const TOLD_BESIDE: f64 = 0.25;
 
 /// Memories, plays first, and their `m - T`.
 #[derive(Debug, Clone)]
@@ -28,24 +31,31 @@ pub(super) struct Memories {
 
 impl Memories {
     /// The ones that can be told of a series whose used rates span `measured`, the curve believed over `valid`: plays where it went
-    /// both ways; lags there too, and where it moved and stood in turn.
+    /// both ways; lags there too, and where it moved and stood in turn, those that can be told of it.
     pub(super) fn of(series: &Series<'_>, measured: ValidRange, valid: ValidRange) -> Self {
-        let timed = series.time_s.iter().all(|time| time.is_finite());
         let span = measured.max() - measured.min();
-        let both = series.goes_both_ways();
-        let plays = PLAY_SHARES.map(|share| Memory::Play { half_width: share * span });
-        let lags = LAG_SECONDS.map(|time_constant_s| Memory::Lag { time_constant_s });
-        let plays = if both { &plays[..] } else { &[] };
         let of = |which: Vec<Memory>| Self { ahead: ahead(series, valid, &which), which };
-        let with_lags = timed.then(|| of([plays, &lags].concat()));
-        with_lags.filter(|with| both || with.tells_lags(series, measured)).unwrap_or_else(|| of(plays.to_vec()))
+        let plays = || PLAY_SHARES.map(|share| Memory::Play { half_width: share * span });
+        let lags = LAG_SECONDS.map(|time_constant_s| Memory::Lag { time_constant_s });
+        let timed = series.time_s.iter().all(|time| time.is_finite());
+        match (series.goes_both_ways(), timed) {
+            (true, true) => return of([plays(), lags].concat()),
+            (true, false) => return of(plays().to_vec()),
+            (false, true) => {}
+            (false, false) => return of(Vec::new()),
+        }
+        let told = of(lags.to_vec()).told(series, measured);
+        if told.first().is_none_or(|shortest| *shortest < TOLD) {
+            return of(Vec::new());
+        }
+        of(lags.into_iter().zip(told).filter(|(_, told)| *told > TOLD_BESIDE).map(|(lag, _)| lag).collect())
     }
 
-    /// Whether what a lag adds is told from the curve and from what follows switching on. Along a steady ramp it is a level that
-    /// begins like a start-up, and where a box warms by itself it is a slope; where the temperature goes from soak to soak it comes
-    /// and goes at each.
-    fn tells_lags(&self, series: &Series<'_>, measured: ValidRange) -> bool {
-        let Some(scale) = Scale::spanning(measured.min(), measured.max()) else { return false };
+    /// How much of what each memory adds is told from the curve and from what follows switching on, root mean square, 0 to 1. Along a
+    /// steady ramp a lag is a level that begins like a start-up, and where a box warms by itself it is a slope; where the temperature
+    /// goes from soak to soak it comes and goes at each.
+    fn told(&self, series: &Series<'_>, measured: ValidRange) -> Vec<f64> {
+        let Some(scale) = Scale::spanning(measured.min(), measured.max()) else { return Vec::new() };
         let used: Vec<usize> = (0..series.rate.len()).filter(|&group| series.is_used(group)).collect();
         let mut began = f64::NAN;
         let others: Vec<Vec<f64>> = (used.iter().enumerate())
@@ -58,12 +68,12 @@ impl Memories {
                 [&curve[..], &start_up::left(series.time_s[group] - began)].concat()
             })
             .collect();
-        let Some(width) = others.first().map(Vec::len) else { return false };
+        let Some(width) = others.first().map(Vec::len) else { return Vec::new() };
         let others = DMatrix::from_fn(used.len(), width, |row, column| others[row][column]);
-        let shortest = self.which.len() - LAG_SECONDS.len();
-        let adds = DVector::from_iterator(used.len(), used.iter().map(|&group| self.ahead[(shortest, group)]));
-        let Ok(fitted) = others.clone().svd(true, true).solve(&adds, f64::EPSILON) else { return false };
-        (&adds - others * fitted).norm() > TOLD * adds.norm()
+        let adds = self.ahead.select_columns(&used).transpose();
+        let Ok(fitted) = others.clone().svd(true, true).solve(&adds, f64::EPSILON) else { return Vec::new() };
+        let left = &adds - others * fitted;
+        left.column_iter().zip(adds.column_iter()).map(|(left, adds)| left.norm() / adds.norm()).collect()
     }
 }
 
@@ -128,7 +138,7 @@ mod tests {
         }
         for soaks in [4.0, 8.0, 12.0] {
             let soaked = told(|t| -20.0 + 70.0 * (t / 5400.0 * soaks).floor() / (soaks - 1.0), 0.01);
-            assert!(soaked.len() == 3 && soaked.iter().all(|memory| matches!(memory, Memory::Lag { .. })), "{soaks}");
+            assert!(!soaked.is_empty() && soaked.iter().all(|memory| matches!(memory, Memory::Lag { .. })), "{soaks}");
         }
         assert_eq!(told(|t| 50.0 - 70.0 * (t / 2700.0 - 1.0).abs(), 0.01).len(), 6, "there and back");
     }
