@@ -2,7 +2,7 @@
 
 use zerorate_cal::condition::{GROUP_S, MAX_GROUP_ROWS, MIN_GROUP_ROWS, TEMPERATURE_SPIKE, least_step};
 use zerorate_cal::units::TemperatureUnit;
-use zerorate_fit::spikes::{outliers, outliers_beyond_steps};
+use zerorate_fit::spikes::{outliers_beyond_steps, outliers_off_the_way};
 
 /// One row, and on which of its axes another rate stands in for a spike.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +60,7 @@ impl Waiting {
     fn without_spikes(&mut self, next: Vec<Row>) -> Vec<Row> {
         let mut rows = std::mem::replace(&mut self.rows, next);
         let temperatures: Vec<f64> = rows.iter().map(|row| row.temperature).collect();
-        let spikes = outliers(&temperatures, self.temperature_margin);
+        let spikes = outliers_off_the_way(&temperatures, self.temperature_margin);
         for (place, other) in stand_ins(&temperatures, &spikes, 0) {
             rows[place].temperature = temperatures[other];
         }

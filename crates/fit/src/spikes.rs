@@ -19,10 +19,24 @@ const MAX_SPIKES: f64 = 0.2;
 /// Which finite values are far from the others' median, and further than `margin`; none when they are many, for then
 /// they are no exceptions.
 #[must_use]
-pub fn outliers(values: &[f64], margin: f64) -> Vec<bool> {
+fn outliers(values: &[f64], margin: f64) -> Vec<bool> {
     // A margin says by itself what is far.
     let few = |count: usize| if margin > 0.0 { 1.0 } else { of_few(count) };
     beyond(values, |sigma, count| (SPIKE_SIGMA * few(count) * sigma).max(margin))
+}
+
+/// The same of a reading that may begin to move: what is reached from the others row by row, none further than `margin` from the
+/// one before, is the beginning of a way and no exception.
+#[must_use]
+pub fn outliers_off_the_way(values: &[f64], margin: f64) -> Vec<bool> {
+    let mut outliers = outliers(values, margin);
+    let onwards: Vec<usize> = (0..values.len()).filter(|&row| values[row].is_finite()).collect();
+    let back: Vec<usize> = onwards.iter().rev().copied().collect();
+    for pair in onwards.windows(2).chain(back.windows(2)) {
+        let (before, row) = (pair[0], pair[1]);
+        outliers[row] &= outliers[before] || (values[row] - values[before]).abs() > margin;
+    }
+    outliers
 }
 
 /// The same of values that come in steps; infinite where they are no steps. A value a step away is no spike: of a coarse
@@ -54,4 +68,26 @@ fn beyond(values: &[f64], limit: impl Fn(f64, usize) -> f64) -> Vec<bool> {
         outliers.fill(false);
     }
     outliers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Twenty rows at 5 degrees with a noise of hundredths, the last three on their way to the next soak.
+    #[test]
+    fn the_beginning_of_a_way_is_no_outlier_and_what_jumps_is_one() {
+        let mut rows: Vec<f64> = (0..20_u32).map(|row| 5.0 + 1e-3 * f64::from(row * 7919 % 41) - 0.02).collect();
+        for (row, rise) in [(17, 0.6), (18, 1.2), (19, 1.8)] {
+            rows[row] += rise;
+        }
+        assert!(outliers(&rows, 1.0)[18] && outliers(&rows, 1.0)[19]);
+        assert!(!outliers_off_the_way(&rows, 1.0).contains(&true));
+        rows.reverse();
+        assert!(!outliers_off_the_way(&rows, 1.0).contains(&true));
+        rows[10] = 85.0;
+        rows[9] = f64::NAN;
+        let found = outliers_off_the_way(&rows, 1.0);
+        assert_eq!((0..20).filter(|&row| found[row]).collect::<Vec<_>>(), [10]);
+    }
 }

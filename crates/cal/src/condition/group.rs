@@ -5,7 +5,7 @@ use crate::log::Rows;
 use crate::units::TemperatureUnit;
 use zerorate_fit::crowding::weights;
 use zerorate_fit::robust::median;
-use zerorate_fit::spikes::{MIN_SEARCHED, outliers, outliers_beyond_steps};
+use zerorate_fit::spikes::{MIN_SEARCHED, outliers_beyond_steps, outliers_off_the_way};
 
 /// The time a group should take: long against noise, short against a thermal time constant.
 pub const GROUP_S: f64 = 10.0;
@@ -267,7 +267,7 @@ impl Grouping {
             return;
         }
         let missing = self.temperatures.iter().filter(|t| !t.is_finite()).count();
-        let are_outliers = outliers(&self.temperatures, self.temperature_margin);
+        let are_outliers = outliers_off_the_way(&self.temperatures, self.temperature_margin);
         let outlier_count = are_outliers.iter().filter(|is_outlier| **is_outlier).count();
         let usable: Vec<bool> = (0..rows).map(|row| self.temperatures[row].is_finite() && !are_outliers[row]).collect();
         let mut axes = Vec::with_capacity(self.rates.len());
