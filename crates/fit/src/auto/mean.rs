@@ -45,7 +45,8 @@ fn model(own: &DriftModel, plain: &Drift, share: f64, seen: ValidRange) -> Optio
     let knots: Vec<f64> = at.iter().zip(table.knots()).map(mean).collect();
     let shape = Table::new(table.scale(), &knots).map(Shape::Table)?;
     let term = |term: &Term| Term { weight: share * term.weight, behind: share * term.behind, ..*term };
-    let history = own.history.as_ref().and_then(|history| {
+    // Of a history that is nothing nothing is named.
+    let history = own.history.as_ref().filter(|_| share > 0.0).and_then(|history| {
         let terms: Vec<Term> = history.terms().iter().map(term).collect();
         History::new(shape.clone(), &terms)
     });
@@ -94,7 +95,7 @@ pub(super) fn share_of_cubic(own: &[f64], plain: &[f64], folds: &[Fold]) -> f64 
 
 #[cfg(test)]
 mod tests {
-    use zerorate_core::drift::{Polynomial, Scale};
+    use zerorate_core::drift::{Memory, Polynomial, Scale};
 
     use super::*;
 
@@ -133,6 +134,15 @@ mod tests {
         let line = Polynomial::new(scale, &[0.0, 40.0]).map(Shape::Polynomial).expect("a line");
         let plain = Drift { shape: line, valid: range(-40.0, 40.0) };
         let made = model(&own, &plain, 0.25, range(-25.0, 25.0)).expect("a mean");
+        let remembering = DriftModel {
+            history: History::new(
+                own.drift.shape.clone(),
+                &[Term { memory: Memory::Lag { time_constant_s: 30.0 }, weight: 1.0, behind: 0.0, share: 1.0 }],
+            ),
+            ..own.clone()
+        };
+        let named = |share| model(&remembering, &plain, share, range(-25.0, 25.0)).expect("a mean").to_string();
+        assert_eq!((named(0.25), named(0.0)), ("table:8 + lag".to_owned(), "table:8".to_owned()));
         for (at, wanted) in [(-40.0, -22.5), (-30.0, -22.5), (-25.0, -18.75), (10.0, 7.5), (35.0, 22.5)] {
             assert!((made.drift.evaluate(at).0 - wanted).abs() < 1e-9, "at {at}: {}", made.drift.evaluate(at).0);
         }
