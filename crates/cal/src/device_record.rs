@@ -7,6 +7,7 @@ use zerorate_core::compensate::{DriftNumbers, FixedDrift, LawNumbers, LawRefused
 use zerorate_core::record::{AxisRecord, DeviceRecord, MAX_RECORD_BYTES, RECORD_VERSION, RecordError};
 use zerorate_core::units::{TemperatureCode, TemperatureScale};
 
+use zerorate_fit::intervals::ends;
 use zerorate_fit::model::Model;
 
 use crate::source::{Faulty, Source};
@@ -102,6 +103,6 @@ impl AxisFacts {
 fn peak_to_peak(numbers: &DriftNumbers) -> f64 {
     let Some(drift) = FixedDrift::from_numbers(numbers) else { return f64::NAN };
     let readings = (numbers.first..=numbers.last).map(|code| drift.evaluate(TemperatureCode(code)).to_counts());
-    let (least, most) = readings.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), v| (l.min(v), m.max(v)));
+    let (least, most) = ends(readings);
     most - least
 }

@@ -11,6 +11,7 @@ use zerorate_cal::units::{RateScale, WrittenRate};
 
 use zerorate_fit::allan::{Allan, AllanPoint, NoAllan};
 use zerorate_fit::direction::warming;
+use zerorate_fit::intervals::ends;
 use zerorate_fit::robust::median;
 
 pub use hysteresis::Hysteresis;
@@ -216,8 +217,7 @@ const ONE_CYCLE: &str = "one cycle does not tell it from a drift in time, severa
 
 /// The least and the greatest temperature.
 fn span(points: &[TracePoint]) -> (f64, f64) {
-    let temperatures = points.iter().map(|point| point.temperature);
-    temperatures.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (min.min(t), max.max(t)))
+    ends(points.iter().map(|point| point.temperature))
 }
 
 /// The Allan deviation of the residual, on an even grid of time in which what was left out is a gap.

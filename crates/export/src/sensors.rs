@@ -186,24 +186,23 @@ impl ExportedAxis {
     pub fn of(name: &str, axis: &AxisCalibration) -> Self {
         let cubic = Cubic::of(axis);
         let (model, loss) = (axis.fit.chosen_model(), Loss::of(axis, &cubic));
-        let (history, measured) =
-            (axis.fit.model.history.is_some(), [axis.fit.measured.min(), axis.fit.measured.max()]);
-        Self { name: name.to_owned(), model, cubic, loss, has_history: history, measured }
+        let has_history = axis.fit.model.history.is_some();
+        let measured = [axis.fit.measured.min(), axis.fit.measured.max()];
+        Self { name: name.to_owned(), model, cubic, loss, has_history, measured }
     }
 
     /// What is to know of temperatures over which the cubic holds without a rate; `None` where all had one.
     fn unmeasured(&self) -> Option<String> {
+        /// Half of the last decimal that is told, C.
+        const ROUNDING: f64 = 0.005;
         let ([from, to], [least, most]) = (self.measured, self.cubic.range);
-        let is_wider = least < from - 0.005 || most > to + 0.005;
-        is_wider.then(|| {
+        let ends = [(from - least, least), (most - to, most)].into_iter().filter(|(wider, _)| *wider > ROUNDING);
+        let ends: Vec<String> = ends.map(|(_, end)| format!("{end:.2}")).collect();
+        (!ends.is_empty()).then(|| {
             format!(
-                "rates were measured from {from:.2} to {to:.2} C; from there to {} the log has temperatures without a rate, and the \
-                 cubic goes on",
-                match (least < from - 0.005, most > to + 0.005) {
-                    (true, false) => format!("{least:.2} C"),
-                    (false, _) => format!("{most:.2} C"),
-                    (true, true) => format!("{least:.2} and {most:.2} C"),
-                }
+                "rates were measured from {from:.2} to {to:.2} C; from there to {} C the log has temperatures without a rate, and \
+                 the cubic goes on",
+                ends.join(" and ")
             )
         })
     }

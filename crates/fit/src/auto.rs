@@ -131,11 +131,10 @@ impl Attempt {
     fn mean_with(self, plain: &Self, groups: &Groups<'_>) -> Self {
         let Groups { series, measured, valid } = *groups;
         let of_model = mean::share(self.outer.warm(), plain.outer.warm());
-        let of_cubics = [self.outer.cubic_deployed(), plain.outer.cubic_deployed()];
         let is_straight = self.fits.whole.model.time_drift.as_ref().is_some_and(|drift| drift.per_second != 0.0);
         let shares = mean::Shares {
             model: if is_straight { 1.0 } else { of_model },
-            cubic: mean::share_of_cubic(of_cubics[0], of_cubics[1], &series.folds()),
+            cubic: mean::share_of_cubic(self.outer.cubic_deployed(), plain.outer.cubic_deployed(), &series.folds()),
         };
         let seen = series.seen(measured, valid);
         let joined = self.fits.with(&plain.fits, |own, plain| mean::of_two(own, plain, shares, seen));

@@ -26,6 +26,7 @@ use crate::series::Series;
 use averages::Averages;
 use columns::{Before, Columns, Slow};
 use marginal::Evaluated;
+use memories::Memories;
 use noise::Whitened;
 pub(crate) use search::Found;
 
@@ -55,8 +56,10 @@ impl<'a> Evidence<'a> {
         measured: ValidRange,
         valid: ValidRange,
     ) -> Option<(Likeliest<'a>, Option<Likeliest<'a>>)> {
+        let memories = Memories::of(series, measured, valid);
         let searched = |slow, before, near: Option<&Found>| {
-            Searched::of(Self { series, columns: Columns::new(series, measured, valid, slow, before)? }, near)
+            let columns = Columns::new(series, measured, valid, &memories, slow, before)?;
+            Searched::of(Self { series, columns }, near)
         };
         let together = |slow| searched(slow, None, None);
         // With new columns the likeliest spreads may be quite others; with a better curve they are no longer.

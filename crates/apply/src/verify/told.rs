@@ -54,7 +54,8 @@ pub(super) fn reasons(
     judgement.reasons
 }
 
-/// A narrow span, a hole in it, logs apart, one direction, and how well the log's own curve does are no faults of a log that is not fitted.
+/// A narrow span, a hole in it, logs apart, one direction, and how well the log's own curve does are no faults of a log that is
+/// not fitted.
 fn is_of_a_fit_alone(reason: &Reason) -> bool {
     use ReasonKind::{LogsApart, NarrowSpan, OneDirection, Unmeasured, WorseThanUncorrected};
     matches!(reason.kind, LogsApart | NarrowSpan | OneDirection | Unmeasured | WorseThanUncorrected)

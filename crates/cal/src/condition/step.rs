@@ -1,5 +1,6 @@
 //! Jumps of the rate that stay.
 
+use zerorate_fit::intervals::ends;
 use zerorate_fit::jumps::{Jump, REACH, background, jumps};
 use zerorate_fit::line::Line;
 use zerorate_fit::robust::{centre_and_sigma, noise};
@@ -58,9 +59,7 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
         let rates: Vec<f64> = used.iter().map(|&group| groups[group].axes[axis].rate).collect();
         let all = jumps(&used, &rates, 0);
         let (_, sigma) = centre_and_sigma(&all.iter().map(|jump| jump.size).collect::<Vec<_>>());
-        let (low, high) = rates
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), rate| (low.min(*rate), high.max(*rate)));
+        let (low, high) = ends(rates.iter().copied());
         let limit = (STEP_SIGMA * sigma.max(noise(&rates)))
             .max(STANDS_OUT * background(&all, most))
             .max(share * (high - low))
@@ -126,7 +125,7 @@ pub(super) fn take_out_steps(groups: &mut [Group], axis: usize, temperature_marg
 fn turns(used: &[usize], temperatures: &[f64], group: usize, margin: f64) -> bool {
     let place = used.partition_point(|other| *other < group);
     let around = &temperatures[place.saturating_sub(REACH)..(place + REACH).min(temperatures.len())];
-    let (min, max) = around.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
+    let (min, max) = ends(around.iter().copied());
     let [first, last] = [around.first(), around.last()].map(|end| end.copied().unwrap_or(f64::NAN));
     max - min - (last - first).abs() > 0.5 * margin
 }

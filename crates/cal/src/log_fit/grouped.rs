@@ -2,6 +2,7 @@
 
 use zerorate_core::drift::Scale;
 use zerorate_fit::auto;
+use zerorate_fit::intervals::ends;
 use zerorate_fit::least_squares::{Basis, Fit};
 use zerorate_fit::series::{NextRun, Series};
 use zerorate_fit::side_by_side::side_by_side;
@@ -116,10 +117,8 @@ fn leave_out_together(sensors: &mut [Gathered], levels: &mut [Levels]) {
 /// which cannot be told apart at rest.
 fn take_from_reference(groups: &mut [Group], axis: usize) {
     let used = || groups.iter().filter(|group| group.axes[axis].rows > 0 && group.temperature.is_finite());
-    let span = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), group| {
-        (min.min(group.temperature), max.max(group.temperature))
-    });
-    let Some(scale) = Scale::spanning(span.0, span.1) else { return };
+    let (min, max) = ends(used().map(|group| group.temperature));
+    let Some(scale) = Scale::spanning(min, max) else { return };
     let order = REFERENCE_ORDER.min(used().count().saturating_sub(1));
     let mut fit = Fit::new(scale, Basis::Powers(order));
     used().for_each(|group| fit.push(group.temperature, group.axes[axis].rate));
@@ -162,9 +161,7 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
         return None;
     }
     let used = || (0_u64..).zip(groups).filter(|(_, group)| group.axes[axis].rows > 0 && group.temperature.is_finite());
-    let span = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), (_, group)| {
-        (min.min(group.temperature), max.max(group.temperature))
-    });
+    let span = ends(used().map(|(_, group)| group.temperature));
     if used().next().is_none()
         && let Some(reason) = words::of_nothing_kept(sensor, axis)
     {

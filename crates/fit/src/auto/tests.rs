@@ -2,6 +2,7 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::drift_fit::BandPoint;
+use crate::intervals;
 
 /// A series in time, groups of 10 s.
 struct Made {
@@ -50,7 +51,7 @@ impl Made {
         let (time_s, temperature, rate) = (&self.time_s[..], &self.temperature[..], &self.rate[..]);
         let series = Series { time_s, temperature, rate, weight: &weight, log, next: NextRun::Another };
         let used = (0..rate.len()).filter(|&group| series.is_used(group)).map(|group| temperature[group]);
-        let (min, max) = used.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (min.min(t), max.max(t)));
+        let (min, max) = intervals::ends(used);
         fit(&series, ValidRange::new(min, max).unwrap(), asked).unwrap()
     }
 }

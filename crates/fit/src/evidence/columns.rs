@@ -80,15 +80,20 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// The columns of a series whose used rates span `measured`; the table's knots span `valid`. With a curve that was found
-    /// `before`, parts that are behind are looked for. `None` with a straight drift in time where none can be told.
+    /// The columns of a series whose used rates span `measured`; the table's knots span `valid`; of the `memories` that can be
+    /// told of it. With a curve that was found `before`, parts that are behind are looked for. `None` with a straight drift in time where none can be told.
     pub(super) fn new(
         series: &Series<'_>,
         measured: ValidRange,
         valid: ValidRange,
+        memories: &Memories,
         slow: Slow,
         before: Option<Before>,
     ) -> Option<Self> {
+        let straight = slow == Slow::Straight;
+        if straight && !series.tells_slope() {
+            return None;
+        }
         let scale = Scale::spanning(measured.min(), measured.max())?;
         let table = Scale::spanning(valid.min(), valid.max())?;
         let (shapes, bends) = curve(scale, table);
@@ -96,22 +101,17 @@ impl Columns {
         kinds.extend(vec![Kind::Bends; bends]);
         let timed = series.time_s.iter().all(|time| time.is_finite());
         let both = series.goes_both_ways();
-        let memories = Memories::of(series, measured, valid);
         kinds.extend(memories.which.iter().map(|memory| Kind::of(*memory)));
         let lags = kinds.iter().filter(|kind| **kind == Kind::Lags).count();
         let before = before.filter(|_| lags > 0);
         kinds.extend(vec![Kind::Behind; if before.is_some() { lags } else { 0 }]);
-        let straight = slow == Slow::Straight;
-        if straight && !series.tells_slope() {
-            return None;
-        }
         let starts = START_SECONDS.len() - usize::from(straight);
         kinds.extend(vec![Kind::Start; if both && timed && series.next == NextRun::Another { starts } else { 0 }]);
         kinds.extend(straight.then_some(Kind::Time));
         let logs = series.logs().len();
         kinds.extend(vec![Kind::Logs; if logs > 1 { logs } else { 0 }]);
         let rows = DMatrix::zeros(kinds.len(), series.rate.len());
-        let (middle_s, which) = (middle(series), memories.which);
+        let (middle_s, which) = (middle(series), memories.which.clone());
         let seen = series.seen(measured, valid);
         let mut columns = Self { table, measured, seen, shapes, memories: which, before, middle_s, kinds, rows };
         columns.fill(series, &memories.ahead);

@@ -44,11 +44,11 @@ impl Memories {
             (false, true) => {}
             (false, false) => return of(Vec::new()),
         }
-        let told = of(lags.to_vec()).told(series, measured);
-        if told.first().is_none_or(|shortest| *shortest < TOLD) {
-            return of(Vec::new());
-        }
-        of(lags.into_iter().zip(told).filter(|(_, told)| *told > TOLD_BESIDE).map(|(lag, _)| lag).collect())
+        let all = of(lags.to_vec());
+        let told = all.told(series, measured);
+        let is_any = told.first().is_some_and(|shortest| *shortest >= TOLD);
+        let kept: Vec<usize> = (0..told.len()).filter(|&lag| is_any && told[lag] > TOLD_BESIDE).collect();
+        Self { which: kept.iter().map(|&lag| lags[lag]).collect(), ahead: all.ahead.select_rows(&kept) }
     }
 
     /// How much of what each memory adds is told from the curve and from what follows switching on, root mean square, 0 to 1. Along a

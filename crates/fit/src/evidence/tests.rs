@@ -48,6 +48,15 @@ impl Cycle {
         cycle
     }
 
+    /// The model that was learnt of it, with parts that are behind.
+    fn with_parts_behind(&self) -> DriftModel {
+        self.with(|series| {
+            let (_, with_parts_behind) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
+            let (evidence, found) = with_parts_behind.expect("lags can be told");
+            evidence.fit(&found, |_| true).unwrap().model
+        })
+    }
+
     /// What being behind adds, root mean square, and what a model leaves.
     fn late_and_left(&self, model: &DriftModel) -> (f64, f64) {
         let biases = model.biases(self.time_s.iter().copied().zip(self.temperature.iter().copied()));
@@ -70,11 +79,18 @@ fn range(min: f64, max: f64) -> ValidRange {
     ValidRange::new(min, max).unwrap()
 }
 
+/// The columns of a cycle with a straight drift in time.
+fn straight_columns(series: &Series<'_>) -> Columns {
+    let (measured, valid) = (range(-10.0, 50.0), range(-17.5, 57.5));
+    let memories = Memories::of(series, measured, valid);
+    Columns::new(series, measured, valid, &memories, Slow::Straight, None).unwrap()
+}
+
 /// The innovations and their determinant against the covariance written out and factorised.
 #[test]
 fn whitening_is_that_of_the_covariance_written_out() {
     Cycle::new().with(|series| {
-        let columns = Columns::new(series, range(-10.0, 50.0), range(-17.5, 57.5), Slow::Straight, None).unwrap();
+        let columns = straight_columns(series);
         let averages = Averages::new(series, &columns, |group| !(20..29).contains(&group)).unwrap();
         let wander = Wander { log_ratio: 0.7, log_seconds: 4.5 };
         let whitened = Whitened::new(&averages, wander);
@@ -96,7 +112,7 @@ fn whitening_is_that_of_the_covariance_written_out() {
 #[test]
 fn the_marginal_likelihood_and_its_gradient_are_those_of_the_whole_covariance() {
     Cycle::new().with(|series| {
-        let columns = Columns::new(series, range(-10.0, 50.0), range(-17.5, 57.5), Slow::Straight, None).unwrap();
+        let columns = straight_columns(series);
         let averages = Averages::new(series, &columns, |_| true).unwrap();
         let wander = Wander { log_ratio: -0.5, log_seconds: 5.0 };
         let whitened = Whitened::new(&averages, wander);
@@ -154,12 +170,7 @@ fn a_part_that_is_behind_its_sensor_is_found_and_helps_another_run() {
     let cycle = |t: f64| 50.0 - 60.0 * (t / 2200.0 - 1.0).abs();
     let other = |t: f64| -8.0 + 0.04 * t;
     let next = Cycle::behind(1400, 120.0, other);
-    let made = Cycle::behind(4400, 120.0, cycle).with(|series| {
-        let (_, with_parts_behind) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
-        let (evidence, found) = with_parts_behind.expect("lags can be told");
-        evidence.fit(&found, |_| true).unwrap()
-    });
-    let (late, left) = next.late_and_left(&made.model);
+    let (late, left) = next.late_and_left(&Cycle::behind(4400, 120.0, cycle).with_parts_behind());
     assert!(late > 0.1 && left < 0.25 * late, "{left} of {late}");
 }
 
@@ -173,12 +184,7 @@ fn a_part_that_is_behind_its_sensor_is_found_between_soaks() {
         to + (before - to) * (-(t - 600.0 * soak) / 60.0).exp()
     };
     let next = Cycle::behind(1400, 120.0, |t| -8.0 + 0.04 * t);
-    let made = Cycle::behind(4800, 120.0, soaks).with(|series| {
-        let (_, with_parts_behind) = Evidence::likeliest(series, range(-10.0, 50.0), range(-17.5, 57.5)).unwrap();
-        let (evidence, found) = with_parts_behind.expect("lags can be told");
-        evidence.fit(&found, |_| true).unwrap()
-    });
-    let (late, left) = next.late_and_left(&made.model);
+    let (late, left) = next.late_and_left(&Cycle::behind(4800, 120.0, soaks).with_parts_behind());
     assert!(late > 0.1 && left < 0.5 * late, "{left} of {late}");
 }
 

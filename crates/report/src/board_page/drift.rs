@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 use zerorate_cal::units::{RateScale, RateUnit};
+use zerorate_fit::intervals;
 
 use super::axis::BoardAxis;
 use super::{Board, indexed};
@@ -36,7 +37,7 @@ fn in_counts() -> RateScale {
 fn came_back(board: &Board) -> bool {
     board.axes.first().is_some_and(|axis| {
         let all = &axis.ramp.temperatures;
-        let (min, max) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), t| (t.min(min), t.max(max)));
+        let (min, max) = intervals::ends(all.iter().copied());
         all.last().is_some_and(|last| *last < f64::midpoint(min, max))
     })
 }
