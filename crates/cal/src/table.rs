@@ -19,6 +19,7 @@ pub use columns::{Columns, Resolved, ResolvedRate, ResolvedSensor};
 use dialect::{Dialect, Heading};
 pub use error::{TableError, TableFault};
 use value::Notation;
+pub use words::named_in;
 pub(crate) use words::words;
 
 use crate::recording::parquet_source::PARQUET_MAGIC;

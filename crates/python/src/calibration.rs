@@ -101,17 +101,22 @@ impl Calibration {
 
     /// What a device takes off that is switched on with the first row: of each axis an array of shape (n,), in its rate unit.
     ///
-    /// `temperature` is of shape (n,), in `temperature_unit`; `time` of shape (n,), seconds from anywhere, is needed where the
-    /// model lags behind its temperature. The recording's own drift in time is left out.
+    /// `temperature` is of shape (n,), in `temperature_unit`; `time` of shape (n,), seconds from anywhere or datetime64, is needed
+    /// where the model lags behind its temperature. The recording's own drift in time is left out.
     #[pyo3(signature = (temperature, time=None))]
     fn predict<'py>(
         &self,
         py: Python<'py>,
         temperature: PyArrayLike1<'py, f64, AllowTypeChange>,
-        time: Option<PyArrayLike1<'py, f64, AllowTypeChange>>,
+        time: Option<Bound<'py, PyAny>>,
     ) -> PyResult<BTreeMap<&str, Bound<'py, PyArray1<f64>>>> {
         let temperature = temperature.as_array().to_vec();
-        let time = time.map(|time| time.as_array().to_vec());
+        // What are no numbers, as dates, numpy would take for some.
+        let seconds = |time: Bound<'py, PyAny>| -> PyResult<Vec<f64>> {
+            let time = py.import("zerorate._sources")?.getattr("seconds")?.call1((time,))?;
+            Ok(time.extract::<PyArrayLike1<'py, f64, AllowTypeChange>>()?.as_array().to_vec())
+        };
+        let time = time.map(seconds).transpose()?;
         if let Some(time) = time.as_ref().filter(|time| time.len() != temperature.len()) {
             return Err(told(&format!("{} times for {} temperatures: give one each", time.len(), temperature.len())));
         }

@@ -5,7 +5,8 @@ use std::slice::from_ref;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use zerorate_cal::log::{LogFile, Rows, Sink, Stream};
-use zerorate_cal::units::{RateUnit, TemperatureUnit};
+use zerorate_cal::table::named_in;
+use zerorate_cal::units::TemperatureUnit;
 
 use crate::errors::raised;
 use crate::heard::heard;
@@ -45,7 +46,7 @@ impl Sink for Kept {
             TemperatureUnit::C => "temperature_c",
             TemperatureUnit::Counts => "temperature_counts",
         };
-        let axes = stream.names.iter().map(|name| with_unit(name, stream.unit));
+        let axes = stream.names.iter().map(|name| named_in(name, stream.unit));
         let names = ["time_s", temperature].map(str::to_owned).into_iter().chain(axes);
         self.0.push((name, names.map(|name| (name, Vec::new())).collect()));
         true
@@ -57,15 +58,4 @@ impl Sink for Kept {
             kept.extend_from_slice(taken);
         }
     }
-}
-
-/// An axis's name with the unit that its rates are in, where the name does not end in it already.
-fn with_unit(name: &str, unit: RateUnit) -> String {
-    let suffix = match unit {
-        RateUnit::Dps => "_dps",
-        RateUnit::RadPerS => "_rad_s",
-        RateUnit::Counts => "_counts",
-        RateUnit::MetresPerS2 => "_m_s2",
-    };
-    if name.ends_with(suffix) { name.to_owned() } else { format!("{name}{suffix}") }
 }

@@ -36,6 +36,14 @@ def test_as_many_times_as_temperatures_are_asked_for(cubic):
         cubic.predict([20.0], time=[0.0, 1.0])
 
 
+def test_dates_are_times_of_a_prediction_too(calibration, columns):
+    time, temperature = columns["time"][:400], columns["temperature"][:400]
+    of_seconds = calibration.predict(temperature, time=time)["gyro_x"]
+    lasted = (time * 1_000_000).astype(np.int64).view("timedelta64[us]")
+    for times in (lasted, lasted + np.datetime64("2026-01-01")):
+        assert np.allclose(calibration.predict(temperature, time=times)["gyro_x"], of_seconds, rtol=1e-9, atol=1e-15)
+
+
 def test_it_is_the_same_once_written_and_read(calibration, tmp_path):
     path = tmp_path / "calibration.json"
     calibration.save(path)

@@ -23,6 +23,18 @@ def test_a_log_is_read_as_frames_that_can_be_fitted(csv, columns):
     assert zerorate.fit(log["gyro"], model="poly:3").axes == log["gyro"].columns[2:]
 
 
+@pytest.mark.parametrize("unit, per_dps", [("mdps", 1000.0), ("deg_h", 3600.0), ("rad_s", np.pi / 180.0)])
+def test_a_frame_says_the_unit_that_its_rates_are_in(columns, unit, per_dps):
+    """A log in another unit, read and fitted: the same drift in the same unit as fitted at once."""
+    log = {"time_s": columns["time"], "temperature_c": columns["temperature"], f"x_{unit}": per_dps * columns["gyro_x"]}
+    text = "\n".join([",".join(log), *(",".join(map(repr, row)) for row in zip(*(v.tolist() for v in log.values())))])
+    [frame] = zerorate.read_log(text.encode(), frames="numpy").values()
+    at_once, read = (zerorate.fit(of, model="poly:3") for of in (text.encode(), frame))
+    assert list(at_once.rate_units.values()) == list(read.rate_units.values())
+    at = np.array([0.0, 40.0])
+    assert np.array_equal(*(fit.curve(fit.axes[0], at) for fit in (at_once, read)))
+
+
 @pytest.fixture(scope="module")
 def second(columns):
     random = np.random.default_rng(8)

@@ -100,6 +100,32 @@ def test_datetime64_is_the_same_time(ramp, commanded, unit):
     assert numbers(of_stamps) == numbers(of_seconds)
 
 
+@pytest.mark.parametrize("kind", ["timedelta64[us]", "timedelta64[10us]", "datetime64[10us]", "zone", "lasted"])
+def test_other_times_are_times_too(ramp, kind):
+    time, temperature, rates = ramp
+    micros = (time * 1_000_000).astype(np.int64)
+    if kind in ("zone", "lasted"):
+        index = pandas.to_timedelta(micros, unit="us")
+        if kind == "zone":
+            index = (index + pandas.Timestamp("2026-01-01")).tz_localize("Europe/Berlin")
+        frame = {"temperature": temperature} | {f"gyro_{axis}": rates[:, k] for k, axis in enumerate("xyz")}
+        made = zerorate.fit(pandas.DataFrame(frame, index=index.rename("time")))
+    else:
+        several = 10 if "10" in kind else 1
+        made = zerorate.fit(time=(micros // several).view(kind), temperature=temperature, rates=rates)
+    of_seconds = zerorate.fit(time=time, temperature=temperature, rates=rates)
+    at = np.array([0.0, 20.0, 40.0])
+    assert made.to_dict()["axes"]["gyro_x"]["model"] == of_seconds.to_dict()["axes"]["gyro_x"]["model"]
+    assert np.allclose(made.curve("gyro_x", at), of_seconds.curve("gyro_x", at), rtol=1e-6, atol=0.0)
+
+
+def test_what_is_masked_is_missing(columns):
+    hot = columns["temperature"] > 40.0
+    masked = columns | {"temperature": np.ma.masked_where(hot, columns["temperature"])}
+    missing = columns | {"temperature": np.where(hot, np.nan, columns["temperature"])}
+    assert numbers(zerorate.fit(masked).to_dict()) == numbers(zerorate.fit(missing).to_dict())
+
+
 def test_the_chamber_cycle(command, chamber_cycle, tmp_path):
     out = tmp_path / "chamber.json"
     command("fit", chamber_cycle, "--rate-unit", "rad/s", "--out", out)

@@ -39,15 +39,16 @@ impl LogFit {
         if self.is_of_rows() {
             return "single rows".to_owned();
         }
-        let rows = || {
-            let counts = self.axes.first().map(|axis| &axis.calibration.fit.statistics);
-            counts.map_or(f64::NAN, |counts| counts.samples_used as f64 / counts.residuals as f64)
-        };
+        // Of a log that was not fitted nothing is known of them.
+        let rows = self.axes.first().map(|axis| &axis.calibration.fit.statistics).map_or_else(
+            || "some rows".to_owned(),
+            |counts| format!("about {:.0} rows", counts.samples_used as f64 / counts.residuals as f64),
+        );
         let written = |seconds: f64| if seconds >= 5.0 { format!("{seconds:.0}") } else { format!("{seconds:.1}") };
         match self.averages_s() {
             Some((least, most)) if most > ALIKE * least => format!("about {} to {} s", written(least), written(most)),
             Some((_, most)) => format!("about {} s", written(most)),
-            None => format!("about {:.0} rows", rows()),
+            None => rows,
         }
     }
 

@@ -2,13 +2,17 @@
 
 use std::fmt;
 
-use crate::units::{TimeUnit, WrittenRate, WrittenTemperature};
+use crate::units::{RateUnit, TimeUnit, WrittenRate, WrittenTemperature};
 
 const COUNTS: [&str; 5] = ["count", "counts", "lsb", "adc", "raw"];
 const DEGREES: [&str; 4] = ["deg", "degs", "degree", "degrees"];
 const SECONDS: [&str; 5] = ["s", "sec", "secs", "second", "seconds"];
 const MINUTES: [&str; 4] = ["min", "mins", "minute", "minutes"];
 const HOURS: [&str; 5] = ["h", "hr", "hrs", "hour", "hours"];
+const RATES: [&str; 19] = [
+    "dps", "mdps", "kdps", "mdeg", "kdeg", "dph", "rad", "rads", "radps", "mrad", "krad", "urad", "µrad", "rpm", "rps",
+    "rev", "revs", "turns", "degs",
+];
 /// Parts of a second, in which no rate is read.
 const PARTS_OF_A_SECOND: [&str; 5] = ["ms", "msec", "us", "usec", "µs"];
 
@@ -154,6 +158,30 @@ pub(super) fn rate_unit(words: &[String]) -> Option<Said> {
     })
 }
 
+/// A name for rates that are in `unit` now, which it ends in: without the unit that it said. `x_mdps` of rates in deg/s is `x_dps`.
+#[must_use]
+pub fn named_in(name: &str, unit: RateUnit) -> String {
+    let (own, suffix) = match unit {
+        RateUnit::Dps => (Some(WrittenRate::Dps), "dps"),
+        RateUnit::RadPerS => (Some(WrittenRate::RadPerS), "rad_s"),
+        RateUnit::Counts => (Some(WrittenRate::Counts), "counts"),
+        RateUnit::MetresPerS2 => (None, "m_s2"),
+    };
+    let of_unit = [&COUNTS[..], &DEGREES, &SECONDS, &MINUTES, &HOURS, &PARTS_OF_A_SECOND, &RATES, &["per"]].concat();
+    let mut words = words(name);
+    let ends_in_it = name.ends_with(&format!("_{suffix}"));
+    match rate_unit(&words) {
+        Some(Said::Known(said)) if ends_in_it && own == Some(said) => name.to_owned(),
+        None if ends_in_it => name.to_owned(),
+        None => format!("{name}_{suffix}"),
+        Some(_) => {
+            words.retain(|word| !of_unit.contains(&word.as_str()));
+            words.push(suffix.to_owned());
+            words.join("_")
+        }
+    }
+}
+
 /// The unit of temperatures that a name says, if it says one.
 pub(super) fn temperature_unit(words: &[String]) -> Option<WrittenTemperature> {
     Some(match () {
@@ -209,4 +237,37 @@ pub(super) fn ends_in_time(words: &[String]) -> bool {
 pub(super) fn says_a_unit(cell: &str) -> bool {
     let words = words(cell);
     time_unit(&words).is_some() || temperature_unit(&words).is_some() || rate_unit(&words).is_some()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is named so says the unit, and no other.
+    #[test]
+    fn a_name_says_the_unit_that_its_rates_are_in_and_no_other() {
+        for (name, unit, wanted) in [
+            ("x_mdps", RateUnit::Dps, "x_dps"),
+            ("x [mdps]", RateUnit::Dps, "x_dps"),
+            ("gyro_x_deg_h", RateUnit::Dps, "gyro_x_dps"),
+            ("wx (deg/s)", RateUnit::Dps, "wx_dps"),
+            ("x_rad_s", RateUnit::Dps, "x_dps"),
+            ("x_rad_s", RateUnit::Counts, "x_counts"),
+            ("x_mrad_s", RateUnit::RadPerS, "x_rad_s"),
+            ("GyrX", RateUnit::RadPerS, "GyrX_rad_s"),
+            ("x_rad_s", RateUnit::RadPerS, "x_rad_s"),
+            ("x_dps", RateUnit::Dps, "x_dps"),
+            ("accel0.x", RateUnit::MetresPerS2, "accel0.x_m_s2"),
+        ] {
+            let named = named_in(name, unit);
+            assert_eq!(named, wanted, "{name}");
+            let said = match unit {
+                RateUnit::Dps => Some(Said::Known(WrittenRate::Dps)),
+                RateUnit::RadPerS => Some(Said::Known(WrittenRate::RadPerS)),
+                RateUnit::Counts => Some(Said::Known(WrittenRate::Counts)),
+                RateUnit::MetresPerS2 => None,
+            };
+            assert_eq!(rate_unit(&words(&named)), said, "{named}");
+        }
+    }
 }

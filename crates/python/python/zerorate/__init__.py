@@ -3,7 +3,7 @@
 >>> import zerorate
 >>> calibration = zerorate.fit("chamber.csv")                  # doctest: +SKIP
 >>> calibration.predict([20.0, 25.0], time=[0.0, 10.0])        # doctest: +SKIP
->>> open("vehicle.params", "w").write(calibration.export("px4"))  # doctest: +SKIP
+>>> open("chamber.table.csv", "w").write(calibration.export("csv"))  # doctest: +SKIP
 
 What is computed is computed by the code of the command ``zerorate``, with the same numbers to the last bit.
 """

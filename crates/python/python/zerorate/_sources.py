@@ -24,7 +24,7 @@ def of_arrays(temperature, rates, time, time_unit, **units):
     columns = {"temperature": temperature} | rates
     if time is not None:
         columns |= {"time": time}
-        if time_unit is None and np.asarray(time).dtype.kind != "M":
+        if time_unit is None and _array(time).dtype.kind != "M":
             time_unit = "s"
     names = named_columns(None if time is None else "time", "temperature", list(rates), time_unit, **units)
     return _columns("arrays", columns), names
@@ -58,12 +58,12 @@ def _frame(frame):
         return Source.stream("frame", frame)
     except (ImportError, TypeError):
         # pandas gives Arrow's columns where pyarrow is there; numpy's it always has.
-        return _columns("frame", {str(name): frame[name].to_numpy() for name in frame.columns}, whole=False)
+        return _columns("frame", {str(name): frame[name] for name in frame.columns}, whole=False)
 
 
 def _columns(name, columns, whole=True):
     """Columns of numpy; of a frame that is not taken whole those that are no numbers are left out."""
-    arrays = {str(column): np.asarray(numbers) for column, numbers in columns.items()}
+    arrays = {str(column): _array(numbers) for column, numbers in columns.items()}
     if not whole:
         arrays = {column: numbers for column, numbers in arrays.items() if numbers.dtype.kind in "biufM"}
     lengths = {column: numbers.shape for column, numbers in arrays.items()}
@@ -71,6 +71,34 @@ def _columns(name, columns, whole=True):
         told = ", ".join(f"{column} {shape}" for column, shape in lengths.items())
         raise Error(f"columns must be of one dimension and one length, and are: {told}")
     return Source.columns(name, [(column, _plain(column, numbers)) for column, numbers in arrays.items()])
+
+
+def seconds(times):
+    """Times as seconds from anywhere: numbers as they are, dates from the first one."""
+    times = _array(times)
+    if times.dtype.kind != "M":
+        return times
+    return (times - times[~np.isnat(times)][:1]) / np.timedelta64(1, "s") if len(times) else np.zeros(0)
+
+
+def _array(numbers):
+    """An array of numpy, with what is masked missing, and every kind of time as a date: one that lasted from 1970 on."""
+    if getattr(getattr(numbers, "dtype", None), "tz", None) is not None:
+        # Dates of a time zone are objects to numpy.
+        numbers = getattr(numbers, "dt", numbers).tz_convert(None)
+    if np.ma.isMaskedArray(numbers):
+        is_time = numbers.dtype.kind in "mM"
+        numbers = numbers.filled("NaT") if is_time else numbers.astype(np.float64).filled(np.nan)
+    array = np.asarray(numbers)
+    if array.dtype.kind not in "mM":
+        return array
+    unit = np.datetime_data(array.dtype)[0]
+    if unit == "generic":
+        raise Error("times of timedelta64 or datetime64 need a unit: give datetime64[us]")
+    if array.dtype.kind == "m":
+        array = array + np.datetime64(0, unit)
+    # Of several of a unit, as datetime64[10us], one.
+    return array.astype(f"datetime64[{unit}]")
 
 
 def _plain(column, numbers):
@@ -86,7 +114,7 @@ def _named(rates):
     """Rates as columns by name: a dict as it is, an array's columns as gyro_x, gyro_y, gyro_z."""
     if isinstance(rates, Mapping):
         return dict(rates)
-    array = np.asarray(rates)
+    array = _array(rates)
     if array.ndim == 1:
         return {"gyro": array}
     if array.ndim != 2 or array.shape[1] > len(_AXES):
