@@ -113,19 +113,11 @@ pub const SOAKS_TOLD: &str = "Means over the last quarter of each soak: of the c
 /// A row of a table of the soaks: an axis at the end of one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SoakRow<'a> {
-    /// When the soak began, seconds of the log.
-    pub from_s: f64,
-    /// When it ended.
-    pub to_s: f64,
-    /// Where the chamber was sent, degrees C.
-    pub set_c: f64,
-    /// The air, degrees C.
-    pub air_c: f64,
+    /// The soak.
+    pub soak: &'a Soak,
     /// The axis.
-    pub axis: &'a str,
-    /// The sensor's own temperature, degrees C.
-    pub sensor_c: f64,
-    /// The rate less the fitted curve, in [`unit`](Self::unit).
+    pub axis: &'a SoakedAxis,
+    /// Its residual, in [`unit`](Self::unit).
     pub residual: f64,
     /// The unit for people.
     pub unit: &'static str,
@@ -138,9 +130,7 @@ impl InChamber {
         let row = |soak: &'a Soak, axis: &'a SoakedAxis| {
             let unit = fit.axes.iter().find(|of| of.name == axis.name)?.calibration.rate_unit;
             let scale = fit.scale(unit, asked);
-            let &Soak { from_s, to_s, set_c, air_c, .. } = soak;
-            let (sensor_c, residual) = (axis.sensor_c, scale.of_rate(axis.residual));
-            Some(SoakRow { from_s, to_s, set_c, air_c, axis: &axis.name, sensor_c, residual, unit: scale.unit() })
+            Some(SoakRow { soak, axis, residual: scale.of_rate(axis.residual), unit: scale.unit() })
         };
         self.soaks.iter().flat_map(|soak| soak.axes.iter().filter_map(move |axis| row(soak, axis))).collect()
     }

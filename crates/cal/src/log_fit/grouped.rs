@@ -172,11 +172,10 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
     let whole_logs = groups.chunk_by(|a, b| a.log == b.log);
     let passed = |group: &Group| (group.temperature, group.axes[axis].rows > 0);
     let temperatures: Vec<Vec<(f64, bool)>> = whole_logs.map(|log| log.iter().map(passed).collect()).collect();
-    one_way::reason(&temperatures).into_iter().for_each(|reason| judgement.add(reason));
+    let one_way = one_way::reason(&temperatures);
     let apart = apart::reason(&temperatures, stream.temperature_unit.name());
-    apart.into_iter().for_each(|reason| judgement.add(reason));
-    let temperatures = used().map(|(_, group)| group.temperature);
-    words::of_hole(temperatures, stream.temperature_unit.name()).into_iter().for_each(|reason| judgement.add(reason));
+    let hole = words::of_hole(used().map(|(_, group)| group.temperature), stream.temperature_unit.name());
+    one_way.into_iter().chain(apart).chain(hole).for_each(|reason| judgement.add(reason));
     let columns = Columns::of(groups, axis);
     let fitted = match auto::fit(&columns.series(), valid, options.model) {
         Ok(fitted) => fitted,

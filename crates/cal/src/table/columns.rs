@@ -88,18 +88,7 @@ pub struct ResolvedRate {
 impl Columns {
     /// Whether something was asked for that only a table has.
     pub(crate) fn is_of_a_table(&self) -> bool {
-        let Self {
-            time,
-            temperature,
-            rates,
-            time_unit,
-            temperature_unit,
-            rate_unit,
-            else_rate_unit: _,
-            likely_rate_unit: _,
-        } = self;
-        let is_named = time.is_some() || temperature.is_some() || !rates.is_empty();
-        is_named || time_unit.is_some() || temperature_unit.is_some() || rate_unit.is_some()
+        Self { else_rate_unit: None, likely_rate_unit: None, ..self.clone() } != Self::default()
     }
 
     /// Finds the columns of a table.

@@ -9,10 +9,6 @@ const DEGREES: [&str; 4] = ["deg", "degs", "degree", "degrees"];
 const SECONDS: [&str; 5] = ["s", "sec", "secs", "second", "seconds"];
 const MINUTES: [&str; 4] = ["min", "mins", "minute", "minutes"];
 const HOURS: [&str; 5] = ["h", "hr", "hrs", "hour", "hours"];
-const RATES: [&str; 19] = [
-    "dps", "mdps", "kdps", "mdeg", "kdeg", "dph", "rad", "rads", "radps", "mrad", "krad", "urad", "µrad", "rpm", "rps",
-    "rev", "revs", "turns", "degs",
-];
 /// Parts of a second, in which no rate is read.
 const PARTS_OF_A_SECOND: [&str; 5] = ["ms", "msec", "us", "usec", "µs"];
 
@@ -161,23 +157,21 @@ pub(super) fn rate_unit(words: &[String]) -> Option<Said> {
 /// A name for rates that are in `unit` now, which it ends in: without the unit that it said. `x_mdps` of rates in deg/s is `x_dps`.
 #[must_use]
 pub fn named_in(name: &str, unit: RateUnit) -> String {
-    let (own, suffix) = match unit {
-        RateUnit::Dps => (Some(WrittenRate::Dps), "dps"),
-        RateUnit::RadPerS => (Some(WrittenRate::RadPerS), "rad_s"),
-        RateUnit::Counts => (Some(WrittenRate::Counts), "counts"),
-        RateUnit::MetresPerS2 => (None, "m_s2"),
-    };
-    let of_unit = [&COUNTS[..], &DEGREES, &SECONDS, &MINUTES, &HOURS, &PARTS_OF_A_SECOND, &RATES, &["per"]].concat();
-    let mut words = words(name);
-    let ends_in_it = name.ends_with(&format!("_{suffix}"));
+    let suffix = unit.name().replace('/', "_").replace('^', "");
+    let words = words(name);
     match rate_unit(&words) {
-        Some(Said::Known(said)) if ends_in_it && own == Some(said) => name.to_owned(),
-        None if ends_in_it => name.to_owned(),
+        said if name.ends_with(&format!("_{suffix}")) && said == WrittenRate::of(unit).map(Said::Known) => {
+            name.to_owned()
+        }
         None => format!("{name}_{suffix}"),
         Some(_) => {
-            words.retain(|word| !of_unit.contains(&word.as_str()));
-            words.push(suffix.to_owned());
-            words.join("_")
+            let is_unit = |word: &[String]| {
+                let is_time =
+                    [&SECONDS[..], &MINUTES, &HOURS, &PARTS_OF_A_SECOND, &["per"]].iter().any(|any| has(word, any));
+                is_time || rate_unit(word).is_some()
+            };
+            let kept = words.chunks(1).filter(|word| !is_unit(word)).map(|word| word[0].as_str());
+            kept.chain([suffix.as_str()]).collect::<Vec<_>>().join("_")
         }
     }
 }

@@ -51,12 +51,12 @@ fn table(rows: &[SoakRow]) -> Markup {
     let decimals = decimals_for(largest);
     let row = |row: &SoakRow| {
         vec![
-            html! { (row.axis) },
-            html! { (fixed(row.from_s / 60.0, 0)) " to " (fixed(row.to_s / 60.0, 0)) },
-            html! { (fixed(row.set_c, 1)) },
-            html! { (fixed(row.air_c, 1)) },
-            html! { (fixed(row.sensor_c, 1)) },
-            html! { (fixed(row.sensor_c - row.air_c, 1)) },
+            html! { (row.axis.name) },
+            html! { (fixed(row.soak.from_s / 60.0, 0)) " to " (fixed(row.soak.to_s / 60.0, 0)) },
+            html! { (fixed(row.soak.set_c, 1)) },
+            html! { (fixed(row.soak.air_c, 1)) },
+            html! { (fixed(row.axis.sensor_c, 1)) },
+            html! { (fixed(row.axis.sensor_c - row.soak.air_c, 1)) },
             html! { (fixed(row.residual, decimals)) " " (row.unit) },
         ]
     };

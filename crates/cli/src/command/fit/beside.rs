@@ -60,12 +60,12 @@ pub fn soaks(page: &mut Page, fit: &LogFit, chamber: &InChamber, asked: Option<W
     };
     let columns = [
         // Without a zero below 0.
-        column(|row| (row.from_s / 60.0).round() + 0.0, 0),
-        column(|row| (row.to_s / 60.0).round() + 0.0, 0),
-        column(|row| row.set_c, 1),
-        column(|row| row.air_c, 1),
-        column(|row| row.sensor_c, 1),
-        column(|row| row.sensor_c - row.air_c, 1),
+        column(|row| (row.soak.from_s / 60.0).round() + 0.0, 0),
+        column(|row| (row.soak.to_s / 60.0).round() + 0.0, 0),
+        column(|row| row.soak.set_c, 1),
+        column(|row| row.soak.air_c, 1),
+        column(|row| row.axis.sensor_c, 1),
+        column(|row| row.axis.sensor_c - row.soak.air_c, 1),
     ];
     let residuals = aligned(&rows.iter().map(|row| row.residual).collect::<Vec<_>>());
     let mut grid = Grid::new("rrrrrrlrl");
@@ -73,7 +73,7 @@ pub fn soaks(page: &mut Page, fit: &LogFit, chamber: &InChamber, asked: Option<W
     grid.head(["min", "min", "C", "C", "C", "K", "axis", "mean", ""]);
     for (place, (row, residual)) in rows.iter().zip(residuals).enumerate() {
         let cells = columns.iter().map(|column| column[place].clone());
-        grid.row(cells.chain([row.axis.to_owned(), residual, row.unit.to_owned()]));
+        grid.row(cells.chain([row.axis.name.clone(), residual, row.unit.to_owned()]));
     }
     page.grid(&grid);
     page.gap();
