@@ -1,6 +1,5 @@
 //! The Allan deviation.
 
-use numpy::{AllowTypeChange, PyArrayLike1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use zerorate_fit::allan::{Allan, AllanPoint};
@@ -9,6 +8,7 @@ use crate::errors::raised;
 use crate::groups::{Told, columns};
 use crate::heard::heard;
 use crate::json::loaded;
+use crate::numbers::Numbers;
 
 /// What is told of each averaging time.
 const COLUMNS: [Told<AllanPoint>; 5] = [
@@ -27,13 +27,8 @@ const COLUMNS: [Told<AllanPoint>; 5] = [
 /// `filtered_below_s` is the averaging time below which samples resemble their neighbours, as behind a filter, or None;
 /// `smooth_trend`, whether the curve rises by a smooth trend, which is no noise.
 #[pyfunction]
-pub fn allan_deviation<'py>(
-    py: Python<'py>,
-    rates: PyArrayLike1<'py, f64, AllowTypeChange>,
-    period_s: f64,
-) -> PyResult<Bound<'py, PyDict>> {
-    let rates = rates.as_array().to_vec();
-    let found = heard(py, &[], move |_| Allan::of(&rates, period_s))?;
+pub fn allan_deviation<'py>(py: Python<'py>, rates: Numbers, period_s: f64) -> PyResult<Bound<'py, PyDict>> {
+    let found = heard(py, &[], move |_| Allan::of(&rates.0, period_s))?;
     let found = found.map_err(|error| raised(&error))?;
     let told = columns(py, &found.points, &COLUMNS)?;
     let coefficients = serde_json::to_string(&found.coefficients).map_err(|error| raised(&error))?;

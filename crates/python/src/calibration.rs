@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
-use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArrayLike1};
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use zerorate_cal::calibration::Calibration as File;
@@ -17,6 +17,7 @@ use zerorate_report::LogPage;
 use crate::errors::{raised, told};
 use crate::groups::groups;
 use crate::json::loaded;
+use crate::numbers::{Numbers, Seconds};
 use crate::options::parsed;
 
 /// What was fitted, as `calibration.json` keeps it; of a calibration that was just fitted its averages and its report too.
@@ -107,16 +108,10 @@ impl Calibration {
     fn predict<'py>(
         &self,
         py: Python<'py>,
-        temperature: PyArrayLike1<'py, f64, AllowTypeChange>,
-        time: Option<Bound<'py, PyAny>>,
+        temperature: Numbers,
+        time: Option<Seconds>,
     ) -> PyResult<BTreeMap<&str, Bound<'py, PyArray1<f64>>>> {
-        let temperature = temperature.as_array().to_vec();
-        // What are no numbers, as dates, numpy would take for some.
-        let seconds = |time: Bound<'py, PyAny>| -> PyResult<Vec<f64>> {
-            let time = py.import("zerorate._sources")?.getattr("seconds")?.call1((time,))?;
-            Ok(time.extract::<PyArrayLike1<'py, f64, AllowTypeChange>>()?.as_array().to_vec())
-        };
-        let time = time.map(seconds).transpose()?;
+        let (Numbers(temperature), time) = (temperature, time.map(|Seconds(time)| time));
         if let Some(time) = time.as_ref().filter(|time| time.len() != temperature.len()) {
             return Err(told(&format!("{} times for {} temperatures: give one each", time.len(), temperature.len())));
         }
@@ -133,17 +128,11 @@ impl Calibration {
     }
 
     /// The static curve of one axis, in its rate unit, at temperatures of shape (n,); of a model with a history that for when it is not known.
-    fn curve<'py>(
-        &self,
-        py: Python<'py>,
-        axis: &str,
-        temperature: PyArrayLike1<'py, f64, AllowTypeChange>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn curve<'py>(&self, py: Python<'py>, axis: &str, temperature: Numbers) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let Some(found) = self.file.axes.get(axis) else {
             return Err(told(&format!("there is no axis '{axis}'; the axes are {}", self.axes().join(", "))));
         };
-        let temperature = temperature.as_array();
-        let curve: Vec<f64> = temperature.iter().map(|&temperature| found.drift().evaluate(temperature).0).collect();
+        let curve: Vec<f64> = temperature.0.iter().map(|&temperature| found.drift().evaluate(temperature).0).collect();
         Ok(curve.into_pyarray(py))
     }
 

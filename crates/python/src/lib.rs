@@ -11,6 +11,7 @@ mod fit;
 mod groups;
 mod heard;
 mod json;
+mod numbers;
 mod options;
 mod read_log;
 mod sources;

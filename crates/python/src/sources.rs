@@ -11,7 +11,7 @@ use arrow_array::{
     TimestampNanosecondArray, TimestampSecondArray,
 };
 use arrow_pyarrow::PyArrowType;
-use arrow_schema::{ArrowError, SchemaRef};
+use arrow_schema::{ArrowError, DataType, SchemaRef};
 use numpy::PyReadonlyArray1;
 use parquet::arrow::ArrowWriter;
 use parquet::errors::ParquetError;
@@ -48,11 +48,16 @@ impl Source {
         Self::table(name, &table.schema(), [Ok(table)])
     }
 
-    /// A data frame by Arrow's C stream interface.
+    /// A data frame by Arrow's C stream interface. Categories are no numbers, and not every kind of them can be kept: they are
+    /// left out.
     #[staticmethod]
     fn stream(name: String, frame: PyArrowType<ArrowArrayStreamReader>) -> PyResult<Self> {
         use arrow_array::RecordBatchReader as _;
-        Self::table(name, &frame.0.schema(), frame.0)
+        let schema = frame.0.schema();
+        let is_kept = |place: &usize| !matches!(schema.field(*place).data_type(), DataType::Dictionary(..));
+        let kept: Vec<usize> = (0..schema.fields().len()).filter(is_kept).collect();
+        let schema = schema.project(&kept).map_err(|error| raised(&error))?;
+        Self::table(name, &Arc::new(schema), frame.0.map(|records| records?.project(&kept)))
     }
 }
 

@@ -44,6 +44,19 @@ def test_dates_are_times_of_a_prediction_too(calibration, columns):
         assert np.allclose(calibration.predict(temperature, time=times)["gyro_x"], of_seconds, rtol=1e-9, atol=1e-15)
 
 
+def test_what_is_masked_is_not_predicted(cubic):
+    masked = np.ma.masked_array([20.0, 30.0], mask=[False, True])
+    for of in (cubic.curve("gyro_x", masked), cubic.predict(masked)["gyro_x"]):
+        assert np.isfinite(of[0]) and not np.isfinite(of[1])
+
+
+@pytest.mark.parametrize("what, why", [(20.0, r"shape \(\): give one of shape \(n,\)"), (["warm"], "no numbers"),
+                                       (np.zeros(2, "datetime64[s]"), "dates where numbers should be")])
+def test_temperatures_that_are_none_are_refused(cubic, what, why):
+    with pytest.raises(zerorate.Error, match=why):
+        cubic.predict(what)
+
+
 def test_it_is_the_same_once_written_and_read(calibration, tmp_path):
     path = tmp_path / "calibration.json"
     calibration.save(path)

@@ -42,7 +42,7 @@ def test_rates_of_a_shape_that_nobody_knows(ramp):
 
 
 def test_words_for_numbers(columns):
-    with pytest.raises(zerorate.Error, match="column 'gyro_x' is no numbers"):
+    with pytest.raises(zerorate.Error, match="column 'gyro_x': no numbers"):
         zerorate.fit(columns | {"gyro_x": ["fast"] * len(columns["time"])})
 
 

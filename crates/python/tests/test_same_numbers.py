@@ -119,6 +119,13 @@ def test_other_times_are_times_too(ramp, kind):
     assert np.allclose(made.curve("gyro_x", at), of_seconds.curve("gyro_x", at), rtol=1e-6, atol=0.0)
 
 
+@pytest.mark.parametrize("kind", [polars.Categorical, polars.Enum(["lab"]), polars.Null], ids=str)
+def test_a_column_of_another_kind_is_left_alone(columns, commanded, kind):
+    count = len(columns["time"])
+    values = [None if kind == polars.Null else "lab"] * count
+    held(zerorate.fit(polars.DataFrame(columns | {"where": polars.Series(values, dtype=kind)}), time_unit="s"), commanded)
+
+
 def test_what_is_masked_is_missing(columns):
     hot = columns["temperature"] > 40.0
     masked = columns | {"temperature": np.ma.masked_where(hot, columns["temperature"])}

@@ -56,40 +56,53 @@ def _frame(frame):
         frame = frame.reset_index()
     try:
         return Source.stream("frame", frame)
-    except (ImportError, TypeError):
-        # pandas gives Arrow's columns where pyarrow is there; numpy's it always has.
+    except (ImportError, TypeError, ValueError, Error):
+        # pandas gives Arrow's columns where pyarrow is there, and polars has kinds that no other Arrow knows; numpy's they have.
         return _columns("frame", {str(name): frame[name] for name in frame.columns}, whole=False)
 
 
 def _columns(name, columns, whole=True):
     """Columns of numpy; of a frame that is not taken whole those that are no numbers are left out."""
-    arrays = {str(column): _array(numbers) for column, numbers in columns.items()}
+    arrays = {str(column): _array(values) for column, values in columns.items()}
     if not whole:
-        arrays = {column: numbers for column, numbers in arrays.items() if numbers.dtype.kind in "biufM"}
-    lengths = {column: numbers.shape for column, numbers in arrays.items()}
+        arrays = {column: array for column, array in arrays.items() if array.dtype.kind in "biufM"}
+    lengths = {column: array.shape for column, array in arrays.items()}
     if len(set(lengths.values())) != 1 or any(len(shape) != 1 for shape in lengths.values()):
         told = ", ".join(f"{column} {shape}" for column, shape in lengths.items())
         raise Error(f"columns must be of one dimension and one length, and are: {told}")
-    return Source.columns(name, [(column, _plain(column, numbers)) for column, numbers in arrays.items()])
+    return Source.columns(name, [(column, _plain(column, array)) for column, array in arrays.items()])
 
 
 def seconds(times):
     """Times as seconds from anywhere: numbers as they are, dates from the first one."""
     times = _array(times)
-    if times.dtype.kind != "M":
-        return times
-    return (times - times[~np.isnat(times)][:1]) / np.timedelta64(1, "s") if len(times) else np.zeros(0)
+    if times.dtype.kind == "M":
+        times = (times - times[~np.isnat(times)][:1]) / np.timedelta64(1, "s") if times.size else np.zeros(0)
+    return numbers(times)
 
 
-def _array(numbers):
+def numbers(values):
+    """Numbers of shape (n,)."""
+    array = _array(values)
+    if array.ndim != 1:
+        raise Error(f"an array of shape {array.shape}: give one of shape (n,)")
+    if array.dtype.kind == "M":
+        raise Error("dates where numbers should be: give numbers")
+    try:
+        return np.ascontiguousarray(array, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise Error(f"no numbers: {error}") from error
+
+
+def _array(values):
     """An array of numpy, with what is masked missing, and every kind of time as a date: one that lasted from 1970 on."""
-    if getattr(getattr(numbers, "dtype", None), "tz", None) is not None:
+    if getattr(getattr(values, "dtype", None), "tz", None) is not None:
         # Dates of a time zone are objects to numpy.
-        numbers = getattr(numbers, "dt", numbers).tz_convert(None)
-    if np.ma.isMaskedArray(numbers):
-        is_time = numbers.dtype.kind in "mM"
-        numbers = numbers.filled("NaT") if is_time else numbers.astype(np.float64).filled(np.nan)
-    array = np.asarray(numbers)
+        values = getattr(values, "dt", values).tz_convert(None)
+    if np.ma.isMaskedArray(values):
+        is_time = values.dtype.kind in "mM"
+        values = values.filled("NaT") if is_time else values.astype(np.float64).filled(np.nan)
+    array = np.asarray(values)
     if array.dtype.kind not in "mM":
         return array
     unit = np.datetime_data(array.dtype)[0]
@@ -101,13 +114,13 @@ def _array(numbers):
     return array.astype(f"datetime64[{unit}]")
 
 
-def _plain(column, numbers):
-    if numbers.dtype.kind == "M":
-        return np.ascontiguousarray(numbers).view(np.int64), np.datetime_data(numbers.dtype)[0]
+def _plain(column, array):
+    if array.dtype.kind == "M":
+        return np.ascontiguousarray(array).view(np.int64), np.datetime_data(array.dtype)[0]
     try:
-        return np.ascontiguousarray(numbers, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise Error(f"column '{column}' is no numbers: {error}") from error
+        return numbers(array)
+    except Error as error:
+        raise Error(f"column '{column}': {error}") from error
 
 
 def _named(rates):
