@@ -18,6 +18,15 @@ const workerAddress = URL.createObjectURL(new Blob([element("worker").textConten
 const size = bytes => bytes < 1e6 ? `${Math.ceil(bytes / 1e3)} kB` : bytes < 1e9 ? `${(bytes / 1e6).toFixed(0)} MB`
   : `${(bytes / 1e9).toFixed(2)} GB`;
 
+// What is said names parameters, each of which is a field here.
+function field(name) {
+  const label = form.elements.namedItem(name)?.labels[0];
+  const text = [...label?.childNodes ?? []].find(node => node.nodeType === Node.TEXT_NODE && node.data.trim());
+  return text && `“${text.data.trim()}”`;
+}
+
+const told = sentence => sentence.replace(/`(\w+)`/g, (all, name) => field(name) ?? all);
+
 function show(part) {
   for (const id of ["work", "failure", "result"]) element(id).hidden = id !== part;
 }
@@ -29,7 +38,7 @@ function stop() {
 
 function fail(sentence) {
   stop();
-  element("failure").textContent = sentence;
+  element("failure").textContent = told(sentence);
   show("failure");
 }
 
@@ -72,7 +81,7 @@ function answer(data) {
   if (error !== undefined) return fail(error);
   element("notes").replaceChildren(...fitted.notes.map(note => {
     const line = document.createElement("li");
-    line.textContent = note;
+    line.textContent = told(note);
     return line;
   }));
   saved.forEach(URL.revokeObjectURL);
@@ -92,6 +101,7 @@ function answer(data) {
     const page = report.contentDocument;
     // The page about it has its own edge.
     page.body.style.padding = "1rem 0 0";
+    for (const code of page.querySelectorAll("code")) code.replaceWith(field(code.textContent) ?? code);
     const grow = () => { report.style.height = `${page.documentElement.scrollHeight}px`; };
     new ResizeObserver(grow).observe(page.body);
     grow();

@@ -79,7 +79,8 @@ fn fitted(asked: &Asked, sources: &[Source]) -> Result<Fitted, Box<dyn Error>> {
     let mut files = Vec::new();
     if !fit.judgement.rejected() {
         let name = sources.first().map_or("log", Source::short_name);
-        let name = name.split_once('.').map_or(name, |(name, _)| name);
+        let name = name.strip_suffix(".gz").unwrap_or(name);
+        let name = name.rsplit_once('.').map_or(name, |(name, _)| name);
         files.push(Saved { what: "report", name: format!("{name}.report.html"), text: report.clone() });
         if matches!(sources, [source] if Recording::is_one(source)) {
             notes.push("the calibration of a board's recording is made by the command: `zerorate fit`".to_owned());

@@ -29,7 +29,7 @@ pub enum TableFault {
     #[error("text in UTF-16: save it as UTF-8 (a spreadsheet's \"CSV UTF-8\")")]
     Utf16,
     /// A row has more or fewer cells than the first.
-    #[error("line {line}: {found} cells where the first line has {expected}: the line is cut off or damaged")]
+    #[error("line {line}: {found} cells where the first line has {expected}: {likely}")]
     Ragged {
         /// The line, from 1.
         line: u64,
@@ -37,18 +37,8 @@ pub enum TableFault {
         found: usize,
         /// Cells in the first line.
         expected: usize,
-    },
-    /// A row has more cells than the first, and each could be half of a number.
-    #[error(
-        "line {line}: {found} cells where the first line has {expected}: commas seem to stand both between cells and in numbers (0,5): export it again with semicolons or tabs between cells, or with decimal points"
-    )]
-    DecimalCommas {
-        /// The line, from 1.
-        line: u64,
-        /// Cells in the line.
-        found: usize,
-        /// Cells in the first line.
-        expected: usize,
+        /// What is likely wrong, and what to do.
+        likely: &'static str,
     },
     /// Text stands where a number or a time should.
     #[error(

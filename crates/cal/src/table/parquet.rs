@@ -43,7 +43,11 @@ fn builder(source: &Source) -> Result<ParquetRecordBatchReaderBuilder<ParquetSou
 }
 
 fn damaged(error: &dyn std::error::Error) -> TableFault {
-    TableFault::Parquet { reason: error.to_string() }
+    let mut reason = error.to_string();
+    if let Some((_, packed)) = reason.split_once("Disabled feature at compile time: ") {
+        reason = format!("it is packed by {packed}: write it again, packed by snappy");
+    }
+    TableFault::Parquet { reason }
 }
 
 /// A stream of batches from a Parquet file.

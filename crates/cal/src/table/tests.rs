@@ -117,6 +117,25 @@ fn parquet_gives_only_the_columns_asked_for_with_nulls_as_nan() {
     assert!(matches!(table.batches(&[1]).err().unwrap().fault, TableFault::NotNumeric { .. }));
 }
 
+/// By polars: 200 rows of 0, 1, 2... s, a degree more every fourth row, and rates of 0 to 6 in turn.
+#[test]
+fn parquet_is_read_however_it_is_packed_and_else_it_is_said_how_to_pack_it() {
+    let packed: [&[u8]; 4] = [
+        include_bytes!("tests/packed/snappy.parquet"),
+        include_bytes!("tests/packed/lz4.parquet"),
+        include_bytes!("tests/packed/gzip.parquet"),
+        include_bytes!("tests/packed/zstd.parquet"),
+    ];
+    for packed in packed {
+        let batch = table(packed).unwrap().batches(&[0, 1, 2]).unwrap().next().unwrap().unwrap();
+        let wanted = |of: fn(u32) -> u32| (0..200).map(of).map(f64::from).collect::<Vec<_>>();
+        assert_eq!(batch.columns, [wanted(|row| row), wanted(|row| row / 4), wanted(|row| row % 7)]);
+    }
+    let brotli = table(include_bytes!("tests/packed/brotli.parquet")).unwrap();
+    let told = brotli.batches(&[0]).unwrap().next().unwrap().unwrap_err().to_string();
+    assert!(told.ends_with("it is packed by brotli: write it again, packed by snappy"), "{told}");
+}
+
 #[test]
 fn a_time_without_a_unit_is_read_by_how_long_the_log_lasts() {
     assert_eq!(TimeUnit::by_duration(4.245e9), Some(TimeUnit::Us));

@@ -94,14 +94,16 @@ impl TextBatches {
     }
 }
 
+const DECIMAL_COMMAS: &str = "commas seem to stand both between cells and in numbers (0,5): export it again with semicolons or \
+     tabs between cells, or with decimal points";
+
 /// A line that has not as many cells as the first: cut off, or its numbers were cut at their decimal commas.
 fn ragged(line: &Line<'_>, found: usize, expected: usize) -> TableFault {
     let is_of_digits = line.text.iter().all(|letter| b"0123456789+-eE, ".contains(letter));
     // Two halves a number at most.
-    if is_of_digits && line.text.contains(&b',') && (expected + 1..=2 * expected).contains(&found) {
-        return TableFault::DecimalCommas { line: line.number, found, expected };
-    }
-    TableFault::Ragged { line: line.number, found, expected }
+    let is_halves = is_of_digits && line.text.contains(&b',') && (expected + 1..=2 * expected).contains(&found);
+    let likely = if is_halves { DECIMAL_COMMAS } else { "the line is cut off or damaged" };
+    TableFault::Ragged { line: line.number, found, expected, likely }
 }
 
 impl Iterator for TextBatches {

@@ -42,6 +42,7 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
     }
     trial.of_log(&long, SCREENS[0])?;
     trial.of_damaged(&folder, &fs::read(&long)?)?;
+    trial.of_fields(&folder)?;
     trial.of_very_long(&folder, &long)?;
     trial.of_rules()?;
     println!("    no request, no console error, no overflow; pictures in {}", trial.pictures.display());
@@ -137,6 +138,33 @@ impl Trial<'_> {
         Ok(())
     }
 
+    /// What can be asked for is told by the name that its field has.
+    fn of_fields(&self, folder: &Path) -> Result<()> {
+        let log = folder.join("columns.csv");
+        let rows = (0..4000).map(|row| format!("{row},{},{}\n", 20.0 + f64::from(row) / 2000.0, row * 7919 % 101 + 1));
+        let rows: String = rows.collect();
+        for (heads, report, wanted) in [
+            ("a,b,c", false, "say which (“Temperature column”)"),
+            (
+                "time_s,temperature_c,gyro_x_dps",
+                true,
+                "allow a narrow one in the fit of a log (“Accept a temperature span under 10 °C”)",
+            ),
+        ] {
+            fs::write(&log, format!("{heads}\n{rows}"))?;
+            let mut browser = self.open(SCREENS[0], "light")?;
+            let page = &mut browser.devtools;
+            choose(page, &log)?;
+            answer(page)?;
+            if report {
+                page.evaluate(HEADING)?;
+            }
+            let told = page.evaluate(if report { REPORT } else { FAILURE })?;
+            ensure!(told.as_str().is_some_and(|told| told.contains(wanted)), "{wanted}: the page says\n    {told}");
+        }
+        Ok(())
+    }
+
     /// A very long log takes no more memory, and can be left in the middle.
     fn of_very_long(&self, folder: &Path, log: &Path) -> Result<()> {
         let very_long = folder.join("very-long.ulg");
@@ -206,6 +234,9 @@ const FAILURE: &str = "(() => {
     const failure = document.getElementById('failure');
     return failure.checkVisibility() ? failure.textContent : null;
 })()";
+
+/// The report's words.
+const REPORT: &str = "document.getElementById('report').contentDocument.body.innerText";
 
 /// How wide the page is, or its report beyond its frame.
 const WIDEST: &str = "(() => {
