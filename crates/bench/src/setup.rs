@@ -172,7 +172,7 @@ impl Default for SetUp {
 }
 
 impl SetUp {
-    /// The paper's board and bench, with what READING.md takes where the paper is silent.
+    /// The paper's board and bench, with what docs/paper.md takes where the paper is silent.
     #[must_use]
     pub fn paper() -> Self {
         Self {
@@ -330,7 +330,7 @@ impl Default for Board {
             trim_part: "max5494".into(),
             // 6 mV a degree per second (ADXRS620) times the circuit's gain of -1.599, a count being 250 uV.
             counts_per_dps: -38.4,
-            // 8500 to 11 900 counts over -40 to +60 C (READING.md, "What the paper leaves open").
+            // 8500 to 11 900 counts over -40 to +60 C (docs/paper.md, "What the paper leaves open").
             counts_per_celsius: 34.0,
             counts_at_zero_celsius: 9860.0,
             temperature_noise_counts: 3.0,
@@ -441,14 +441,14 @@ mod tests {
 
     #[test]
     fn the_papers_ends_are_minus_40_and_60_degrees() {
-        // READING.md: 8500 to 11 900 counts for -40 to +60 C.
+        // docs/paper.md: 8500 to 11 900 counts for -40 to +60 C.
         let [cold, hot] = [8500.0, 11_900.0].map(|reading| SetUp::paper().celsius(Counts(reading)).0);
         assert!((cold + 40.0).abs() < 1e-9 && (hot - 60.0).abs() < 1e-9, "{cold} {hot}");
     }
 
     #[test]
     fn a_trim_limit_below_a_tap_is_told_and_one_above_is_not() {
-        // READING.md: one tap moves the reading by 31.26 counts.
+        // docs/paper.md: one tap moves the reading by 31.26 counts.
         let with = |limit: f64| SetUp::parse(&format!("[limits]\ntrim_residual_pp_counts = {limit}"), "x").unwrap();
         assert_eq!(with(31.3).unreachable(), Vec::<String>::new());
         let told = with(31.2).unreachable();

@@ -1,4 +1,4 @@
-//! The paper's experiment on the paper's plant, seeds 1 to 20, against what READING.md says it must come to.
+//! The paper's experiment on the paper's plant, seeds 1 to 20, against what docs/paper.md says it must come to.
 
 #![allow(clippy::unwrap_used)] // what a test cannot do without
 
@@ -16,7 +16,7 @@ use zerorate_core::compensate::Mode;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::Axis;
 
-/// Eq. (1), constant first; Y with the sign of its linear term turned (READING.md, erratum).
+/// Eq. (1), constant first; Y with the sign of its linear term turned (docs/paper.md, erratum).
 const EQUATION_1: [[f64; 3]; 2] = [[13_435.7, -0.894_782, 0.375_298e-4], [12_516.1, -0.676_531, 0.276_524e-4]];
 
 fn experiment(seed: u64) -> (Measured, Vec<TestResult>) {

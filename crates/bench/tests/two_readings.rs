@@ -95,7 +95,7 @@ fn the_processor_driving_the_a_d_and_the_port_give_the_same_groups_bit_for_bit()
     }
 }
 
-/// READING.md: 511 is stored once, when a board is first set up, and checked by a power cycle.
+/// docs/paper.md: 511 is stored once, when a board is first set up, and checked by a power cycle.
 #[test]
 fn the_middle_tap_is_stored_once_and_survives_a_power_cycle() {
     let plant = Plant::new(PlantParameters::paper(), 1).share();

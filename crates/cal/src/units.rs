@@ -15,7 +15,7 @@ pub use written::{WrittenRate, WrittenTemperature};
 /// The least temperature span of a calibration, degrees C: below it a curve is mostly noise.
 pub const MIN_SPAN_C: f64 = 10.0;
 
-/// The least span where temperature is in counts: 10 C at the paper's 34 counts a degree (READING.md, "What the paper
+/// The least span where temperature is in counts: 10 C at the paper's 34 counts a degree (docs/paper.md, "What the paper
 /// leaves open").
 pub const MIN_SPAN_COUNTS: f64 = 340.0;
 

@@ -23,7 +23,7 @@ pub struct BoardNumbers {
 }
 
 impl BoardNumbers {
-    /// The paper's: 14 bits, 34 counts a kelvin, 3 counts of noise (READING.md). A code is a quarter count, so that the mean of
+    /// The paper's: 14 bits, 34 counts a kelvin, 3 counts of noise (docs/paper.md). A code is a quarter count, so that the mean of
     /// a group keeps what averaging gave it.
     pub const PAPER: Self = Self {
         full_scale: (1 << 14) - 1,

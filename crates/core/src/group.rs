@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{Counts, TemperatureCode};
 
-/// Temperature codes to one count of a 14-bit board: a code is a quarter count there (DESIGN.md, "The quantities").
+/// Temperature codes to one count of a 14-bit board: a code is a quarter count there.
 pub const CODES_PER_COUNT: u16 = 4;
 
 /// The sums of one axis's samples in a group: exact integers, so that groups add up in any order to the same bits.

@@ -77,7 +77,7 @@ pub struct Taps(core::num::NonZeroU16);
 impl Taps {
     /// The first position.
     pub const FIRST: Self = Self::at(0);
-    /// The paper's N0: the lower of the two middle positions of 1024 (READING.md, S2).
+    /// The paper's N0: the lower of the two middle positions of 1024 (docs/paper.md, S2).
     pub const MIDDLE: Self = Self::at(511);
     /// The last position.
     pub const LAST: Self = Self::at(1023);

@@ -16,7 +16,7 @@ use zerorate_device::port::PortAcquisition;
 use zerorate_device::trim_part::{Max5494Trim, TrimPart};
 use zerorate_sim::{BusFault, Plant, PlantDelay, PlantParameters, PortSpi, PotentiometerSpi, Scanned, SharedPlant};
 
-/// Eq. (1), constant first; Y with the sign of its linear term turned (READING.md, erratum).
+/// Eq. (1), constant first; Y with the sign of its linear term turned (docs/paper.md, erratum).
 const EQUATION_1: [[f64; 3]; 2] = [[13_435.7, -0.894_782, 0.375_298e-4], [12_516.1, -0.676_531, 0.276_524e-4]];
 const RANGE: [f64; 2] = [8500.0, 11_900.0];
 const CENTRE: f64 = 8200.0;

@@ -5,7 +5,7 @@
 //!
 //! - the paper's: `dV_i = V_i - V0` with `V0` the mean of the trimmed readings (eq. 3, 4). Each trimmed reading is off
 //!   the centre by up to half a tap, and that scatters the slope: by 0.17 % over +-1000 counts, 0.74 % over +-220, for
-//!   parts of the paper's gain in even steps of voltage (READING.md, "What the paper leaves open"), and by twice that
+//!   parts of the paper's gain in even steps of voltage (docs/paper.md, "What the paper leaves open"), and by twice that
 //!   where the voltages fall anywhere against the taps;
 //! - paired: each point against its own trimmed reading, `dV_i = V_i - V_i0`. What is left is the unevenness
 //!   of the part's taps and the noise of the readings.

@@ -44,7 +44,7 @@ pub(crate) const COUNT_V: f64 = 250e-6;
 /// What the circuits are centred on, in counts (paper, 2.3).
 pub(crate) const CENTRE_COUNTS: f64 = 8200.0;
 
-/// The paper's temperature reading: counts at 25 C, and counts per kelvin (READING.md; see [`SensorParameters`]).
+/// The paper's temperature reading: counts at 25 C, and counts per kelvin (docs/paper.md; see [`SensorParameters`]).
 const ROOM_COUNTS: f64 = 10_710.0;
 const COUNTS_PER_K: f64 = 34.0;
 
@@ -52,7 +52,7 @@ const COUNTS_PER_K: f64 = 34.0;
 pub(crate) const COUNTS_PER_TAP: [f64; 2] = [31.26, 31.64];
 
 /// Equation (1): the coefficients of T^0, T^1, T^2, T and the reading in counts. Y's linear coefficient is printed as
-/// +0.676531, which no 14-bit converter could show (READING.md, "its erratum"); the sign is turned here.
+/// +0.676531, which no 14-bit converter could show (docs/paper.md, "its erratum"); the sign is turned here.
 const EQUATION_1: [[f64; 3]; 2] = [[13_435.7, -0.894_782, 0.375_298e-4], [12_516.1, -0.676_531, 0.276_524e-4]];
 
 impl PlantParameters {

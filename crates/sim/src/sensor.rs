@@ -5,7 +5,7 @@ use crate::gyro::ROOM_C;
 /// The temperature channel's constants, after its amplifier.
 ///
 /// The paper does not give its temperature scale; 34 counts a degree and 8500 counts at -40 C make its equations drift
-/// by as much as its figures show (READING.md). At 250 uV a count that is 8.5 mV/K and 2.6775 V at 25 C, close to what
+/// by as much as its figures show (docs/paper.md). At 250 uV a count that is 8.5 mV/K and 2.6775 V at 25 C, close to what
 /// such a gyro gives by itself (ADXRS620: 9 mV/K, 2.5 V at 25 C).
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorParameters {

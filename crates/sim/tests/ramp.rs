@@ -9,7 +9,7 @@ use support::{Group, hour, parabola, peak_to_peak, ramp, run, running};
 use zerorate_core::units::{Axis, Celsius, Seconds};
 use zerorate_sim::PlantParameters;
 
-/// Equation (1) of the paper, with the sign of Y's linear term turned (READING.md).
+/// Equation (1) of the paper, with the sign of Y's linear term turned (docs/paper.md).
 fn equation_1(axis: Axis, t: f64) -> f64 {
     match axis {
         Axis::X => 0.375_298e-4 * t * t - 0.894_782 * t + 13_435.7,

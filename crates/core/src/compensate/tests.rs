@@ -164,7 +164,7 @@ fn the_integer_correction_is_within_half_a_count_at_every_code() {
     assert_correction_is_close(&paper_x((9000.0, 9000.25), 0.0));
 }
 
-/// READING.md: the drift of about 440 counts is 14 taps.
+/// docs/paper.md: the drift of about 440 counts is 14 taps.
 #[test]
 fn the_papers_drift_crosses_fourteen_taps() {
     let table = EdgeTable::solve(&paper_x(WORKING, 0.05)).unwrap();

@@ -3,7 +3,7 @@ use super::*;
 use proptest::prelude::*;
 use std::vec;
 
-/// Eq. (1), X, over the temperatures that READING.md takes.
+/// Eq. (1), X, over the temperatures that docs/paper.md takes.
 fn paper_x() -> Polynomial {
     let scale = Scale::spanning(8500.0, 11_900.0).unwrap();
     Polynomial::from_raw_coefficients(scale, &[13_435.7, -0.894_782, 0.375_298e-4]).unwrap()
@@ -22,7 +22,7 @@ fn the_scaled_form_is_the_printed_equation() {
     );
 }
 
-/// READING.md, "Equation (1) as printed, and its erratum".
+/// docs/paper.md, "Equation (1) as printed, and its erratum".
 #[test]
 fn the_printed_y_equation_cannot_be_right() {
     let at = |sign: f64, t: f64| 0.276_524e-4 * t * t + sign * 0.676_531 * t + 12_516.1;

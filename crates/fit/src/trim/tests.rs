@@ -119,7 +119,7 @@ fn scatter(half_span: f64, draw: impl Fn(&mut Random) -> Part) -> (f64, f64) {
     ((paper / f64::from(draws)).sqrt(), (paired / f64::from(draws)).sqrt())
 }
 
-/// READING.md: 0.17 % over +-1000 counts, 0.74 % over +-220, for parts of the paper's gain.
+/// docs/paper.md: 0.17 % over +-1000 counts, 0.74 % over +-220, for parts of the paper's gain.
 #[test]
 fn the_papers_formula_scatters_by_its_half_taps_and_the_paired_one_does_not() {
     let papers = |random: &mut Random| Part { counts_per_tap: 31.26, ..Part::draw(random, 0.0) };
