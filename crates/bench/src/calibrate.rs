@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::time::{Instant, SystemTime};
 
-use zerorate_cal::board_run::{FULL_TEMPERATURE, HYBRID_TEST, TRIM_TEST};
+use zerorate_board_run::folder::{FULL_TEMPERATURE, HYBRID_TEST, TRIM_TEST};
+use zerorate_board_run::summary::Summary;
 use zerorate_cal::calibration::Origin;
 use zerorate_cal::recording::RecordingInfo;
-use zerorate_cal::summary::Summary;
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 use zerorate_core::wire::{CalibrationState, Request};

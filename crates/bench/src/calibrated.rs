@@ -1,6 +1,6 @@
 //! A unit and what a whole run found out about it.
 
-use zerorate_cal::summary::{Check, Soaks};
+use zerorate_board_run::summary::{Check, Soaks};
 use zerorate_core::record::{UNREADABLE, UnitSerial};
 
 use crate::error::BenchError;

@@ -1,6 +1,6 @@
 //! Why a procedure could not be carried through.
 
-use zerorate_cal::board_run::BoardRunError;
+use zerorate_board_run::folder::BoardRunError;
 use zerorate_cal::calibration::CalibrationFault;
 use zerorate_cal::log::LogError;
 use zerorate_cal::recording::{RecordingError, WriteError};

@@ -1,6 +1,6 @@
 //! What a compensation test shows, in numbers.
 
-use zerorate_cal::summary::TestResult;
+use zerorate_board_run::summary::TestResult;
 use zerorate_core::compensate::{Mode, StaticLaw};
 use zerorate_core::drift::{Scale, Shape};
 use zerorate_core::units::{Axis, TemperatureCode};

@@ -3,11 +3,11 @@
 use std::fmt;
 use std::path::Path;
 
-use zerorate_cal::board_run::{BoardRun, CALIBRATION, CERTIFICATE, FILES, FULL_TEMPERATURE, REPORT, SUMMARY};
+use zerorate_board_run::folder::{BoardRun, CALIBRATION, CERTIFICATE, FILES, FULL_TEMPERATURE, REPORT, SUMMARY};
+use zerorate_board_run::summary::Summary;
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::recording::Recording;
 use zerorate_cal::source::Source;
-use zerorate_cal::summary::Summary;
 use zerorate_core::record::{DeviceRecord, MAX_RECORD_BYTES};
 use zerorate_report::{board_page, certificate};
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use zerorate_cal::summary::{AxisSoaks, Check, SoakPoint, Soaks};
+use zerorate_board_run::summary::{AxisSoaks, Check, SoakPoint, Soaks};
 use zerorate_core::drift::Drift;
 use zerorate_core::units::{Axis, Celsius, Counts};
 

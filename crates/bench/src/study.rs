@@ -1,7 +1,7 @@
 //! Many units through the main job: what a design achieves, before a board is built.
 
 use serde::{Serialize, Serializer};
-use zerorate_cal::summary::{Check, TestResult};
+use zerorate_board_run::summary::{Check, TestResult};
 use zerorate_core::compensate::Mode;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::Axis;

@@ -2,10 +2,10 @@
 
 use std::time::SystemTime;
 
+use zerorate_board_run::summary::{AxisSummary, Check, SCHEMA, Summary, TestResult, stamp};
 use zerorate_cal::calibration::Origin;
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::recording::Phase;
-use zerorate_cal::summary::{AxisSummary, Check, SCHEMA, Summary, TestResult, stamp};
 use zerorate_core::units::Axis;
 use zerorate_fit::least_squares::raw_coefficients;
 

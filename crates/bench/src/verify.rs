@@ -1,7 +1,7 @@
 //! The proof: the composed record on the device, the same ramp again.
 
+use zerorate_board_run::summary::{Check, TestResult};
 use zerorate_cal::recording::Phase;
-use zerorate_cal::summary::{Check, TestResult};
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 

@@ -11,7 +11,7 @@ use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
 use zerorate_bench::soak_comparison;
 use zerorate_bench::verify::{deploy, test};
-use zerorate_cal::summary::TestResult;
+use zerorate_board_run::summary::TestResult;
 use zerorate_core::compensate::Mode;
 use zerorate_core::record::UnitSerial;
 use zerorate_core::units::Axis;

@@ -14,8 +14,8 @@ use zerorate_bench::procedure::compensation_test::{self, Extent};
 use zerorate_bench::run::{Recorder, Session, Silent, Taken};
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::simulated;
-use zerorate_cal::board_run::BoardRun;
-use zerorate_cal::uncertainty::budgets;
+use zerorate_board_run::folder::BoardRun;
+use zerorate_board_run::uncertainty::budgets;
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 
@@ -69,7 +69,7 @@ fn held(kind: PlantKind, seed: u64) -> Vec<Held> {
     let mut silent = Silent;
     let mut session = Session::new(&mut bench, &setup, &mut silent);
     let extent = Extent { cooling: true, samples: false };
-    let of_budget = |budget: &zerorate_cal::uncertainty::Budget| {
+    let of_budget = |budget: &zerorate_board_run::uncertainty::Budget| {
         let (axis, mode) = (budget.axis, budget.mode);
         let recorder = &mut Recorder::discarding();
         let test = compensation_test::run(&mut session, &[], mode, axis, extent, recorder).unwrap();

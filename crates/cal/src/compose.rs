@@ -12,8 +12,7 @@ use zerorate_core::record::{AxisModel, DeviceRecord, HistoryModel, MAX_RECORD_BY
 use zerorate_core::trim::Trim;
 use zerorate_core::units::TemperatureScale;
 
-pub(crate) use chatter::steepest_slope;
-pub use chatter::{ChatterWarning, QUIET_SIGMAS, chatter_warning, steepest_slope_taps};
+pub use chatter::{ChatterWarning, QUIET_SIGMAS, chatter_warning, steepest_slope, steepest_slope_taps};
 
 /// The widest dead band, in taps. From half a tap on, a tap is held when its neighbour's neighbour is already nearer.
 pub const WIDEST_DEAD_BAND_TAPS: f64 = 0.5;

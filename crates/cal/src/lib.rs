@@ -1,6 +1,5 @@
 #![doc = include_str!("../README.md")]
 
-pub mod board_run;
 pub mod calibration;
 pub mod compose;
 pub mod condition;
@@ -12,9 +11,7 @@ pub mod log_fit;
 pub mod matching;
 pub mod quality;
 pub mod ramp_fit;
-pub mod summary;
 pub mod table;
-pub mod uncertainty;
 pub mod units;
 
 pub use zerorate_recording as recording;

@@ -10,8 +10,8 @@ mod trim;
 mod versus;
 
 use maud::{Markup, html};
-use zerorate_cal::board_run::BoardRun;
-use zerorate_cal::summary::Summary;
+use zerorate_board_run::folder::BoardRun;
+use zerorate_board_run::summary::Summary;
 use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
 use zerorate_core::units::Axis;
 

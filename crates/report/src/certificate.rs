@@ -5,10 +5,10 @@ mod facts;
 mod results;
 
 use maud::{Markup, html};
-use zerorate_cal::board_run::BoardRun;
+use zerorate_board_run::folder::BoardRun;
+use zerorate_board_run::summary::Summary;
+use zerorate_board_run::uncertainty::budgets;
 use zerorate_cal::calibration::Origin;
-use zerorate_cal::summary::Summary;
-use zerorate_cal::uncertainty::budgets;
 
 use crate::number::{counted, significant};
 use crate::page;

@@ -7,7 +7,7 @@
 #[allow(dead_code, unused_imports)] // The tests of the other pages use the rest.
 mod sample;
 
-use zerorate_cal::board_run::BoardRun;
+use zerorate_board_run::folder::BoardRun;
 use zerorate_cal::recording::{GroupRow, Phase};
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;

@@ -13,7 +13,7 @@ use crate::workspace::Workspace;
 const BOARD_SIDE: [&str; 4] = ["zerorate-core", "max5494", "zerorate-device", "zerorate-lockstep"];
 
 /// What needs no files: all that lies between a log's bytes and a report, and the page that rests on it.
-const BROWSER_SIDE: [&str; 11] = [
+const BROWSER_SIDE: [&str; 12] = [
     "zerorate-core",
     "imu-logs",
     "zerorate-fit",
@@ -21,6 +21,7 @@ const BROWSER_SIDE: [&str; 11] = [
     "zerorate-recording",
     "zerorate-cal",
     "zerorate-apply",
+    "zerorate-board-run",
     "zerorate-characterise",
     "zerorate-export",
     "zerorate-report",

@@ -50,7 +50,7 @@ pub fn steepest_slope_taps(drift: &Drift, line: &TrimLine) -> f64 {
 
 /// A drift's steepest slope over a range, per unit of temperature, without sign.
 #[must_use]
-pub(crate) fn steepest_slope(drift: &Drift, over: ValidRange) -> f64 {
+pub fn steepest_slope(drift: &Drift, over: ValidRange) -> f64 {
     let step = (over.max() - over.min()) / f64::from(PIECES);
     let at = |piece: u32| drift.evaluate(over.min() + step * f64::from(piece)).0;
     (0..PIECES).map(|piece| (at(piece + 1) - at(piece)).abs()).fold(0.0, f64::max) / step

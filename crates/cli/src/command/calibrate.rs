@@ -28,8 +28,8 @@ use zerorate_bench::plants::PlantKind;
 use zerorate_bench::results;
 use zerorate_bench::run::Progress;
 use zerorate_bench::setup::SetUp;
+use zerorate_board_run::summary::Summary;
 use zerorate_cal::quality::Verdict;
-use zerorate_cal::summary::Summary;
 use zerorate_live::Listen;
 use zerorate_words::sentence;
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate_cal::board_run::{BoardRun, CALIBRATION, CERTIFICATE, FILES, REPORT};
+use zerorate_board_run::folder::{BoardRun, CALIBRATION, CERTIFICATE, FILES, REPORT};
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, Origin, sha256};
 use zerorate_cal::log::{Sensor, SensorChoice};
 use zerorate_cal::log_fit::{FitOptions, GROUP_SECONDS, LogFit, are_alike};

@@ -1,9 +1,9 @@
 //! One axis of a board, as the files of its run tell of it.
 
-use zerorate_cal::board_run::BoardRun;
+use zerorate_board_run::folder::BoardRun;
+use zerorate_board_run::summary::AxisSummary;
 use zerorate_cal::calibration::{AxisCalibration, TrimCalibration};
 use zerorate_cal::ramp_fit::RampMeans;
-use zerorate_cal::summary::AxisSummary;
 use zerorate_core::drift::Shape;
 use zerorate_core::units::Axis;
 use zerorate_fit::trim::TrimEstimate;

@@ -1,9 +1,9 @@
 //! Figure 6: what is left once an axis is compensated, against time and against temperature.
 
 use maud::{Markup, html};
-use zerorate_cal::board_run::BoardRun;
+use zerorate_board_run::folder::BoardRun;
+use zerorate_board_run::summary::{Summary, TestResult};
 use zerorate_cal::recording::{GroupRow, Phase};
-use zerorate_cal::summary::{Summary, TestResult};
 use zerorate_core::compensate::Mode;
 
 use super::Board;

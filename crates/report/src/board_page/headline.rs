@@ -1,7 +1,7 @@
 //! The top of the page: the verdict, and the numbers that matter.
 
 use maud::{Markup, html};
-use zerorate_cal::summary::TestResult;
+use zerorate_board_run::summary::TestResult;
 
 use super::Board;
 use super::reading::Known;

@@ -1,7 +1,7 @@
 //! What was checked, and what the words mean.
 
 use maud::{Markup, html};
-use zerorate_cal::summary::{Check, Summary, TestResult};
+use zerorate_board_run::summary::{Check, Summary, TestResult};
 
 use super::Board;
 use crate::page::{self, Table};

@@ -1,7 +1,7 @@
 //! One ramp against many soaks: the same curve, in fewer hours?
 
 use maud::{Markup, html};
-use zerorate_cal::summary::{SoakPoint, Soaks};
+use zerorate_board_run::summary::{SoakPoint, Soaks};
 
 use super::Board;
 use super::axis::BoardAxis;

@@ -1,8 +1,8 @@
 //! This run beside the paper's.
 
 use maud::{Markup, html};
+use zerorate_board_run::summary::TestResult;
 use zerorate_cal::recording::Phase;
-use zerorate_cal::summary::TestResult;
 use zerorate_core::compensate::Mode;
 
 use super::Board;

@@ -1,8 +1,8 @@
 //! The uncertainty budget of each axis.
 
 use maud::{Markup, html};
-use zerorate_cal::board_run::BoardRun;
-use zerorate_cal::uncertainty::{Budget, COVERAGE_FACTOR, Contribution, Evaluation, Part, Source};
+use zerorate_board_run::folder::BoardRun;
+use zerorate_board_run::uncertainty::{Budget, COVERAGE_FACTOR, Contribution, Evaluation, Part, Source};
 use zerorate_core::units::Axis;
 
 use super::dps;

@@ -1,7 +1,7 @@
 //! Who, when, with what: the facts of a certificate.
 
 use maud::{Markup, html};
-use zerorate_cal::board_run::{BoardRun, POWER};
+use zerorate_board_run::folder::{BoardRun, POWER};
 use zerorate_cal::recording::{GroupRow, Phase};
 use zerorate_core::units::Axis;
 

@@ -1,8 +1,8 @@
 //! What was measured before and after, and the limits.
 
 use maud::{Markup, html};
-use zerorate_cal::board_run::BoardRun;
-use zerorate_cal::summary::{Check, TestResult};
+use zerorate_board_run::folder::BoardRun;
+use zerorate_board_run::summary::{Check, TestResult};
 
 use zerorate_core::units::Counts;
 

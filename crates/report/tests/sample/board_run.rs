@@ -6,14 +6,14 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use serde_json::json;
-use zerorate_cal::board_run::{BoardRun, FULL_TEMPERATURE};
+use zerorate_board_run::folder::{BoardRun, FULL_TEMPERATURE};
+use zerorate_board_run::summary::{AxisSoaks, AxisSummary, Check, SCHEMA, SoakPoint, Soaks, Summary, TestResult};
 use zerorate_cal::calibration::{Calibration, Kind, Origin, TrimCalibration};
 use zerorate_cal::log_fit::{AxisFit, FitOptions};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::ramp_fit::fit_recording;
 use zerorate_cal::recording::{GroupRow, Phase, Recording, RecordingInfo};
 use zerorate_cal::source::Source;
-use zerorate_cal::summary::{AxisSoaks, AxisSummary, Check, SCHEMA, SoakPoint, Soaks, Summary, TestResult};
 use zerorate_cal::units::TemperatureUnit;
 use zerorate_core::compensate::{LowPass, Mode};
 use zerorate_core::group::GroupSums;

@@ -14,9 +14,9 @@ use zerorate_bench::plan::{Part, Plan};
 use zerorate_bench::remote::LeftOn;
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::shared::SharedChamber;
-use zerorate_cal::board_run::SUMMARY;
+use zerorate_board_run::folder::SUMMARY;
+use zerorate_board_run::summary::Summary;
 use zerorate_cal::quality::Verdict;
-use zerorate_cal::summary::Summary;
 use zerorate_words::sentence;
 
 use super::real::SharedInstruments;

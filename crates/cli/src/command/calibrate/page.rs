@@ -5,9 +5,9 @@ use std::path::Path;
 use console::Style;
 use zerorate_bench::board::Axis;
 use zerorate_bench::setup::SetUp;
-use zerorate_cal::board_run::{CALIBRATION, CERTIFICATE, REPORT};
+use zerorate_board_run::folder::{CALIBRATION, CERTIFICATE, REPORT};
+use zerorate_board_run::summary::Summary;
 use zerorate_cal::quality::Verdict;
-use zerorate_cal::summary::Summary;
 
 use crate::screen::{self, Grid, Page};
 

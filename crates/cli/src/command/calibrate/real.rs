@@ -10,7 +10,7 @@ use zerorate_bench::manual::{self, Person};
 use zerorate_bench::remote::{Found, LeftOn, RemoteChamber, RemoteSupply};
 use zerorate_bench::setup::SetUp;
 use zerorate_bench::shared::{self, SharedChamber};
-use zerorate_cal::board_run::{POWER, POWER_LEFT_ON, POWER_SWITCHED};
+use zerorate_board_run::folder::{POWER, POWER_LEFT_ON, POWER_SWITCHED};
 
 use super::instrument::Instrument;
 use super::operator::AtTerminal;

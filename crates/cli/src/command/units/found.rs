@@ -9,10 +9,10 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 use zerorate_bench::board::Mode;
 use zerorate_bench::output::IN_PROGRESS;
+use zerorate_board_run::summary::{Summary, TestResult};
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::recording::Phase;
-use zerorate_cal::summary::{Summary, TestResult};
 use zerorate_words::sentence;
 
 /// A unit and its calibrations, the first first. A simulated one is another than the real one of its serial number, and

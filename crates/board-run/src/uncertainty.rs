@@ -14,7 +14,7 @@ use zerorate_core::units::Axis;
 
 use self::left::AxisTests;
 use self::statistics::{Bins, Direction};
-use crate::board_run::BoardRun;
+use crate::folder::BoardRun;
 
 /// The coverage factor of every expanded uncertainty: 95 % of a normal distribution.
 pub const COVERAGE_FACTOR: f64 = 2.0;

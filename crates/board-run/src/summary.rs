@@ -13,10 +13,10 @@ use thiserror::Error;
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 
-use crate::calibration::Origin;
-use crate::quality::Verdict;
-use crate::recording::Phase;
-use crate::source::{Faulty, Source, in_quotes};
+use zerorate_cal::calibration::Origin;
+use zerorate_cal::quality::Verdict;
+use zerorate_recording::Phase;
+use zerorate_source::{Faulty, Source, in_quotes};
 
 /// The version of the summary's form.
 pub const SCHEMA: u32 = 2;
@@ -130,16 +130,16 @@ pub struct AxisSummary {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TestResult {
     /// How the axis was compensated.
-    #[serde(with = "crate::recording::named")]
+    #[serde(with = "zerorate_recording::named")]
     pub mode: Mode,
     /// The compensated axis.
-    #[serde(with = "crate::recording::named")]
+    #[serde(with = "zerorate_recording::named")]
     pub axis: Axis,
     /// The axis left alone.
-    #[serde(with = "crate::recording::named")]
+    #[serde(with = "zerorate_recording::named")]
     pub control: Axis,
     /// Heating or cooling.
-    #[serde(with = "crate::recording::named")]
+    #[serde(with = "zerorate_recording::named")]
     pub direction: Phase,
     /// What is left on the compensated axis, counts peak to peak.
     pub residual_pp_counts: f64,

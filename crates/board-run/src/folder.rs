@@ -4,10 +4,10 @@ use std::path::Path;
 
 use thiserror::Error;
 
-use crate::calibration::{Calibration, CalibrationError, sha256};
-use crate::recording::{Recording, RecordingError};
-use crate::source::Source;
 use crate::summary::{Summary, SummaryError};
+use zerorate_cal::calibration::{Calibration, CalibrationError, sha256};
+use zerorate_recording::{Recording, RecordingError};
+use zerorate_source::Source;
 
 /// The calibration's file in the folder.
 pub const CALIBRATION: &str = "calibration.json";

@@ -5,10 +5,10 @@ use zerorate_core::drift::ValidRange;
 use zerorate_core::trim::Trim;
 use zerorate_core::units::{Axis, Taps};
 
-use crate::board_run::BoardRun;
-use crate::calibration::AxisCalibration;
-use crate::compose::steepest_slope;
-use crate::recording::{GroupRow, Phase, Recording};
+use crate::folder::BoardRun;
+use zerorate_cal::calibration::AxisCalibration;
+use zerorate_cal::compose::steepest_slope;
+use zerorate_recording::{GroupRow, Phase, Recording};
 
 /// One group of a test.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,0 +1,5 @@
+#![doc = include_str!("../README.md")]
+
+pub mod folder;
+pub mod summary;
+pub mod uncertainty;
