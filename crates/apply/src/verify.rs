@@ -16,6 +16,7 @@ use serde::Serialize;
 use thiserror::Error;
 use zerorate_fit::model::Model;
 
+use crate::apply::TimeFault;
 pub use axis::{VerifiedAxis, VerifiedPoint};
 pub use limits::{Limit, LimitError, Limits};
 
@@ -110,6 +111,9 @@ pub enum NoTest {
     /// Its axes are not the calibration's.
     #[error(transparent)]
     Unmatched(#[from] Unmatched),
+    /// A model needs what it does not tell.
+    #[error(transparent)]
+    Time(#[from] TimeFault),
     /// The units differ, and are of different quantities.
     #[error("axis {axis} is in {found}, and the calibration's in {expected}: say which it is (`rate_unit`)")]
     Unit {

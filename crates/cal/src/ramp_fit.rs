@@ -210,6 +210,7 @@ fn fit_chosen(name: &str, means: &RampMeans) -> Result<(AxisFit, Vec<f64>), Drif
     let series = Series {
         time_s: &means.times_s,
         temperature: &means.temperatures,
+        shown: &means.temperatures,
         rate: &means.readings,
         weight: &weight,
         log: &log,
@@ -236,6 +237,7 @@ fn of_fit(name: &str, means: &RampMeans, fit: DriftFit, residuals: &[f64]) -> Ax
         log: 0,
         time_s: means.times_s[group],
         temperature: means.temperatures[group],
+        shown: means.temperatures[group],
         rate: means.readings[group],
         residual: *residual,
     };

@@ -74,7 +74,7 @@ pub struct Batch {
     /// One vector a column asked for, in the order asked for, all of one length. A cell that is empty or says nan, na,
     /// null or none is NaN.
     pub columns: Vec<Vec<f64>>,
-    /// Where asked for, the text of every cell of every column, a vector a row.
+    /// Where asked for, the text of every cell of every column, a vector a row: numbers with decimal points.
     pub cells: Vec<Vec<String>>,
     /// The number of the file's last line, where it ends without a line feed: its last number may be cut short, so it is
     /// not among the rows.

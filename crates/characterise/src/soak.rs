@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use serde::Serialize;
+use thiserror::Error;
 use zerorate_fit::allan::{Allan, NoAllan};
 use zerorate_fit::predict::{Predictor, Start};
 use zerorate_fit::robust::centre_and_sigma;
@@ -10,7 +11,8 @@ use zerorate_fit::spacing::Spacing;
 
 use zerorate_cal::calibration::{AxisCalibration, Calibration};
 use zerorate_cal::log::{LogError, LogFile, Rows, SensorChoice, Sink, Stream};
-use zerorate_cal::source::Source;
+use zerorate_cal::matching::{Known, Unmatched, calibrated, places};
+use zerorate_cal::source::{Faulty, Source};
 use zerorate_cal::table::Columns;
 use zerorate_cal::units::RateUnit;
 
@@ -84,16 +86,28 @@ pub struct AxisNoise {
     pub noise: Result<Allan, String>,
 }
 
-/// The noise of every axis of a log's sensors, of soaks; with a calibration, of the residuals of the axes that it has.
+/// Why noise cannot be told of.
+#[derive(Debug, Error)]
+pub enum NoiseError {
+    /// The log cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// The calibration is not for the log.
+    #[error(transparent)]
+    Unmatched(#[from] Faulty<Unmatched>),
+}
+
+/// The noise of every axis of a log's sensors, of soaks; with a calibration, of the residuals of the axes that it has, which are
+/// matched as `verify` matches them.
 ///
 /// # Errors
-/// When the log cannot be read. What has no noise to tell says why in [`AxisNoise::noise`].
+/// [`NoiseError`]. What has no noise to tell says why in [`AxisNoise::noise`].
 pub fn noise(
     log: &Source,
     columns: &Columns,
     sensor: Option<SensorChoice>,
     calibration: Option<&Calibration>,
-) -> Result<Vec<AxisNoise>, LogError> {
+) -> Result<Vec<AxisNoise>, NoiseError> {
     let file = LogFile::open(log, columns)?;
     // How far apart rows are is known of the whole log.
     let mut paces = Paces::default();
@@ -101,7 +115,18 @@ pub fn noise(
     let mut taken = Taking { sensor, paces: paces.0, sensors: Vec::new(), places: Vec::new() };
     file.read(&mut taken)?;
     taken.sensors.iter_mut().for_each(Series::flush);
-    Ok(taken.sensors.iter().flat_map(|series| series.noise(calibration)).collect())
+    let Some(calibration) = calibration else {
+        return Ok(taken.sensors.iter().flat_map(Series::of_soaks).collect());
+    };
+    let logged: Vec<Known<'_>> = taken.sensors.iter().flat_map(Series::known).collect();
+    let own = calibrated(calibration, sensor);
+    let places = places(&own, &logged).map_err(|error| log.faulty::<Unmatched>(error))?;
+    let of_axis = |place: usize| {
+        let own = own.iter().zip(&places).find(|(_, of)| **of == Some(place));
+        own.map(|(own, _)| &calibration.axes[own.name])
+    };
+    let axes = taken.sensors.iter().flat_map(|series| (0..series.axes()).map(move |axis| (series, axis))).enumerate();
+    Ok(axes.filter_map(|(place, (series, axis))| Some(series.of_residual(axis, of_axis(place)?))).collect())
 }
 
 /// How far apart the rows of each sensor are.
@@ -190,6 +215,8 @@ struct Series {
     waiting: Waiting,
     bins: Vec<Bin>,
     open: Bin,
+    /// Rows that were lost and have no place, of gaps longer than [`LONGEST_GAP`].
+    unplaced: f64,
     /// Rows in the open bin, and in a full one.
     in_open: usize,
     a_bin: usize,
@@ -210,12 +237,13 @@ impl Series {
         let waiting = Waiting::new(stream.names.len(), stream.temperature_unit);
         let (first_s, last_s) = (f64::NAN, f64::NAN);
         let (even_s, due_s, usual_s) = (pace.even_period(), f64::NAN, pace.usual());
-        let (in_open, a_bin, rows, part) = (0, 1, 0, 0);
+        let (unplaced, in_open, a_bin, rows, part) = (0.0, 0, 1, 0, 0);
         Self {
             stream,
             waiting,
             bins: Vec::new(),
             open,
+            unplaced,
             in_open,
             a_bin,
             rows,
@@ -292,7 +320,9 @@ impl Series {
     fn gap(&mut self, rows: f64) {
         self.flush();
         let gap = Bin::gap(self.axes());
-        for _ in 0..rows.clamp(1.0, LONGEST_GAP) as usize {
+        let placed = rows.clamp(1.0, LONGEST_GAP).floor();
+        self.unplaced += rows.max(1.0) - placed;
+        for _ in 0..placed as usize {
             self.row(&gap);
         }
     }
@@ -322,13 +352,18 @@ impl Series {
         sum / self.a_bin as f64
     }
 
-    fn noise(&self, calibration: Option<&Calibration>) -> Vec<AxisNoise> {
-        let temperatures = smoothed(&self.bins.iter().map(|bin| self.mean(bin.temperature)).collect::<Vec<_>>());
-        let axis = |(place, name): (usize, &String)| match calibration {
-            None => Some(self.of_soak(place, &temperatures)),
-            Some(calibration) => Some(self.of_residual(place, &temperatures, calibration.axes.get(name)?)),
-        };
-        self.stream.names.iter().enumerate().filter_map(axis).collect()
+    fn known(&self) -> impl Iterator<Item = Known<'_>> {
+        let Stream { sensor, unit, .. } = self.stream;
+        self.stream.names.iter().map(move |name| Known { name, sensor, unit })
+    }
+
+    fn temperatures(&self) -> Vec<f64> {
+        smoothed(&self.bins.iter().map(|bin| self.mean(bin.temperature)).collect::<Vec<_>>())
+    }
+
+    fn of_soaks(&self) -> Vec<AxisNoise> {
+        let temperatures = self.temperatures();
+        (0..self.axes()).map(|axis| self.of_soak(axis, &temperatures)).collect()
     }
 
     fn values(&self, axis: usize) -> Vec<f64> {
@@ -361,24 +396,31 @@ impl Series {
         found
     }
 
-    fn of_residual(&self, axis: usize, temperatures: &[f64], own: &AxisCalibration) -> AxisNoise {
+    fn of_residual(&self, axis: usize, own: &AxisCalibration) -> AxisNoise {
+        let temperatures = self.temperatures();
+        let mut found = self.describe(axis, NoiseOf::Residual, 0, temperatures.len(), &temperatures);
+        let Some(of_own) = own.rate_unit.in_unit(self.stream.unit) else {
+            let (log, own) = (self.stream.unit, own.rate_unit);
+            found.noise =
+                Err(format!("the log is in {log}, and the calibration in {own}: say which it is (`rate_unit`)"));
+            return found;
+        };
         let mut predictor = Predictor::new(&own.fit.model, Start::Unknown);
         let values = self.values(axis);
         let residuals: Vec<f64> = (0..values.len())
             .map(|place| {
                 let time_s = self.mean(self.bins[place].time_s);
-                values[place] - predictor.predict(time_s, temperatures[place]).bias
+                values[place] - of_own * predictor.predict(time_s, temperatures[place]).bias
             })
             .collect();
-        let mut found = self.describe(axis, NoiseOf::Residual, 0, values.len(), temperatures);
         found.noise = Allan::of(&residuals, self.period_s()).map_err(|error| error.to_string());
         found
     }
 
     /// Time from one bin to the next, seconds.
     fn period_s(&self) -> f64 {
-        // Gaps are in the series as places without a number, so its places are evenly spaced.
-        let places = (self.bins.len() * self.a_bin) as f64;
+        // Gaps are in the series as places without a number, but for what is longer than a gap may be: its places are evenly spaced.
+        let places = (self.bins.len() * self.a_bin) as f64 + self.unplaced;
         (self.last_s - self.first_s) / (places - 1.0).max(1.0) * self.a_bin as f64
     }
 

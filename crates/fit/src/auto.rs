@@ -192,15 +192,19 @@ fn in_recording(model: &DriftModel, series: &Series<'_>) -> Vec<f64> {
 }
 
 /// Rate less prediction of some successive groups, the history starting at the first of them and anew with each log; NaN
-/// for a group that was not used.
+/// for a group that was not used. A device has the temperatures that its sensor shows.
 fn predict(model: &DriftModel, start: Start, series: &Series<'_>, groups: Range<usize>) -> Vec<f64> {
     let mut predictor = Predictor::new(model, start);
+    let temperature = match start {
+        Start::Unknown => series.shown,
+        Start::OwnRecording => series.temperature,
+    };
     groups
         .map(|group| {
             if series.begins(group) {
                 predictor = Predictor::new(model, start);
             }
-            let bias = predictor.predict(series.time_s[group], series.temperature[group]).bias;
+            let bias = predictor.predict(series.time_s[group], temperature[group]).bias;
             if series.is_used(group) { series.rate[group] - bias } else { f64::NAN }
         })
         .collect()

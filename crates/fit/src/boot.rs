@@ -6,10 +6,16 @@ use crate::residual::ResidualStatistics;
 /// a group.
 pub const BOOT_S: f64 = 30.0;
 
-/// How many of the rows `used`, in order, fall into their first half minute: one at least, half of them at most; 0 of none.
+/// By so many first rows is told how far apart they are, or more where some are missing.
+const FIRST: usize = 8;
+
+/// How many of the rows `used`, in order, fall into their first half minute: one at least, half of them at most; 0 of none. A
+/// row's time is the middle of it, and it lasts until half way to the next: of averages over 10 s three.
 pub(crate) fn booted(time_s: &[f64], used: &[usize]) -> usize {
     let Some(&first) = used.first() else { return 0 };
-    let within = |&&row: &&usize| time_s[row] - time_s[first] < BOOT_S;
+    let steps = used.windows(2).map(|pair| time_s[pair[1]] - time_s[pair[0]]);
+    let step = steps.take(FIRST).filter(|step| *step > 0.0).fold(BOOT_S, f64::min);
+    let within = |&&row: &&usize| time_s[row] - time_s[first] < BOOT_S - 0.5 * step;
     used.iter().take_while(within).count().clamp(1, (used.len() / 2).max(1))
 }
 

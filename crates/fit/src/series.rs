@@ -25,6 +25,8 @@ pub struct Series<'a> {
     pub time_s: &'a [f64],
     /// Mean temperature; NaN for a group without one.
     pub temperature: &'a [f64],
+    /// The same as the sensor showed it, and so as a device goes by it: another where the steps of a coarse one were interpolated.
+    pub shown: &'a [f64],
     /// Mean rate; NaN for a group that is not to be fitted: the history runs through its temperature all the same.
     pub rate: &'a [f64],
     /// How much a group counts against the others, above zero; 1 for all where nothing says otherwise.

@@ -203,8 +203,15 @@ mod tests {
 
     fn found(temperature: &[f64], residuals: &[f64]) -> Vec<Trend> {
         let (time_s, ones, log) = (times(), [1.0; GROUPS], [0; GROUPS]);
-        let series =
-            Series { time_s: &time_s, temperature, rate: residuals, weight: &ones, log: &log, next: NextRun::Another };
+        let series = Series {
+            time_s: &time_s,
+            temperature,
+            shown: temperature,
+            rate: residuals,
+            weight: &ones,
+            log: &log,
+            next: NextRun::Another,
+        };
         trends(residuals, &series)
     }
 

@@ -7,6 +7,7 @@ use zerorate_fit::predict::{Predictor, Start};
 use zerorate_fit::residual::ResidualStatistics;
 
 use super::NoTest;
+use crate::apply::TimeFault;
 use zerorate_cal::calibration::AxisCalibration;
 use zerorate_cal::condition::DropReason;
 use zerorate_cal::log_fit::AxisFit;
@@ -94,6 +95,10 @@ pub(super) fn verify(
     if axis.temperature_unit != temperature_unit {
         return Err(other_unit(axis.temperature_unit.name().to_owned(), temperature_unit.name().to_owned()));
     }
+    let is_timed = axis.trace.iter().any(|point| point.time_s.is_finite());
+    if own.fit.model.needs_time(Start::Unknown) && !is_timed {
+        return Err(TimeFault::NoTime.into());
+    }
     let points = corrected(own, &axis.trace, factor);
     let raw: Vec<f64> = points.iter().map(|point| point.raw).collect();
     let left: Vec<f64> = points.iter().map(|point| point.corrected).collect();
@@ -150,14 +155,15 @@ impl VerifiedAxis {
     }
 }
 
-/// The points of a log, `factor` of the calibration's unit to one of its own, with the bias taken off.
+/// The points of a log, `factor` of the calibration's unit to one of its own, with the bias taken off that a device has by what its
+/// sensor shows.
 fn corrected(own: &AxisCalibration, trace: &[TracePoint], factor: f64) -> Vec<VerifiedPoint> {
     let finite = |point: &&TracePoint| point.temperature.is_finite() && point.rate.is_finite();
     // The history begins with the log, as it does on a device that is switched on.
     let mut predictor = Predictor::new(&own.fit.model, Start::Unknown);
     let correct = |point: &TracePoint| {
         let raw = factor * point.rate;
-        let bias = predictor.predict(point.time_s, point.temperature).bias;
+        let bias = predictor.predict(point.time_s, point.shown).bias;
         VerifiedPoint { time_s: point.time_s, temperature: point.temperature, raw, corrected: raw - bias }
     };
     trace.iter().filter(finite).map(correct).collect()

@@ -391,3 +391,42 @@ fn a_run_that_leaves_much_more_than_the_fit_told_has_something_else() {
     let times = format!("{:.1} times what the fit told", other.axes[0].deployed.rms / told);
     assert!(reason.text.starts_with("gyro_x_rad_s: ") && reason.text.contains(&times), "{}", reason.text);
 }
+
+/// A device corrects by what its sensor shows. In steps of 1 C a slope of 1 mrad/s per C is wrong by up to half a mrad/s to either side,
+/// 1/sqrt(12) of a step, root mean square; averages over less than a twelfth of a step take next to nothing of it.
+#[test]
+fn of_a_coarse_temperature_what_is_left_has_its_steps() {
+    let of_run = |seed: i32, from: f64| {
+        let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();
+        for row in 0..14_400_i32 {
+            let t = from + 60.0 * f64::from(row) / 14_400.0;
+            let noise = (f64::from((row * seed) % 1000) - 499.5) * 1e-7;
+            text += &format!("{},{},{}\n", f64::from(row) / 2.0, t.round(), 1e-3 * t + noise);
+        }
+        Source::bytes("log.csv", text.into_bytes())
+    };
+    let fitted = fit(&[of_run(617, -10.0)], &FitOptions::default()).unwrap();
+    let told = fitted.axes[0].calibration.fit.statistics.deployed.unwrap().rms;
+    let own = fitted.to_calibration(Vec::new(), None).unwrap();
+    let verified = verify(&of_run(733, -8.3), &own, &VerifyOptions::default()).unwrap();
+    let truth = 1e-3 / 12.0_f64.sqrt();
+    let left = verified.axes[0].corrected.rms;
+    assert!((0.85..1.05).contains(&(left / truth)), "{left} for {truth}");
+    // With a zero at the start, which is anywhere on a step.
+    assert!((0.85..2.1).contains(&(told / truth)), "{told} for {truth}");
+}
+
+#[test]
+fn a_model_with_a_lag_needs_times() {
+    use zerorate_core::drift::{History, Memory, Term};
+    let mut own = calibration();
+    let model = &mut own.axes.get_mut("gyro_x_rad_s").unwrap().fit.model;
+    let term = Term { memory: Memory::Lag { time_constant_s: 120.0 }, weight: 1e-4, behind: 0.0, share: 1.0 };
+    model.history = History::new(model.drift.shape.clone(), &[term]);
+    let timed = log(733, 0.0, 0.0);
+    let untimed: String =
+        timed.lines().map(|row| row.split_once(',').map_or(row, |(_, rest)| rest).to_owned() + "\n").collect();
+    let refused = verify(&Source::bytes("log.csv", untimed.into_bytes()), &own, &VerifyOptions::default()).unwrap_err();
+    assert!(refused.to_string().contains("the model needs the time of each row"), "{refused}");
+    assert!(verify(&Source::bytes("log.csv", timed.into_bytes()), &own, &VerifyOptions::default()).is_ok());
+}

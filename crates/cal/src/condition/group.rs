@@ -68,6 +68,8 @@ pub struct Group {
     /// Mean temperature of the rows kept, in the column's unit; NaN without any. Of those that have a rate, if any does: a
     /// rate is not of a temperature that was read when it was not. So is the mean time.
     pub temperature: f64,
+    /// By how much that was moved to interpolate coarse steps; 0 else.
+    pub interpolated: f64,
     /// The least and greatest temperature of the same rows; NaN without any.
     pub temperatures: (f64, f64),
     /// The largest fall (below 0) and rise of the temperature from one row kept to the next, from the group before to this
@@ -302,6 +304,7 @@ impl Grouping {
             times_s: (self.times[0], self.times[rows - 1]),
             widest_s: self.times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max),
             temperature: mean(kept()),
+            interpolated: 0.0,
             temperatures: kept().fold((f64::NAN, f64::NAN), |(a, b), t| (a.min(t), b.max(t))),
             leap,
             axes,
@@ -358,6 +361,12 @@ impl Grouping {
 }
 
 impl Group {
+    /// The temperature that the sensor showed.
+    #[must_use]
+    pub fn shown(&self) -> f64 {
+        self.temperature - self.interpolated
+    }
+
     /// Whether it goes on where another ended, without a gap between them.
     fn follows(&self, before: &Self, gap_s: f64) -> bool {
         let is_gap = self.times_s.0 - before.times_s.1 >= gap_s;

@@ -118,7 +118,11 @@ fn same(a: f64, b: f64) -> bool {
 /// Gives each group of a coarse sensor the mean temperature of those around it ([`smoothed`]).
 pub fn dequantise(groups: &mut [Group], step: f64) {
     let temperatures: Vec<f64> = groups.iter().map(|group| group.temperature).collect();
-    groups.iter_mut().zip(smoothed(&temperatures, step)).for_each(|(group, smooth)| group.temperature = smooth);
+    for (group, smooth) in groups.iter_mut().zip(smoothed(&temperatures, step)).filter(|(_, smooth)| smooth.is_finite())
+    {
+        group.interpolated = smooth - group.temperature;
+        group.temperature = smooth;
+    }
 }
 
 /// Groups from which a line is drawn back to those at the start of a log that have no temperature, and so many of those

@@ -188,6 +188,7 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
         log: group.log,
         time_s: group.time_s,
         temperature: group.temperature,
+        shown: group.shown(),
         rate: group.axes[axis].rate,
         residual: *residual,
     };
@@ -212,6 +213,7 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
 struct Columns {
     time_s: Vec<f64>,
     temperature: Vec<f64>,
+    shown: Vec<f64>,
     rate: Vec<f64>,
     weight: Vec<f64>,
     log: Vec<u32>,
@@ -233,6 +235,7 @@ impl Columns {
         Self {
             time_s: groups.iter().map(|group| group.time_s).collect(),
             temperature: groups.iter().map(|group| group.temperature).collect(),
+            shown: groups.iter().map(Group::shown).collect(),
             rate: groups.iter().map(rate).collect(),
             weight: groups.iter().map(weight).collect(),
             log: groups.iter().map(|group| group.log).collect(),
@@ -243,6 +246,7 @@ impl Columns {
         Series {
             time_s: &self.time_s,
             temperature: &self.temperature,
+            shown: &self.shown,
             rate: &self.rate,
             weight: &self.weight,
             log: &self.log,

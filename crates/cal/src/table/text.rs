@@ -85,7 +85,8 @@ impl TextBatches {
                 numbers.push(number);
             }
             if self.cells {
-                batch.cells.push((0..found).map(|place| text(self.splitter.cell(place)).into_owned()).collect());
+                let cell = |place: usize| self.notations[place].pointed(text(self.splitter.cell(place)).into_owned());
+                batch.cells.push((0..found).map(cell).collect());
             }
             rows += 1;
         }

@@ -34,6 +34,11 @@ impl Notation {
         Some(if has_offset { Self::Stamp } else { Self::LocalStamp })
     }
 
+    /// A cell as a table with decimal points has it: `0,5` is `0.5` there, and all else is as it is.
+    pub(super) fn pointed(self, cell: String) -> String {
+        if self == Self::Comma && self.number(&cell).is_some() { cell.replacen(',', ".", 1) } else { cell }
+    }
+
     /// A cell's number, of a time its seconds since 1970: NaN for one that is empty or says so in words, `None` for other
     /// text.
     pub(super) fn number(self, cell: &str) -> Option<f64> {

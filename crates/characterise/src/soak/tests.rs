@@ -76,33 +76,37 @@ fn with_a_calibration_the_whole_logs_residual_is_taken() {
 
 #[test]
 fn a_long_log_is_averaged_until_it_fits_and_a_gap_stays_one() {
-    let stream = Stream {
-        sensor: None,
-        names: vec!["x".to_owned()],
-        unit: RateUnit::RadPerS,
-        temperature_unit: TemperatureUnit::C,
-    };
     let rows = 300_000;
-    let time: Vec<f64> = (0..rows).map(|i| f64::from(i) * 0.01 + if i >= 200_000 { 50.0 } else { 0.0 }).collect();
-    let mut pace = Spacing::default();
-    time.iter().for_each(|time| pace.push(*time));
-    let mut series = Series::new(stream, &pace);
-    let values: Vec<f64> = (0..rows).map(|i| f64::from(i % 2)).collect();
-    series.push(&Rows {
-        sensor: 0,
-        part: 0,
-        first_row: 0,
-        time_s: &time,
-        temperature: &vec![25.0; time.len()],
-        values: &[values],
-    });
-    series.flush();
-    assert!(series.bins.len() < MOST && series.a_bin == 4, "{} {}", series.bins.len(), series.a_bin);
-    let gap = series.bins.iter().filter(|bin| bin.values[0].is_nan()).count();
-    assert!(gap.abs_diff(5000 / 4) < 5, "{gap}");
-    let allan = Allan::of(&series.values(0), series.period_s());
-    // Of four rows of 0, 1, 0, 1 the mean is always a half.
-    assert_eq!(allan, Err(NoAllan::Constant));
+    // A gap has 10 000 rows at most, and however long it is, rows are as far apart as they are.
+    for (gap_s, placed) in [(50.0, 5000), (1500.0, 10_000)] {
+        let stream = Stream {
+            sensor: None,
+            names: vec!["x".to_owned()],
+            unit: RateUnit::RadPerS,
+            temperature_unit: TemperatureUnit::C,
+        };
+        let time: Vec<f64> = (0..rows).map(|i| f64::from(i) * 0.01 + if i >= 200_000 { gap_s } else { 0.0 }).collect();
+        let mut pace = Spacing::default();
+        time.iter().for_each(|time| pace.push(*time));
+        let mut series = Series::new(stream, &pace);
+        let values: Vec<f64> = (0..rows).map(|i| f64::from(i % 2)).collect();
+        series.push(&Rows {
+            sensor: 0,
+            part: 0,
+            first_row: 0,
+            time_s: &time,
+            temperature: &vec![25.0; time.len()],
+            values: &[values],
+        });
+        series.flush();
+        assert!(series.bins.len() < MOST && series.a_bin == 4, "{} {}", series.bins.len(), series.a_bin);
+        let gap = series.bins.iter().filter(|bin| bin.values[0].is_nan()).count();
+        assert!(gap.abs_diff(placed / 4) < 5, "{gap}");
+        assert!((series.period_s() / 0.04 - 1.0).abs() < 1e-4, "{} s after a gap of {gap_s} s", series.period_s());
+        let allan = Allan::of(&series.values(0), series.period_s());
+        // Of four rows of 0, 1, 0, 1 the mean is always a half.
+        assert_eq!(allan, Err(NoAllan::Constant));
+    }
 }
 
 /// A log at 10 Hz of N = 0.005, made of the time: a temperature and the part of the rate that is no noise.

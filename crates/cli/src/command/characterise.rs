@@ -91,10 +91,6 @@ impl Characterise {
             }
         }
         let noises = noise(&log, &columns, self.sensor, calibration.as_ref())?;
-        if let (true, Some(calibration)) = (noises.is_empty(), &calibration) {
-            let axes: Vec<&str> = calibration.axes.keys().map(String::as_str).collect();
-            bail!("{}: it has none of the calibration's axes ({})", self.log.display(), axes.join(", "));
-        }
         // A log of one temperature has no sensitivities, and its fit says why.
         let options = FitOptions { columns, sensor: self.sensor, allow_narrow: true, ..FitOptions::default() };
         let fit = fit(&[log], &options)?;

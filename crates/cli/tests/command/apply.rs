@@ -260,3 +260,42 @@ fn an_autopilots_log_without_an_axis_of_the_calibration_is_refused_by_name() {
     zerorate(folder.path(), &["apply", "calibration.json", "flight.ulg", "--out", "out.csv", "--time", "t"])
         .is_error(&["leave out --temperature, --time"]);
 }
+
+/// With two gyros in a table of another unit, the one that is asked for is of the log too.
+#[test]
+fn one_of_two_gyros_of_a_table_is_corrected_alone() {
+    let log = Log::cycle();
+    let table = |unit: &str, factor: f64| {
+        let mut text = format!("t_s,temp_c,gyro0_x_{unit},gyro0_y_{unit},gyro1_x_{unit},gyro1_y_{unit}\n");
+        for row in 0..log.time_s.len() {
+            let [x, y] = [0, 1].map(|axis| factor * log.rates[axis][row]);
+            text += &format!("{},{},{x},{y},{y},{x}\n", log.time_s[row], log.temperature_c[row]);
+        }
+        text
+    };
+    let folder = folder_with("log.csv", table("rad_s", 1.0));
+    assert_eq!(zerorate(folder.path(), &["fit", "log.csv", "--out", "calibration.json"]).code, 0);
+    fs::write(folder.path().join("other.csv"), table("mrad_s", 1e3)).unwrap();
+    let ran =
+        zerorate(folder.path(), &["apply", "calibration.json", "other.csv", "--sensor", "gyro1", "--out", "out.csv"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    ran.says(&["gyro1_x_mrad_s, gyro1_y_mrad_s corrected"]);
+    let predicted = column(&folder.path().join("out.csv"), "predicted_gyro1_x_mrad_s");
+    for (predicted, temperature) in predicted.iter().zip(&log.temperature_c) {
+        assert!((predicted + 2e3 * parabola(*temperature)).abs() < 0.2, "{predicted} at {temperature}");
+    }
+}
+
+/// What `apply` writes it can read, decimal commas or not: all numbers have points.
+#[test]
+fn a_log_with_decimal_commas_is_written_with_points() {
+    let log = Log::cycle();
+    let commas = log.csv().replace(',', ";").replace('.', ",");
+    let folder = folder_with("commas.csv", commas);
+    assert_eq!(zerorate(folder.path(), &["fit", "commas.csv", "--out", "calibration.json"]).code, 0);
+    assert_eq!(apply(folder.path(), "commas.csv").code, 0);
+    let rates = column(&folder.path().join("out.csv"), "x_rad_s");
+    assert!(rates.iter().zip(&log.rates[0]).all(|(read, rate)| (read - rate).abs() < 1e-15));
+    let ran = zerorate(folder.path(), &["verify", "out.csv", "--with", "calibration.json", "--in-sample"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+}

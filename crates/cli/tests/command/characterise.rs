@@ -34,3 +34,24 @@ fn a_log_at_rest_tells_its_noise() {
     let ran = zerorate(other.path(), &["characterise", "empty.csv"]);
     assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
 }
+
+/// The calibration's axes are found by what they measure, in whatever unit: N of the residuals is that of the noise.
+#[test]
+fn the_residuals_of_a_log_in_another_unit_are_those_of_the_same_axes() {
+    let log = Log::cycle();
+    let folder = folder_with("log.csv", log.csv());
+    assert_eq!(zerorate(folder.path(), &["fit", "log.csv", "--out", "calibration.json"]).code, 0);
+    let mut text = "t_s,temp_c,gyro_x_mdps,gyro_y_mdps\n".to_owned();
+    for row in 0..log.time_s.len() {
+        let [x, y] = [0, 1].map(|axis| 1e3 * log.rates[axis][row].to_degrees());
+        text += &format!("{},{},{x},{y}\n", log.time_s[row], log.temperature_c[row]);
+    }
+    std::fs::write(folder.path().join("other.csv"), text).unwrap();
+    let ran = zerorate(folder.path(), &["characterise", "other.csv", "--with", "calibration.json", "--json"]);
+    let json = ran.json();
+    assert_eq!(json["noise"][0]["name"], "gyro_x_mdps", "{}", ran.err);
+    let n = json["noise"][0]["noise"]["coefficients"]["angle_random_walk"]["value"].as_f64().unwrap();
+    // Uniform over 1 mrad/s, two rows a second; a table in mdps is of dps.
+    let truth = 1e-3_f64.to_degrees() / 12.0_f64.sqrt() / 2.0_f64.sqrt();
+    assert!((n / truth - 1.0).abs() < 0.05, "{n} for {truth}");
+}

@@ -85,7 +85,7 @@ impl Outer {
                 self.warm[group] = warm[group];
                 self.cold[group] = cold[group - out.start];
                 if let Some(cubic) = &made.cubic {
-                    self.cubic[group] = series.rate[group] - cubic.evaluate(series.temperature[group]).0;
+                    self.cubic[group] = series.rate[group] - cubic.evaluate(series.shown[group]).0;
                 }
             }
             self.cubic_deployed[out.clone()].copy_from_slice(&self.cubic[out.clone()]);
@@ -334,7 +334,7 @@ pub(super) fn static_cubic(groups: &Groups<'_>, fits: &Fits, outer: &Outer) -> O
     let whole = held_out.iter().all(|residual| residual.is_finite()) && !held_out.is_empty();
     let held_out = whole.then(|| ResidualStatistics::of(held_out));
     let of_all = |group: usize| match series.is_used(group) {
-        true => series.rate[group] - drift.evaluate(series.temperature[group]).0,
+        true => series.rate[group] - drift.evaluate(series.shown[group]).0,
         false => f64::NAN,
     };
     let deployed = outer.deployed_by_cubic(series, &(0..series.rate.len()).map(of_all).collect::<Vec<_>>());

@@ -49,7 +49,8 @@ impl Made {
     fn fit_of_logs(&self, asked: Model, log: &[u32]) -> GroupFit {
         let weight = vec![1.0; self.rate.len()];
         let (time_s, temperature, rate) = (&self.time_s[..], &self.temperature[..], &self.rate[..]);
-        let series = Series { time_s, temperature, rate, weight: &weight, log, next: NextRun::Another };
+        let series =
+            Series { time_s, temperature, shown: temperature, rate, weight: &weight, log, next: NextRun::Another };
         let used = (0..rate.len()).filter(|&group| series.is_used(group)).map(|group| temperature[group]);
         let (min, max) = intervals::ends(used);
         fit(&series, ValidRange::new(min, max).unwrap(), asked).unwrap()
@@ -367,6 +368,7 @@ fn too_few_groups_or_one_temperature_are_refused() {
         let series = Series {
             time_s: &made.time_s,
             temperature: &made.temperature,
+            shown: &made.temperature,
             rate: &made.rate,
             weight: &weight,
             log: &log,

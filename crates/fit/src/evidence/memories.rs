@@ -120,6 +120,7 @@ mod tests {
         let series = Series {
             time_s: &time_s,
             temperature: &temperature,
+            shown: &temperature,
             rate: &rate,
             weight: &weight,
             log: &log,

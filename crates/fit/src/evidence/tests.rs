@@ -71,7 +71,7 @@ impl Cycle {
     fn with<T>(&self, f: impl FnOnce(&Series<'_>) -> T) -> T {
         let (weight, log) = (vec![1.0; self.rate.len()], vec![0; self.rate.len()]);
         let (time_s, temperature, rate) = (&self.time_s[..], &self.temperature[..], &self.rate[..]);
-        f(&Series { time_s, temperature, rate, weight: &weight, log: &log, next: NextRun::Another })
+        f(&Series { time_s, temperature, shown: temperature, rate, weight: &weight, log: &log, next: NextRun::Another })
     }
 }
 

@@ -31,8 +31,10 @@ pub(super) fn found(
 ) -> Result<Found> {
     let table = Table::open(log)?;
     let found = known_columns(log, calibration, asked).resolve(&table)?;
+    let is_wanted = |of: &&ResolvedSensor| sensor.zip(of.sensor).is_none_or(|(choice, sensor)| choice.takes(&sensor));
+    let sensors = found.sensors.iter().filter(is_wanted);
     let rates: Vec<(&ResolvedSensor, &ResolvedRate)> =
-        found.sensors.iter().flat_map(|sensor| sensor.rates.iter().map(move |rate| (sensor, rate))).collect();
+        sensors.flat_map(|sensor| sensor.rates.iter().map(move |rate| (sensor, rate))).collect();
     let known =
         rates.iter().map(|(sensor, rate)| Known { name: &rate.name, sensor: sensor.sensor, unit: sensor.rate_unit });
     let logged: Vec<Known<'_>> = known.collect();
