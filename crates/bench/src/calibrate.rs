@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Instant, SystemTime};
 
-use zerorate_board_run::folder::{FULL_TEMPERATURE, HYBRID_TEST, TRIM_TEST};
+use zerorate_board_run::folder::{FULL_TEMPERATURE, HYBRID_TEST, POWER, POWER_UNKNOWN, TRIM_TEST};
 use zerorate_board_run::summary::Summary;
 use zerorate_cal::calibration::Origin;
 use zerorate_cal::recording::RecordingInfo;
@@ -108,6 +108,10 @@ fn run(
         output.go_on(FULL_TEMPERATURE, &info("full-temperature"), checkpoints.extent(measure::FULL_TEMPERATURE))?;
     let sweep = output.go_on(TRIM_SWEEP, &info("trim-sweep"), checkpoints.extent(measure::TRIM_SWEEP))?;
     let mut measured = measure_on(&mut session, &unit.serial, full, sweep, &checkpoints)?;
+    // While it was stopped the board may have lost its power, and nobody was there to see it.
+    if let Some(power) = measured.calibration.labels.get_mut(POWER).filter(|_| checkpoints.is_resumed()) {
+        POWER_UNKNOWN.clone_into(power);
+    }
 
     let mut deployed = false;
     let mut verifications = Vec::new();
@@ -168,7 +172,7 @@ fn run(
         recordings.push(origin(recording)?);
     }
     let mut run = Calibrated { unit, setup: setup.clone(), measured, verifications, soaks, checks };
-    let cut_short: Vec<String> = crate::summary::cut_short(&run).collect();
+    let cut_short: Vec<String> = crate::summary::cut_short(&run.measured, &run.setup).collect();
     run.measured.calibration.warnings.extend(cut_short);
     let summary = summary(&run, recordings, started, began.elapsed().as_secs_f64());
     results::write(&run.measured.calibration, &run.measured.record, &summary, &mut output)?;

@@ -31,13 +31,14 @@ pub enum Keep {
 #[derive(Debug)]
 pub struct Checkpoints {
     folder: Option<PathBuf>,
+    is_resumed: bool,
 }
 
 impl Checkpoints {
     /// Keeps nothing.
     #[must_use]
     pub const fn none() -> Self {
-        Self { folder: None }
+        Self { folder: None, is_resumed: false }
     }
 
     /// Opens what is kept in the folder of a run. `whose` is what a run must share with the one that is resumed: its
@@ -48,6 +49,7 @@ impl Checkpoints {
     pub fn open(in_progress: &Path, keep: Keep, whose: &str) -> Result<Self, BenchError> {
         let folder = in_progress.join(FOLDER);
         let file = folder.join(WHOSE);
+        let is_resumed = !is_nothing_finished(&folder);
         match (fs::read_to_string(&file), keep) {
             (Err(_), Keep::Nothing) => return Ok(Self::none()),
             // A simulated run would take the place of what a real one has finished.
@@ -64,7 +66,13 @@ impl Checkpoints {
                 write_whole(&file, whose.as_bytes()).map_err(cannot(&file))?;
             }
         }
-        Ok(Self { folder: Some(folder) })
+        Ok(Self { folder: Some(folder), is_resumed })
+    }
+
+    /// Whether a part of the run was finished before it was stopped.
+    #[must_use]
+    pub const fn is_resumed(&self) -> bool {
+        self.is_resumed
     }
 
     /// How far a recording had got when a procedure was done with it; `None` while it is not.
@@ -111,11 +119,14 @@ impl Checkpoints {
 /// Removes what is kept where nothing was carried through yet.
 pub(crate) fn forget_nothing(in_progress: &Path) {
     let folder = in_progress.join(FOLDER);
-    let mut kept = fs::read_dir(&folder).into_iter().flatten().flatten();
-    if kept.all(|file| file.file_name() == WHOSE) {
+    if is_nothing_finished(&folder) {
         let _ = fs::remove_file(folder.join(WHOSE));
         let _ = fs::remove_dir(folder);
     }
+}
+
+fn is_nothing_finished(folder: &Path) -> bool {
+    fs::read_dir(folder).into_iter().flatten().flatten().all(|file| file.file_name() == WHOSE)
 }
 
 /// The run in a folder is whole: nothing is kept of it any more.

@@ -13,6 +13,7 @@ use crate::procedure::compensation_test::Extent;
 use crate::run::{Recorder, Session, Silent};
 use crate::setup::SetUp;
 use crate::simulated;
+use crate::summary::cut_short;
 use crate::verify::{check, deploy, test};
 
 /// One unit of a study: its X axis, heating; counts peak to peak, held out but for the drift.
@@ -86,7 +87,7 @@ pub fn unit(number: u32, plant: PlantKind, seed: u64, setup: &SetUp) -> Result<U
         floor_pp_counts: hybrid.floor_pp_counts.unwrap_or(f64::NAN),
         failed_checks: checks.iter().filter(|check| !check.passed).map(Check::sentence).collect(),
         model: drift.drift.calibration.fit.chosen_model(),
-        warnings: measured.calibration.warnings,
+        warnings: cut_short(&measured, setup).chain(measured.calibration.warnings.clone()).collect(),
     })
 }
 

@@ -6,19 +6,20 @@ use zerorate_board_run::summary::{AxisSummary, Check, SCHEMA, Summary, TestResul
 use zerorate_cal::calibration::Origin;
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::recording::Phase;
-use zerorate_core::units::Axis;
+use zerorate_core::units::{Axis, Counts};
 use zerorate_fit::least_squares::raw_coefficients;
 
 use crate::calibrated::Calibrated;
 use crate::evaluate::extremes;
-use crate::measure::MeasuredAxis;
+use crate::measure::{Measured, MeasuredAxis};
+use crate::setup::SetUp;
 
 /// The summary of a run that left these recordings, began then and took so long by the wall clock.
 #[must_use]
 pub fn summary(run: &Calibrated, recordings: Vec<Origin>, started: SystemTime, wall_s: f64) -> Summary {
     let board = &run.setup.board;
     let failed = || run.checks.iter().filter(|check| !check.passed);
-    let axes = Axis::BOTH.map(|axis| (axis.name().to_owned(), axis_summary(run, axis)));
+    let axes = Axis::BOTH.map(|axis| (axis.name().to_owned(), axis_summary(&run.measured, &run.setup, axis)));
     Summary {
         schema: SCHEMA,
         plant: run.unit.plant.map(|(kind, _)| kind.name().to_owned()),
@@ -43,7 +44,8 @@ pub fn summary(run: &Calibrated, recordings: Vec<Origin>, started: SystemTime, w
 /// temperatures asked for.
 fn verdict(run: &Calibrated) -> Verdict {
     let mut results = run.verifications.iter().flat_map(|test| &test.results);
-    let warns = results.any(|result| !result.warnings().is_empty()) || cut_short(run).next().is_some();
+    let warns =
+        results.any(|result| !result.warnings().is_empty()) || cut_short(&run.measured, &run.setup).next().is_some();
     match run.checks.iter().all(|check| check.passed) {
         false => Verdict::Rejected,
         true if warns => Verdict::Warning,
@@ -58,18 +60,38 @@ fn tests(run: &Calibrated) -> Vec<TestResult> {
     tests
 }
 
-/// Where the ramp covers too little of what was asked for, a sentence for each axis.
-pub(crate) fn cut_short(run: &Calibrated) -> impl Iterator<Item = String> {
-    Axis::BOTH.into_iter().filter_map(|axis| axis_summary(run, axis).warning(axis.name()))
+/// Where the ramp covers too little of what was asked for, or went where no chamber was sent, a sentence for each axis.
+pub(crate) fn cut_short(measured: &Measured, setup: &SetUp) -> impl Iterator<Item = String> {
+    let of_axis = |axis| {
+        let summary = axis_summary(measured, setup, axis);
+        summary.warning(axis.name()).or_else(|| off_scale(setup, axis, summary.temperature_counts))
+    };
+    Axis::BOTH.into_iter().filter_map(of_axis)
 }
 
-fn axis_summary(run: &Calibrated, of: Axis) -> AxisSummary {
-    let axis = &run.measured.axes[of.index()];
+/// Where a gyro's own temperature, by the set-up's scale, is far from the chamber's: a scale of another sensor makes every degree of
+/// a certificate another.
+fn off_scale(setup: &SetUp, axis: Axis, [coldest, hottest]: [f64; 2]) -> Option<String> {
+    /// A gyro warms itself by less, kelvin.
+    const BY_ITSELF: f64 = 20.0;
+    let [from, to] = [coldest, hottest].map(|counts| setup.celsius(Counts(counts)).0);
+    let [cold, hot] = setup.ends().map(|end| end.0);
+    let is_off = (from - cold).abs() > BY_ITSELF || to > hot + BY_ITSELF;
+    is_off.then(|| {
+        format!(
+            "axis {}: by board.counts_at_zero_celsius and board.counts_per_celsius the ramp went from {from:.0} to {to:.0} C, and the chamber was sent from {cold:.0} to {hot:.0} C: see whether the scale is the gyro's; until then no degree that is told of it is true",
+            axis.name().to_uppercase()
+        )
+    })
+}
+
+fn axis_summary(measured: &Measured, setup: &SetUp, of: Axis) -> AxisSummary {
+    let axis = &measured.axes[of.index()];
     let MeasuredAxis { drift, trim, .. } = axis;
-    let [coldest, hottest] = extremes(run.measured.ramp.iter().map(|taken| taken.temperature(of).0));
-    let heating = run.measured.ramp.iter().filter(|taken| taken.phase == Phase::Heating);
-    let [cold, hot] = run.setup.ends();
-    let asked = (hot - cold).0 * run.setup.board.counts_per_celsius;
+    let [coldest, hottest] = extremes(measured.ramp.iter().map(|taken| taken.temperature(of).0));
+    let heating = measured.ramp.iter().filter(|taken| taken.phase == Phase::Heating);
+    let [cold, hot] = setup.ends();
+    let asked = (hot - cold).0 * setup.board.counts_per_celsius;
     let (drift, statistics) = (&drift.calibration, &drift.calibration.fit.statistics);
     AxisSummary {
         model: drift.fit.chosen_model(),

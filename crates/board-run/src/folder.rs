@@ -31,6 +31,8 @@ pub const FILES: [&str; 5] = [CALIBRATION, SUMMARY, FULL_TEMPERATURE, TRIM_TEST,
 pub const POWER: &str = "power";
 /// Nobody was there to switch it.
 pub const POWER_LEFT_ON: &str = "left on through the whole run";
+/// The run was stopped, and gone on with later.
+pub const POWER_UNKNOWN: &str = "not known: the run was stopped and gone on with";
 /// A person has switched it.
 pub const POWER_SWITCHED: &str = "switched off and on before each test";
 

@@ -39,6 +39,8 @@ pub enum Source {
     Gradient,
     /// The width of a tap.
     Tap,
+    /// By how much the wiper moves late, so that it does not chatter.
+    DeadBand,
     /// The step of the temperature that the law sees, on the steepest slope.
     Temperature,
     /// The count of the A/D converter.
@@ -164,8 +166,8 @@ fn of_axis(run: &BoardRun, axis: Axis) -> Vec<Budget> {
         converter(&tests),
     ];
     let of_mode = |mode| {
-        let tap = (mode == Mode::Trim).then(|| tap(&tests));
-        let contributions = alike.iter().cloned().chain(tap).collect();
+        let of_trim = if mode == Mode::Trim { vec![tap(&tests), dead_band(&tests)] } else { Vec::new() };
+        let contributions = alike.iter().cloned().chain(of_trim).collect();
         Budget { axis, mode, contributions }
     };
     tests.modes().into_iter().map(of_mode).collect()
@@ -213,6 +215,14 @@ fn temperature(tests: &AxisTests) -> Contribution {
 fn tap(tests: &AxisTests) -> Contribution {
     let told = format!("rectangular: a tap of {:.2} counts, over the root of 12", tests.counts_per_tap);
     contribution(Source::Tap, Evaluation::B, Part::Known(tests.counts_per_tap / 12.0_f64.sqrt()), told)
+}
+
+/// A wiper that moves late is off by the dead band all the way, to the side that the temperature came from.
+fn dead_band(tests: &AxisTests) -> Contribution {
+    let counts = tests.dead_band_taps * tests.counts_per_tap;
+    let told =
+        format!("two values: the wiper moves {} tap late, so {counts:.2} counts to either side", tests.dead_band_taps);
+    contribution(Source::DeadBand, Evaluation::B, Part::Known(counts), told)
 }
 
 /// Samples that scatter over several counts average to any value between them, and what their rounding adds is in the noise.

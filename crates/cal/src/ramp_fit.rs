@@ -87,9 +87,10 @@ impl RampMeans {
     pub fn of(recording: &Recording, axis: Axis) -> Self {
         let mut means = Self::default();
         let ramps = |row: &&GroupRow| row.axis == axis && row.phase.is_ramp();
-        for row in recording.rows.iter().filter(ramps) {
-            means.push(&RampGroup::from(row));
-        }
+        let mut ramps: Vec<&GroupRow> = recording.rows.iter().filter(ramps).collect();
+        // Nothing says that a file has them in order.
+        ramps.sort_by_key(|row| row.group);
+        ramps.into_iter().for_each(|row| means.push(&RampGroup::from(row)));
         means
     }
 

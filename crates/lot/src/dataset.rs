@@ -159,6 +159,10 @@ async fn look(store: &dyn ObjectStore, file: String, meta: ObjectMeta) -> Result
         ));
     }
     let footer = footer::read(store, &meta).await.map_err(Unfit::Bad)?;
+    if footer.schema.field_with_name("model_asked").is_ok() {
+        // Models that were written into the dataset's folder.
+        return Err(Unfit::Ours);
+    }
     let info = RecordingInfo::of_schema(&footer.schema).map_err(|fault| Unfit::Bad(fault.to_string()))?;
     footer::check_columns(&footer.schema).map_err(Unfit::Bad)?;
     if info.procedure != PROCEDURE {

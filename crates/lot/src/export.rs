@@ -77,6 +77,14 @@ pub enum ExportError {
     /// The recording cannot be fitted.
     #[error(transparent)]
     Fit(#[from] LogFitError),
+    /// It cannot be fitted now.
+    #[error("{file}: it is rejected now, so it is not the recording that was fitted: {reasons}; fit the lot again")]
+    Refused {
+        /// The recording.
+        file: String,
+        /// Why.
+        reasons: String,
+    },
     /// It gives another curve than its row.
     #[error(
         "{file}: its curve is off its row's by {off:.1e} of its range: the recording is not the one that was fitted; fit the lot again"
@@ -128,10 +136,8 @@ pub async fn export(models: &Path, dataset: Option<&str>, unit: &str, out: &Path
     let of_unit = |path: &Path| StoredRecord::read(&path.into()).is_ok_and(|there| there.record.unit.as_str() == unit);
     out::check_kind(&out.join(RECORD), "this unit's device record", of_unit)?;
     let (recording, fit) = refit(first, dataset).await?;
-    let disagreement = sound.iter().map(|row| distance(row, &fit)).fold(0.0, f64::max);
-    if disagreement.is_nan() || disagreement > AGREES {
-        return Err(ExportError::Disagrees { file: first.file.clone(), off: disagreement });
-    }
+    let disagreements = sound.iter().map(|row| agrees(row, &fit)).collect::<Result<Vec<f64>, _>>()?;
+    let disagreement = disagreements.into_iter().fold(0.0, f64::max);
     let calibration = recorded::calibration(&recording, &fit)?;
     write(&calibration, out).map(|(calibration, record)| Exported { calibration, record, disagreement })
 }
@@ -152,6 +158,19 @@ pub async fn refit(row: &ModelRow, dataset: Option<&str>) -> Result<(Source, Log
     let options = FitOptions { model, allow_narrow: narrow, ..FitOptions::default() };
     let fit = fit(std::slice::from_ref(&recording), &options)?;
     Ok((recording, fit))
+}
+
+/// How far a row's curve is from the fit's, in parts of its range.
+///
+/// # Errors
+/// [`ExportError::Refused`] where the fit has no such axis, [`ExportError::Disagrees`] where it is another curve.
+pub fn agrees(row: &ModelRow, fit: &LogFit) -> Result<f64, ExportError> {
+    let file = row.file.clone();
+    if !fit.axes.iter().any(|axis| axis.name == row.axis) {
+        return Err(ExportError::Refused { file, reasons: fit.reasons().collect::<Vec<_>>().join("; ") });
+    }
+    let off = distance(row, fit);
+    if off <= AGREES { Ok(off) } else { Err(ExportError::Disagrees { file, off }) }
 }
 
 /// The greatest distance of a row's curve from the fit's, in parts of its range.

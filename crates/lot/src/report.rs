@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 use zerorate_report::{LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
 
-use crate::export::refit;
+use crate::export::{agrees, refit};
 use crate::models::{self, ModelRow, ModelsError};
 
 /// Units drawn.
@@ -146,8 +146,9 @@ async fn worst(rows: &[ModelRow], dataset: Option<&str>) -> (Vec<WorstUnit>, Vec
             continue;
         }
         units.push(&row.file);
-        match refit(row, dataset).await {
-            Ok((_, fit)) => worst.push(WorstUnit {
+        let refitted = refit(row, dataset).await.and_then(|(_, fit)| agrees(row, &fit).map(|_| fit));
+        match refitted {
+            Ok(fit) => worst.push(WorstUnit {
                 serial: row.unit_serial.clone(),
                 axis: row.axis.clone(),
                 held_out_rms: row.held_out_rms,

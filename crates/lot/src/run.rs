@@ -2,6 +2,7 @@
 
 mod earlier;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -9,6 +10,7 @@ use serde::Serialize;
 use zerorate_cal::log_fit::FitOptions;
 use zerorate_cal::quality::{Reason, Verdict};
 use zerorate_fit::model::Model;
+use zerorate_fit::robust::median;
 
 use crate::dataset::{Dataset, Found, Place, PlaceError, Skipped};
 use crate::engine::{Engine, EngineError};
@@ -152,10 +154,18 @@ impl FitRun {
         }
         // Models of another version cannot be read, and are made anew.
         let before = models::read(&self.out).unwrap_or_default();
-        let of_this_lot = |row: &ModelRow| found.iter().any(|own| own.info.unit_serial == row.unit_serial);
-        out::check_kind(&self.out, "the models of this lot's units", |_| {
-            before.is_empty() || before.iter().any(of_this_lot)
-        })?;
+        // Serials begin anew with many a lot: of the same one is what came of the same dataset, or of the very files of this.
+        let of_this_lot =
+            |row: &ModelRow| row.dataset == self.dataset || found.iter().any(|own| earlier::is_of(row, own));
+        out::check_kind(&self.out, "the models of this lot alone", |_| before.iter().all(of_this_lot))?;
+        let is_gone = |row: &&ModelRow| !found.iter().any(|own| own.file == row.file);
+        let gone: BTreeSet<&str> = before.iter().filter(is_gone).map(|row| row.file.as_str()).collect();
+        let is_known = |file: &str| skipped.iter().any(|skipped| skipped.file == file);
+        let gone: Vec<&str> = gone.into_iter().filter(|file| !is_known(file)).collect();
+        skipped.extend(gone.into_iter().map(|file| Skipped {
+            file: file.to_owned(),
+            reason: "it was fitted before, and is no longer there: its rows were left out".to_owned(),
+        }));
         let asked = self.asked();
         let mut earlier = Earlier::open(&self.out, &asked, self.fresh)?;
         let (mut rows, mut todo) = (Vec::with_capacity(2 * found.len()), Vec::new());
@@ -238,6 +248,7 @@ impl FitRun {
         let mut held_out: Vec<&ModelRow> =
             rows.iter().filter(|row| !row.rejected() && row.held_out_rms.is_finite()).collect();
         held_out.sort_by(|a, b| a.held_out_rms.total_cmp(&b.held_out_rms));
+        let middle = median(&mut held_out.iter().map(|row| row.held_out_rms).collect::<Vec<_>>());
         Summary {
             schema: 1,
             models: self.out.clone(),
@@ -248,7 +259,7 @@ impl FitRun {
             rejected: rejected.collect(),
             skipped,
             other_procedures: others,
-            median_held_out_rms_counts: held_out.get(held_out.len() / 2).map(|row| row.held_out_rms),
+            median_held_out_rms_counts: Some(middle).filter(|middle| middle.is_finite()),
             worst: held_out.last().map(|row| WorstFit {
                 serial: row.unit_serial.clone(),
                 axis: row.axis.clone(),

@@ -137,11 +137,14 @@ fn every_number_of_a_budget_is_the_one_made_here_from_the_recordings() {
         is(&cell("Temperature gradient")[2], gradient.sqrt());
         let per_tap = -1.0 / run.summary.axes[axis.name()].trim_slope_taps_per_count;
         is(&cell("Tap")[2], per_tap / 12.0_f64.sqrt());
+        let late = run.calibration.axes[axis.name()].trim.as_ref().unwrap().dead_band_taps * per_tap;
+        assert!(late > 0.0);
+        is(&cell("Dead band")[2], late);
         // The invented samples have no scatter, so a count's rounding is in no other row; nor is there a step of temperature.
         is(&cell("Count")[2], 0.288_675);
         is(&cell("Step")[2], 0.0);
         let hybrid = noise + repeatability + gradient + 1.0 / 12.0;
-        let trim = hybrid + per_tap * per_tap / 12.0;
+        let trim = hybrid + per_tap * per_tap / 12.0 + late * late;
         for (mode, square) in [("trim", trim), ("hybrid", hybrid)] {
             let combined = cell(&format!("Combined, u, mode {mode}"));
             is(&combined[2], square.sqrt());

@@ -38,6 +38,7 @@ pub(super) struct AxisTests<'a> {
     pub step: f64,
     /// Without sign.
     pub counts_per_tap: f64,
+    pub dead_band_taps: f64,
     calibration: &'a AxisCalibration,
     run: &'a BoardRun,
 }
@@ -46,7 +47,8 @@ impl<'a> AxisTests<'a> {
     /// `None` where the files do not tell of the axis.
     pub(super) fn of(run: &'a BoardRun, axis: Axis) -> Option<Self> {
         let calibration = run.calibration.axes.get(axis.name())?;
-        let trim = &calibration.trim.as_ref()?.trim;
+        let own = calibration.trim.as_ref()?;
+        let trim = &own.trim;
         let of_recording = |recording: &'a Recording| {
             Axis::BOTH.map(|compensated| of_run(&switched_on(recording, compensated, axis), calibration, trim))
         };
@@ -56,6 +58,7 @@ impl<'a> AxisTests<'a> {
             measured: calibration.fit.measured,
             step: run.calibration.temperature_scale.map_or(0.0, |scale| scale.step),
             counts_per_tap: trim.line.counts_per_tap().0.abs(),
+            dead_band_taps: own.dead_band_taps,
             calibration,
             run,
         })

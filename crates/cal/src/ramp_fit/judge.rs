@@ -11,6 +11,9 @@ use crate::units::TemperatureUnit;
 /// A fold with fewer groups is not searched for stuck values: chance could make them equal.
 const SEARCHED: u64 = 8;
 
+/// One group in so many may be lost.
+const MAY_BE_LOST: u64 = 100;
+
 /// Of a span of groups at least one in so many must be there.
 const LEAST_SHARE: u64 = 2;
 
@@ -77,10 +80,19 @@ pub fn judge_survey(
         );
         judgement.add(Reason::new(ReasonKind::LostGroups, text));
     }
-    // Groups before the way back began stand in the span as well; one in a hundred may be lost.
-    let taken = taken.min(groups + groups / 100);
-    if let Some(expected) = expected.filter(|expected| taken < *expected) {
+    if survey.repeated > 0 {
+        let text =
+            format!("{axis}: {} of {groups} groups have a number that another has: they are damaged", survey.repeated);
+        judgement.add(Reason::new(ReasonKind::LostGroups, text));
+    }
+    let Some(expected) = expected else { return };
+    if taken < expected {
         let text = format!("the recording ends after {taken} of its ramp's {expected} groups: the run was cut");
+        judgement.add(Reason::new(ReasonKind::CutRun, text));
+    } else if groups + groups / MAY_BE_LOST < expected {
+        // What stood between two ramps is in the span as well.
+        let text =
+            format!("{groups} of its ramps' {expected} groups are there: the others were lost, or the run was cut");
         judgement.add(Reason::new(ReasonKind::CutRun, text));
     }
 }

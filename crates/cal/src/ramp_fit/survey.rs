@@ -1,5 +1,7 @@
 //! What a unit is judged on: counts and extremes, as any engine that adds up can give them.
 
+use std::collections::BTreeSet;
+
 use zerorate_fit::folds::{FOLDS, fold_of_row};
 
 use super::RampMeans;
@@ -36,6 +38,8 @@ impl FoldSurvey {
 pub struct AxisSurvey {
     /// The first and the last group's number.
     pub span: (u64, u64),
+    /// Groups whose number another has as well.
+    pub repeated: u64,
     /// The folds of that span, in order.
     pub folds: [FoldSurvey; FOLDS],
     /// Groups at an end of the converter.
@@ -48,10 +52,12 @@ impl AxisSurvey {
     /// The survey of some groups.
     #[must_use]
     pub fn of(means: &RampMeans) -> Self {
+        let numbers: BTreeSet<u32> = means.groups.iter().copied().collect();
         let number = |group: Option<&u32>| group.copied().map_or(0, u64::from);
-        let span = (number(means.groups.first()), number(means.groups.last()));
+        let span = (number(numbers.first()), number(numbers.last()));
+        let repeated = (means.groups.len() - numbers.len()) as u64;
         let folds = [FoldSurvey::EMPTY; FOLDS];
-        let mut survey = Self { span, folds, saturated: means.saturated, taps: means.taps };
+        let mut survey = Self { span, repeated, folds, saturated: means.saturated, taps: means.taps };
         for ((group, temperature), reading) in means.groups.iter().zip(&means.temperatures).zip(&means.readings) {
             survey.folds[fold_of(u64::from(*group), span)].push(*temperature, *reading);
         }

@@ -209,6 +209,24 @@ fn a_ramp_by_a_chamber_that_cannot_be_asked_ends_where_that_arrives() {
     assert_eq!(kinds_of(&unfinished), [ReasonKind::CutRun]);
 }
 
+/// However its rows lie in the file it is the same ramp; what stands twice, and what is missing, is told as that.
+#[test]
+fn groups_in_any_order_are_one_ramp_and_those_that_repeat_or_miss_are_told() {
+    let whole = recording(2400, true, 25.0);
+    let mut backwards = whole.clone();
+    backwards.rows.reverse();
+    assert_eq!(kinds_of(&backwards), []);
+    assert_eq!(RampMeans::of(&backwards, Axis::X), RampMeans::of(&whole, Axis::X));
+    let mut twice = whole.clone();
+    twice.rows.extend_from_slice(&whole.rows[..2]);
+    assert_eq!(kinds_of(&twice), [ReasonKind::LostGroups; 2]);
+    let mut holed = whole;
+    holed.rows.drain(1000..1200);
+    let fit = fit_recording(&holed, &Source::bytes("full-temperature.parquet", Vec::new()), &FitOptions::default());
+    let told: Vec<&str> = fit.reasons().collect();
+    assert!(told[0].contains("4700 of its ramps' 4800 groups are there: the others were lost"), "{told:?}");
+}
+
 #[test]
 fn a_recording_that_only_heats_says_so_as_a_log_does() {
     assert_eq!(kinds_of(&recording(2400, false, 25.0)), [ReasonKind::OneDirection]);

@@ -98,6 +98,9 @@ fn print(summary: &Summary) {
     let Summary { units, fits, reused, warnings, rejected, skipped, .. } = summary;
     say!("{units} units, {fits} fits in {:.1} s ({reused} units were done before)", summary.seconds);
     say!("{warnings} with warnings, {} rejected, {} files skipped", rejected.len(), skipped.len());
+    if summary.other_procedures > 0 {
+        say!("{} recordings of other procedures passed over", summary.other_procedures);
+    }
     if let (Some(median), Some(worst)) = (summary.median_held_out_rms_counts, &summary.worst) {
         say!(
             "held-out residual, counts rms: median {median:.2}, worst {:.2} ({} {})",

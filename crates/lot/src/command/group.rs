@@ -11,7 +11,7 @@ use super::{Outcome, wait};
 
 /// Sum raw samples to groups, once: some 500 to 1
 ///
-/// Raw samples are Parquet with the columns group, axis (x and y), temperature_counts and zro_counts, whole numbers and none
+/// Raw samples are Parquet with the columns group_number, axis (x and y), temperature_counts and zro_counts, whole numbers and none
 /// missing. The sums are exact, in order, under the names of a recording's columns; a recording, which a fit reads, has the
 /// unit, its set-up and the ramp's phases as well.
 #[derive(Debug, Args)]

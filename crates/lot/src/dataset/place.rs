@@ -7,7 +7,7 @@ use datafusion::datasource::object_store::ObjectStoreUrl;
 use futures::StreamExt;
 use object_store::aws::AmazonS3Builder;
 use object_store::local::LocalFileSystem;
-use object_store::path::Path as Key;
+use object_store::path::{Path as Key, PathPart};
 use object_store::{ObjectMeta, ObjectStore, ObjectStoreExt};
 use url::Url;
 
@@ -88,7 +88,9 @@ impl Place {
 
     fn of_path(dataset: &str) -> Result<Self, PlaceError> {
         let missing = || PlaceError::Missing { dataset: dataset.to_owned() };
-        let special = |part: &str| part.contains(['*', '?', '[']);
+        // A folder may have such letters in its name.
+        let is_there = Path::new(dataset).exists();
+        let special = |part: &str| !is_there && part.contains(['*', '?', '[']);
         // The folders before the first with a pattern in it.
         let plain: std::path::PathBuf =
             Path::new(dataset).components().take_while(|part| !special(&part.as_os_str().to_string_lossy())).collect();
@@ -168,7 +170,9 @@ impl Place {
         if self.prefix.filename() == Some(name) {
             return self.prefix.clone();
         }
-        name.split('/').fold(self.prefix.clone(), |key, part| key.join(part))
+        // A name is of a key's parts, which are encoded already.
+        let part = |part| PathPart::parse(part).unwrap_or_else(|_| PathPart::from(part));
+        name.split('/').fold(self.prefix.clone(), |key, name| key.join(part(name)))
     }
 
     /// A file's path or key from the dataset's root.

@@ -11,8 +11,8 @@ const SQL: &str = "
 SELECT file, axis = 'y' AS y, coalesce(group_number, \"group\") AS group_number, t_s, temperature_counts, zro_counts, n,
        coalesce(status_bits, flags) AS status_bits, tap,
        phase IN ('heating', 'cooling') AND n > 0 AS used,
-       n > 0 AND (temperature_counts <> CAST(temperature_sum AS DOUBLE) / n
-                  OR zro_counts <> CAST(zro_sum AS DOUBLE) / n) AS inconsistent
+       n > 0 AND coalesce(temperature_counts <> CAST(temperature_sum AS DOUBLE) / n
+                          OR zro_counts <> CAST(zro_sum AS DOUBLE) / n, true) AS inconsistent
 FROM files";
 
 /// What one recording holds.

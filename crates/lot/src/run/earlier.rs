@@ -69,9 +69,7 @@ impl Earlier {
 
     /// The rows of a recording that was fitted as it is now.
     pub(super) fn take(&mut self, found: &Found) -> Option<Vec<ModelRow>> {
-        let modified = found.meta.last_modified.to_rfc3339();
-        #[allow(clippy::float_cmp)] // A whole number of bytes.
-        let same = |row: &ModelRow| row.file_modified == modified && row.file_bytes == found.meta.size as f64;
+        let same = |row: &ModelRow| is_of(row, found);
         let mut rows = self.rows.remove(&found.file).filter(|rows| rows.len() == 2 && rows.iter().all(same))?;
         rows.iter_mut().for_each(|row| rejudge(row, found.serial_reason.as_ref()));
         rows.sort_by(|a, b| a.axis.cmp(&b.axis));
@@ -90,6 +88,12 @@ impl Earlier {
         // What stays is read by the next run and changes nothing.
         let _ = fs::remove_dir_all(&self.folder);
     }
+}
+
+/// Whether a row came of a recording as it is now.
+#[allow(clippy::float_cmp)] // A whole number of bytes.
+pub(super) fn is_of(row: &ModelRow, found: &Found) -> bool {
+    row.file_modified == found.meta.last_modified.to_rfc3339() && row.file_bytes == found.meta.size as f64
 }
 
 /// What a serial is judged by are the other files, which may have changed since.

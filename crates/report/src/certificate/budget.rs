@@ -52,7 +52,7 @@ fn quantity(run: &BoardRun) -> Markup {
 
 fn table(run: &BoardRun, axis: Axis, budgets: &[&Budget]) -> Markup {
     let summary = &run.summary;
-    // Every mode has the rows of the others, and trim one more.
+    // Every mode has the rows of the others, and trim two more.
     let fullest = budgets.iter().max_by_key(|budget| budget.contributions.len());
     let mut rows: Vec<Vec<Markup>> =
         fullest.iter().flat_map(|budget| &budget.contributions).map(|row| cells(run, row)).collect();
@@ -94,6 +94,7 @@ fn cells(run: &BoardRun, row: &Contribution) -> Vec<Markup> {
         Source::Repeatability => "Repeatability",
         Source::Gradient => "Temperature gradient",
         Source::Tap => "Tap, mode trim alone",
+        Source::DeadBand => "Dead band, mode trim alone",
         Source::Temperature => "Step of the temperature",
         Source::Converter => "Count of the A/D converter",
     };
