@@ -269,11 +269,19 @@ pub fn emulated_bench(
     Err(ClientError::NotEmulated("an emulated board takes a Unix system: use the native device".into()))
 }
 
+/// What can be put on a board.
+pub struct Deployable {
+    /// The record.
+    pub record: DeviceRecord,
+    /// The simulated bench that it comes of ([`Calibration::simulated`]); nobody knows it of a device record.
+    pub simulated: Option<String>,
+}
+
 /// Reads what can be put on a board: a calibration, of which the record is made, or a device record.
 ///
 /// # Errors
 /// [`NotDeployable`], with the reason.
-pub fn read_record(path: &Path) -> Result<DeviceRecord, NotDeployable> {
+pub fn read_deployable(path: &Path) -> Result<Deployable, NotDeployable> {
     let not = |reason: &dyn std::fmt::Display| NotDeployable(reason.to_string());
     // A port's name in the file's place would be waited for without end.
     if path.exists() && !path.is_file() {
@@ -285,7 +293,9 @@ pub fn read_record(path: &Path) -> Result<DeviceRecord, NotDeployable> {
     if std::fs::read(path).is_ok_and(|bytes| bytes.trim_ascii_start().starts_with(b"{")) {
         let calibration = Calibration::read(&path.into()).map_err(|error| not(&error))?;
         let made = calibration.to_device_record();
-        return made.map(|made| made.record).map_err(|error| NotDeployable(format!("{}: {error}", path.display())));
+        let made = made.map_err(|error| NotDeployable(format!("{}: {error}", path.display())))?;
+        return Ok(Deployable { record: made.record, simulated: calibration.simulated });
     }
-    StoredRecord::read(&path.into()).map(|stored| stored.record).map_err(|error| not(&error))
+    let stored = StoredRecord::read(&path.into()).map_err(|error| not(&error))?;
+    Ok(Deployable { record: stored.record, simulated: None })
 }

@@ -108,6 +108,7 @@ fn run(
         output.go_on(FULL_TEMPERATURE, &info("full-temperature"), checkpoints.extent(measure::FULL_TEMPERATURE))?;
     let sweep = output.go_on(TRIM_SWEEP, &info("trim-sweep"), checkpoints.extent(measure::TRIM_SWEEP))?;
     let mut measured = measure_on(&mut session, &unit.serial, full, sweep, &checkpoints)?;
+    measured.calibration.simulated = unit.plant.map(|(kind, seed)| format!("plant {}, seed {seed}", kind.name()));
     // While it was stopped the board may have lost its power, and nobody was there to see it.
     if let Some(power) = measured.calibration.labels.get_mut(POWER).filter(|_| checkpoints.is_resumed()) {
         POWER_UNKNOWN.clone_into(power);

@@ -79,6 +79,7 @@ pub fn of_axes(
         group_period_s: Some(setup.group_period().0),
         warnings: warnings.into_iter().chain([NO_TRIM.to_owned()]).collect(),
         labels: info.labels.clone(),
+        simulated: info.seed.map(|seed| format!("seed {seed}")),
         setup: serde_json::to_value(&setup).ok(),
         ..Calibration::new(Kind::AnalogueBoard, serial, vec![origin], TemperatureUnit::Counts, axes)
     })

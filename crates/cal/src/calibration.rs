@@ -94,6 +94,9 @@ pub struct Calibration {
     /// The unit of rates in which its sentences are told, and are to be told on, where one was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub told_in: Option<WrittenRate>,
+    /// The simulated bench that it was made on, as "plant typical, seed 7"; `None` of what was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulated: Option<String>,
     /// The set-up that it was made with, as it was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub setup: Option<serde_json::Value>,
@@ -139,6 +142,7 @@ impl Calibration {
             warnings: Vec::new(),
             labels: BTreeMap::new(),
             told_in: None,
+            simulated: None,
             setup: None,
         }
     }

@@ -59,6 +59,12 @@ fn a_calibration_goes_on_the_board_and_comes_back_the_same() {
     assert_eq!(run(&["info", "--json"]).json()["modes"], serde_json::json!(["hybrid", "hybrid"]));
     run(&["info"]).ends(0, &["X and Y in mode hybrid"]);
 
+    // What is of no gyro takes no gyro's place unasked.
+    let simulated = bench::calibration().replacen('{', "{ \"simulated\": \"plant paper, seed 1\",", 1);
+    fs::write(folder.path().join("simulated.json"), simulated).unwrap();
+    run(&["deploy", "simulated.json"]).ends(2, &["made on the simulated bench (plant paper, seed 1)", "--simulated"]);
+    run(&["deploy", "simulated.json", "--simulated"]).ends(0, &["read back and the same"]);
+
     let other = bench::calibration().replace("ZR-0042", "ZR-0043");
     fs::write(folder.path().join("other.json"), other).unwrap();
     run(&["deploy", "other.json"]).ends(1, &["another serial", "ZR-0043", "the board is ZR-0042"]);

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use serde_json::json;
-use zerorate_bench::board::read_record;
+use zerorate_bench::board::{Deployable, read_deployable};
+use zerorate_bench::choice::DeviceChoice;
 use zerorate_bench::client::ClientError;
 use zerorate_words::sentence;
 
@@ -25,6 +26,10 @@ pub struct Deploy {
     /// A board's calibration (calibration.json) or device record (device-record.bin)
     #[arg(value_name = "FILE")]
     file: PathBuf,
+
+    /// Put a calibration on the board that was made on the simulated bench, and so on no gyro
+    #[arg(long)]
+    simulated: bool,
 }
 
 const EXAMPLES: &str = "\
@@ -34,7 +39,14 @@ Examples:
 
 impl Deploy {
     pub fn run(&self, device: &Device) -> Result<Outcome> {
-        let record = read_record(&self.file)?;
+        let Deployable { record, simulated } = read_deployable(&self.file)?;
+        let is_board = !matches!(device.port, Some(DeviceChoice::Native | DeviceChoice::Emulated));
+        if let Some(of) = simulated.filter(|_| is_board && !self.simulated) {
+            bail!(
+                "{}: it was made on the simulated bench ({of}), and says nothing of this board's gyros: calibrate the board itself (zerorate calibrate --device), or put it there all the same (--simulated)",
+                self.file.display()
+            );
+        }
         let mut board = device.open()?;
         let stored = board.deploy(&record).inspect_err(|error| {
             let of_another = !board.serial().is_empty() && record.unit.as_str() != board.serial();

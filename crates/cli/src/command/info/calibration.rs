@@ -18,6 +18,8 @@ pub struct Facts {
     calibrated: Kind,
     unit_serial: Option<String>,
     created_by: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    simulated: Option<String>,
     sources: Vec<Origin>,
     temperature_unit: &'static str,
     axes: Vec<Axis>,
@@ -59,6 +61,7 @@ impl Facts {
             calibrated: calibration.kind,
             unit_serial: calibration.unit_serial,
             created_by: calibration.created_by,
+            simulated: calibration.simulated,
             sources: calibration.sources,
             temperature_unit: calibration.temperature_unit.name(),
             axes: calibration.axes.iter().map(|(name, axis)| Axis::of(name, axis)).collect(),
@@ -74,6 +77,9 @@ impl Facts {
         page.sentence("", &format!("{file}: the calibration of {what}"));
         let unit = self.unit_serial.clone().unwrap_or_else(|| "not given".to_owned());
         page.facts(&[("unit", unit), ("made by", self.created_by.clone())]);
+        if let Some(simulated) = &self.simulated {
+            page.facts(&[("from   ", format!("the simulated bench: {simulated}"))]);
+        }
         for source in &self.sources {
             let hash = source.sha256.get(..SHORT_HASH).unwrap_or(&source.sha256);
             let recorded = source.started.as_ref().map(|started| format!(", recorded {started}")).unwrap_or_default();
