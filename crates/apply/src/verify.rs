@@ -27,7 +27,7 @@ use zerorate_cal::log::{LogFault, SensorChoice};
 use zerorate_cal::log_fit::{AxisFit, FitOptions, LogFit, LogFitError, are_alike};
 pub use zerorate_cal::matching::Unmatched;
 use zerorate_cal::matching::{Known, calibrated, places, renamed};
-use zerorate_cal::quality::{Reason, Verdict};
+use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
 use zerorate_cal::source::{Faulty, Source};
 use zerorate_cal::table::{Columns, Table};
 use zerorate_cal::units::{RateUnit, TemperatureUnit, WrittenRate};
@@ -153,7 +153,12 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
     refused(is_same_file)?;
     let fit = conditioned(log, options)?;
     if fit.axes.is_empty() {
-        return Err(no_test(NoTest::Unusable { reasons: fit.reasons().collect::<Vec<_>>().join("; ") }));
+        let mut all = fit.verdicts.iter().flat_map(|axis| &axis.judgement.reasons);
+        let reasons = match all.any(|reason| reason.kind == ReasonKind::TooFewGroups) {
+            true => format!("it has too few averages over {GROUP_S:.0} s to tell anything: give a longer log"),
+            false => fit.reasons().collect::<Vec<_>>().join("; "),
+        };
+        return Err(no_test(NoTest::Unusable { reasons }));
     }
     let calibrated = calibrated(calibration, options.sensor);
     let logged: Vec<Known<'_>> = fit.axes.iter().map(known).collect();

@@ -18,7 +18,7 @@ pub struct TemperatureSensitivity {
     pub mean_standard_error: f64,
     /// The curve's steepest slope, rate a degree, with its sign.
     pub steepest: f64,
-    /// One standard error of the slope there. Of a curve that is level the steepest piece is the noisiest.
+    /// One standard error of the slope there by the noise, which does not know how much a curve bends within a piece. Of a curve that is level the steepest piece is the noisiest.
     pub steepest_standard_error: f64,
     /// Where it is.
     pub steepest_at: f64,
@@ -31,8 +31,21 @@ impl TemperatureSensitivity {
         let at = |i: u32| min + step * f64::from(i);
         let drift = axis.calibration.measured_drift();
         let value = |i: u32| drift.evaluate(at(i)).0;
-        let slope = |i: u32| (value(i + 1) - value(i)) / step;
-        let steepest = (0..SLOPES).max_by(|a, b| slope(*a).abs().total_cmp(&slope(*b).abs())).unwrap_or(0);
+        // A table has one slope from knot to knot.
+        let places: Vec<f64> = match &drift.shape {
+            Shape::Polynomial(_) => (0..=SLOPES).map(at).collect(),
+            Shape::Table(table) => {
+                let knots = (0..table.knots().len()).map(|knot| table.knot_temperature(knot));
+                [min]
+                    .into_iter()
+                    .chain(knots.filter(|knot| (min..max).contains(knot) && *knot > min))
+                    .chain([max])
+                    .collect()
+            }
+        };
+        let slope = |pair: &[f64]| (drift.evaluate(pair[1]).0 - drift.evaluate(pair[0]).0) / (pair[1] - pair[0]);
+        let steepest =
+            places.windows(2).max_by(|a, b| slope(a).abs().total_cmp(&slope(b).abs())).unwrap_or(&[0.0, 1.0]);
         // Least squares over equally spaced temperatures.
         let middle = f64::midpoint(min, max);
         let squares: f64 = (0..=SLOPES).map(|i| (at(i) - middle).powi(2)).sum();
@@ -46,13 +59,14 @@ impl TemperatureSensitivity {
             standard_error(&drift.shape, &axis.calibration.fit.statistics.covariance, shares)
         };
         let of_all: Vec<(f64, f64)> = (0..=SLOPES).map(|i| (at(i), share(i))).collect();
-        let of_piece = [(at(steepest), -1.0 / step), (at(steepest + 1), 1.0 / step)];
+        let over = steepest[1] - steepest[0];
+        let of_piece = [(steepest[0], -1.0 / over), (steepest[1], 1.0 / over)];
         Self {
             mean: (0..=SLOPES).map(|i| share(i) * value(i)).sum(),
             mean_standard_error: error(&of_all),
             steepest: slope(steepest),
             steepest_standard_error: error(&of_piece),
-            steepest_at: at(steepest) + step / 2.0,
+            steepest_at: f64::midpoint(steepest[0], steepest[1]),
         }
     }
 }

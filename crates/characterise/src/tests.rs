@@ -71,6 +71,16 @@ fn a_slope_has_the_error_that_its_rows_give_it() {
     assert!(found.steepest.abs() < 4.0 * found.steepest_standard_error, "{found:?}");
 }
 
+/// A table's slope is of a whole piece, and so is the place that is named: by the derivative of a cube there.
+#[test]
+fn the_steepest_slope_is_that_of_the_place_that_is_named() {
+    let mut state = 11;
+    let found = two_cycles("auto", |_, t, _| 1e-6 * (t - 20.0).powi(3) + 1e-4 * normal(&mut state));
+    let found = found.temperature_sensitivity;
+    let truth = 3e-6 * (found.steepest_at - 20.0).powi(2);
+    assert!((found.steepest / truth - 1.0).abs() < 0.02, "{found:?}, not {truth}");
+}
+
 #[test]
 fn hysteresis_is_heating_less_cooling() {
     let found = cycle(0.01, 0.0).hysteresis.unwrap();

@@ -120,7 +120,7 @@ pub enum ExportError {
     NoAxis,
     /// The rates are no angular rates.
     #[error(
-        "axis {axis} is in {unit}, and {format} takes rad/s: this calibration is of an analogue board, which has no digital sensor's parameters; give it to c, json or csv"
+        "axis {axis} is in {unit}, and {format} takes rad/s: how many of these are one rad/s is not known; fit the log with the unit of its rates (`rate_unit`), or give it to c, json or csv"
     )]
     NotARate {
         /// The axis's name.

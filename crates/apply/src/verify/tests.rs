@@ -417,6 +417,14 @@ fn of_a_coarse_temperature_what_is_left_has_its_steps() {
 }
 
 #[test]
+fn a_run_of_half_a_minute_is_too_short() {
+    let short: String = log(733, 0.0, 0.0).lines().take(31).map(|row| row.to_owned() + "\n").collect();
+    let refused = verify(&Source::bytes("log.csv", short.into_bytes()), &calibration(), &VerifyOptions::default());
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("too few averages over 10 s to tell anything: give a longer log"), "{refused}");
+}
+
+#[test]
 fn a_model_with_a_lag_needs_times() {
     use zerorate_core::drift::{History, Memory, Term};
     let mut own = calibration();

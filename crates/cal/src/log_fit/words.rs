@@ -128,7 +128,7 @@ pub(super) fn of_hole(temperatures: impl Iterator<Item = f64>, unit: &str) -> Op
     let (hole, span) = widest_hole(temperatures.collect())?;
     let text = || {
         format!(
-            "nothing was measured between {} and {} {unit}: there the curve is a guess; add a log that \
+            "no average lies between {} and {} {unit}: there the curve is a guess; add a log that \
              goes through it",
             decimal(hole.0, 1),
             decimal(hole.1, 1)
@@ -239,7 +239,7 @@ fn of_excluded(interval: &Excluded, unit: TemperatureUnit) -> Option<Reason> {
         DropReason::Rotation => (ReasonKind::Rotation, moved(interval.time_s)),
         DropReason::StartUp => (ReasonKind::StartUp, "the readings settled after the start"),
         DropReason::TemperatureSpike => (ReasonKind::Spikes, "the temperature jumped faster than a part can heat"),
-        DropReason::FrozenTemperature => (ReasonKind::FrozenTemperature, "the temperature stood still"),
+        DropReason::FrozenTemperature => (ReasonKind::FrozenTemperature, "the temperature stood still, then jumped,"),
         DropReason::Gap => {
             let ((from, to), (least, most)) = (interval.time_s, interval.temperature);
             // Between groups it has no rows; within one, those of the group.

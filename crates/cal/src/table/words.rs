@@ -67,8 +67,14 @@ pub(super) fn is_rate(words: &[String]) -> bool {
         Some(Said::Other(_)) => true,
         None => false,
     };
-    let other = words.iter().any(|word| word.starts_with("acc") || word.starts_with("mag"));
+    let other = is_acceleration(words) || words.iter().any(|word| word.starts_with("acc") || word.starts_with("mag"));
     (sensor || unit) && !other && !is_temperature(words) && !is_time(words)
+}
+
+/// By its unit, metres a second squared.
+fn is_acceleration(words: &[String]) -> bool {
+    let squared = words.windows(2).any(|pair| pair[0] == "m" && ["s2", "s²"].contains(&pair[1].as_str()));
+    squared || words.windows(3).any(|three| three == ["m", "s", "2"])
 }
 
 fn is_per_second(words: &[String]) -> bool {
@@ -131,6 +137,7 @@ pub(super) fn rate_unit(words: &[String]) -> Option<Said> {
     let per_minute = has(words, &MINUTES);
     let faster = has(words, &PARTS_OF_A_SECOND);
     Some(match () {
+        () if is_acceleration(words) => Said::Other("metres a second squared, which is no rate"),
         () if has(words, &["rpm"]) => Said::Other("turns a minute"),
         () if has(words, &["rps", "rev", "revs", "turns"]) => Said::Other("turns"),
         () if has(words, &["kdps", "kdeg"]) => Said::Other("thousands of deg/s"),
@@ -160,9 +167,7 @@ pub fn named_in(name: &str, unit: RateUnit) -> String {
     let suffix = unit.name().replace('/', "_").replace('^', "");
     let words = words(name);
     match rate_unit(&words) {
-        said if name.ends_with(&format!("_{suffix}")) && said == WrittenRate::of(unit).map(Said::Known) => {
-            name.to_owned()
-        }
+        said if name.ends_with(&format!("_{suffix}")) && said == said_of(unit) => name.to_owned(),
         None => format!("{name}_{suffix}"),
         Some(_) => {
             let is_unit = |word: &[String]| {
@@ -174,6 +179,10 @@ pub fn named_in(name: &str, unit: RateUnit) -> String {
             kept.chain([suffix.as_str()]).collect::<Vec<_>>().join("_")
         }
     }
+}
+
+fn said_of(unit: RateUnit) -> Option<Said> {
+    WrittenRate::of(unit).map_or_else(|| rate_unit(&words(unit.name())), |unit| Some(Said::Known(unit)))
 }
 
 /// The unit of temperatures that a name says, if it says one.
@@ -255,13 +264,16 @@ mod tests {
         ] {
             let named = named_in(name, unit);
             assert_eq!(named, wanted, "{name}");
-            let said = match unit {
-                RateUnit::Dps => Some(Said::Known(WrittenRate::Dps)),
-                RateUnit::RadPerS => Some(Said::Known(WrittenRate::RadPerS)),
-                RateUnit::Counts => Some(Said::Known(WrittenRate::Counts)),
-                RateUnit::MetresPerS2 => None,
-            };
-            assert_eq!(rate_unit(&words(&named)), said, "{named}");
+            assert_eq!(rate_unit(&words(&named)), said_of(unit), "{named}");
         }
+    }
+
+    #[test]
+    fn an_acceleration_is_no_rate_and_its_unit_is_named() {
+        for name in ["accel_x_m_s2", "x [m/s^2]", "ax (m/s²)"] {
+            assert!(!is_rate(&words(name)), "{name}");
+            assert!(matches!(rate_unit(&words(name)), Some(Said::Other(unit)) if unit.contains("squared")), "{name}");
+        }
+        assert_eq!(rate_unit(&words("gyro2_x_rad_s")), Some(Said::Known(WrittenRate::RadPerS)));
     }
 }

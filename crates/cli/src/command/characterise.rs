@@ -235,10 +235,10 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
         return;
     }
     page.heading(&format!(
-        "Sensitivities of the bias, per {degree}; thermal hysteresis, mean and largest; ramp, per {degree}/s"
+        "Sensitivities of the bias, per {degree}, of the straight line nearest to its curve and where that is steepest; thermal hysteresis, mean and largest; ramp, per {degree}/s"
     ));
     let mut grid = Grid::new("lrrrrl");
-    grid.head(["axis", "mean", "steepest", "hysteresis", "ramp", "unit"]);
+    grid.head(["axis", "straight line", "steepest", "hysteresis", "ramp", "unit"]);
     for (axis, found) in axes {
         let slope = found.temperature_sensitivity;
         let ramp = found.ramp_sensitivity.as_ref();

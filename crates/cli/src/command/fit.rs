@@ -34,7 +34,7 @@ use crate::{output, screen};
 /// of eight folds of the log, predicted by a fit of the other seven.
 ///
 /// What came of another log is kept: a file of it in the place of --out or --report is refused without --force, and what
-/// came of the same log before it changed is set aside.
+/// came of a log of the same name, as of this one before it changed, is set aside.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Fit {

@@ -1,7 +1,7 @@
 //! What is there already where a command writes: kept, unless it is what the same command made of the same source before.
 //!
-//! A source is the same by its SHA-256. A log of the same name that has changed since is the user's own log, gone on: what
-//! came of it before is set aside, and the command goes on; so are the corrected rows of another log, which are quickly made
+//! A source is the same by its SHA-256. Where another of the same name was, it is most likely the user's own log, gone on: what
+//! came of it is set aside, and the command goes on; so are the corrected rows of another log, which are quickly made
 //! again and not quickly asked for. Whatever else is there is refused.
 
 use std::fs;
@@ -19,8 +19,8 @@ use crate::screen;
 /// No page and no export is as large as this: what is there is something else.
 const LARGEST_BYTES: u64 = 64 << 20;
 
-/// Of a log of the same name, before that changed.
-const CHANGED: &str = "came of a log of this name before it changed";
+/// Of a log of the same name: nothing tells one that has changed since from another.
+const CHANGED: &str = "came of another log of this name, or of this one before it changed";
 
 /// What is there.
 enum There {
@@ -67,6 +67,9 @@ impl Force {
             if nameless.is_some() {
                 let other = || There::Other("another table, which does not say what it came of".into());
                 return if there.as_deref() == nameless { There::Same } else { other() };
+            }
+            if Calibration::read(&path.into()).is_ok() {
+                return There::Other("a calibration".into());
             }
             let Some(text) = there.filter(|text| text.contains("zerorate")) else {
                 return There::Other("something that zerorate has not written".into());

@@ -82,7 +82,7 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
     let doubtful = doubtful(axes.iter().map(|(axis, found)| (axis.axis, found)), units);
     let missing = missing(axes.iter().map(|(axis, found)| (axis.axis.name.as_str(), found)));
     let caption = html! {
-        "Sensitivities of the bias, as IEEE Std 952 names them. Hysteresis is heating less cooling at equal temperature: its mean, "
+        "Sensitivities of the bias, as IEEE Std 952 names them: to temperature of the straight line nearest to the curve, and of the curve where it is steepest. Hysteresis is heating less cooling at equal temperature: its mean, "
         "and where it is likely to be largest, in brackets over the peak to peak of the curve. ± is one standard error by the noise from one average "
         "to the next, and of hysteresis by how the rate wanders meanwhile. The ramp sensitivity is of what the curve leaves. "
         "Beside plays the temperature sensitivity is of the cubic for autopilots; beside plays or lags its error is not known."

@@ -122,7 +122,7 @@ fn terms(verified: &Verified) -> String {
     let zero_taken_in = zero_taken_in(verified.averaged_over_s);
     let own_and_fits = verified.averaged_over_s.zip(verified.fit_averaged_over_s);
     let fit_told = match own_and_fits.filter(|&(own, fits)| !are_alike(own, fits)) {
-        Some((_, fits)) => format!("fit told both of averages over {fits:.0} s, which have another noise"),
+        Some((_, fits)) => format!("fit told both of averages over {fits:.1} s, which have another noise"),
         None => "fit foretells both of a next run".to_owned(),
     };
     let told = verified.axes.iter().any(|axis| axis.fit_told.is_some());
