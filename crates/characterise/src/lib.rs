@@ -17,7 +17,7 @@ use zerorate_fit::robust::median;
 pub use hysteresis::Hysteresis;
 pub use ramp::RampSensitivity;
 pub use sensitivity::{TemperatureSensitivity, is_of_a_soak};
-pub use soak::{AxisNoise, NoiseOf, noise};
+pub use soak::{AxisNoise, NoiseError, NoiseOf, noise};
 use zerorate_cal::log_fit::AxisFit;
 use zerorate_fit::trace::TracePoint;
 
