@@ -6,7 +6,7 @@ use std::time::{Instant, SystemTime};
 use zerorate_board_run::folder::{FULL_TEMPERATURE, HYBRID_TEST, POWER, POWER_UNKNOWN, TRIM_TEST};
 use zerorate_board_run::summary::Summary;
 use zerorate_cal::calibration::Origin;
-use zerorate_cal::recording::RecordingInfo;
+use zerorate_cal::recording::{Recording, RecordingInfo};
 use zerorate_core::compensate::Mode;
 use zerorate_core::units::Axis;
 use zerorate_core::wire::{CalibrationState, Request};
@@ -177,7 +177,12 @@ fn run(
     run.measured.calibration.warnings.extend(cut_short);
     let summary = summary(&run, recordings, started, began.elapsed().as_secs_f64());
     results::write(&run.measured.calibration, &run.measured.record, &summary, &mut output)?;
-    if let Some(aside) = output.publish()? {
+    let published = output.publish()?;
+    if !has_soaks && Recording::read(&(&out.join(SOAKS)).into()).is_ok() {
+        // Of the run whose results these took the place of; a folder has files of one run.
+        let _ = std::fs::remove_file(out.join(SOAKS));
+    }
+    if let Some(aside) = published {
         progress.note(&format!(
             "the results are in {}; something else that was there could not be moved back and is in {}: move it by hand",
             out.display(),

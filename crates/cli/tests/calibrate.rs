@@ -94,6 +94,12 @@ fn the_results_of_another_unit_are_kept_unless_they_are_given_up() {
     }
     calibrate(&["--serial", "B-2", "--seed", "9", "--force"]);
     assert!(ramp() != first);
+    // Without soaks none of an earlier run stay beside the new results.
+    assert!(folder.path().join("calibration/soaks.parquet").exists());
+    fs::write(folder.path().join("short.toml"), "[chamber]\nramp_groups = 1600\nsoak_s = 600.0\nsoaks_c = []\n")
+        .unwrap();
+    calibrate(&["--serial", "B-2", "--seed", "9"]);
+    assert!(!folder.path().join("calibration/soaks.parquet").exists());
 }
 
 /// A real unit's results: those of a simulated one without what says so.

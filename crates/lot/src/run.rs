@@ -57,8 +57,10 @@ pub struct Summary {
     pub fits: usize,
     /// Units with something to look at.
     pub warnings: usize,
+    /// Those units, and what.
+    pub warned: Vec<JudgedUnit>,
     /// Units rejected, and why.
-    pub rejected: Vec<RejectedUnit>,
+    pub rejected: Vec<JudgedUnit>,
     /// Files that were not fitted, and why.
     pub skipped: Vec<Skipped>,
     /// Recordings of other procedures beside them.
@@ -82,9 +84,9 @@ pub struct WorstFit {
     pub held_out_rms_counts: f64,
 }
 
-/// A unit that was rejected.
+/// A unit that was rejected, or has something to look at.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RejectedUnit {
+pub struct JudgedUnit {
     /// The serial in its recording.
     pub serial: String,
     /// The recording.
@@ -240,11 +242,13 @@ impl FitRun {
 
     fn summary(&self, rows: &[ModelRow], skipped: Vec<Skipped>, reused: usize, others: u64, seconds: f64) -> Summary {
         let units = || rows.iter().step_by(2);
-        let rejected = units().filter(|row| row.rejected()).map(|row| RejectedUnit {
+        let judged = |row: &ModelRow| JudgedUnit {
             serial: row.unit_serial.clone(),
             file: row.file.clone(),
             reasons: row.reason_list(),
-        });
+        };
+        let warned: Vec<JudgedUnit> =
+            units().filter(|row| row.verdict == Verdict::Warning.name()).map(judged).collect();
         let mut held_out: Vec<&ModelRow> =
             rows.iter().filter(|row| !row.rejected() && row.held_out_rms.is_finite()).collect();
         held_out.sort_by(|a, b| a.held_out_rms.total_cmp(&b.held_out_rms));
@@ -255,8 +259,9 @@ impl FitRun {
             units: units().count(),
             reused,
             fits: rows.iter().filter(|row| !row.model.is_empty()).count(),
-            warnings: units().filter(|row| row.verdict == Verdict::Warning.name()).count(),
-            rejected: rejected.collect(),
+            warnings: warned.len(),
+            warned,
+            rejected: units().filter(|row| row.rejected()).map(judged).collect(),
             skipped,
             other_procedures: others,
             median_held_out_rms_counts: Some(middle).filter(|middle| middle.is_finite()),

@@ -23,7 +23,12 @@ pub(super) const fn column(
 /// All columns, in their order.
 pub(super) static COLUMNS: [Column; 17] = [
     column("group_number", DataType::UInt32, "1", "The group's number; a group has a row for each axis."),
-    column("t_s", DataType::Float64, "s", "Time since the recording's first group."),
+    column(
+        "t_s",
+        DataType::Float64,
+        "s",
+        "The acquisition's time at the group's end, from the recording's begin: what passed while nothing was acquired, as a soak, is not in it.",
+    ),
     column("phase", DataType::Utf8, "none", "What the chamber was doing: soak, heating, cooling or supply."),
     column("axis", DataType::Utf8, "none", "The axis: x or y."),
     column("n", DataType::UInt32, "1", "Samples in the group."),

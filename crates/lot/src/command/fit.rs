@@ -8,7 +8,7 @@ use anyhow::Result;
 use clap::Args;
 use zerorate_fit::model::Model;
 use zerorate_lot::engine::{Address, Cluster, Engine};
-use zerorate_lot::run::{FitRun, Summary};
+use zerorate_lot::run::{FitRun, JudgedUnit, Summary};
 
 use super::{Outcome, bar, wait};
 
@@ -95,7 +95,7 @@ impl Fit {
 }
 
 fn print(summary: &Summary) {
-    let Summary { units, fits, reused, warnings, rejected, skipped, .. } = summary;
+    let Summary { units, fits, reused, warnings, warned, rejected, skipped, .. } = summary;
     say!("{units} units, {fits} fits in {:.1} s ({reused} units were done before)", summary.seconds);
     say!("{warnings} with warnings, {} rejected, {} files skipped", rejected.len(), skipped.len());
     if summary.other_procedures > 0 {
@@ -109,23 +109,29 @@ fn print(summary: &Summary) {
             worst.axis
         );
     }
-    if !rejected.is_empty() {
-        say!("\nRejected");
-    }
-    for unit in rejected.iter().take(SHOWN) {
-        let reasons: Vec<&str> = unit.reasons.iter().map(|reason| reason.text.as_str()).collect();
-        say!("  {} ({}): {}", unit.serial, unit.file, reasons.join("; "));
-    }
+    judged("Rejected", rejected);
+    judged("With warnings", warned);
     if !skipped.is_empty() {
         say!("\nSkipped");
     }
     for file in skipped.iter().take(SHOWN) {
         say!("  {}: {}", file.file, file.reason);
     }
-    let left = rejected.len().saturating_sub(SHOWN) + skipped.len().saturating_sub(SHOWN);
+    let left: usize =
+        [rejected.len(), warned.len(), skipped.len()].iter().map(|count| count.saturating_sub(SHOWN)).sum();
     if left > 0 {
         say!("\nand {left} more: --json has all");
     }
     say!("\nWritten: {}", summary.models.display());
     say!("To look at it: zerorate lot report {}", summary.models.display());
+}
+
+fn judged(heading: &str, units: &[JudgedUnit]) {
+    if !units.is_empty() {
+        say!("\n{heading}");
+    }
+    for unit in units.iter().take(SHOWN) {
+        let reasons: Vec<&str> = unit.reasons.iter().map(|reason| reason.text.as_str()).collect();
+        say!("  {} ({}): {}", unit.serial, unit.file, reasons.join("; "));
+    }
 }
