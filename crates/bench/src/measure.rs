@@ -9,6 +9,7 @@ use zerorate_cal::ramp_fit::{RampGroup, RampMeans, fit_axis};
 use zerorate_cal::units::TemperatureUnit;
 use zerorate_core::drift::Drift;
 use zerorate_core::record::{AxisModel, DeviceRecord};
+use zerorate_core::trim::Trim;
 use zerorate_core::units::{Axis, Celsius, Counts, Seconds, Taps};
 use zerorate_core::wire::Request;
 use zerorate_fit::trim::{TrimFit, fit_trim, tap_effects};
@@ -178,6 +179,9 @@ fn compose(
         if let Some(warning) = chatter_warning(temperature_noise(&ramp, axis), slope, law.dead_band) {
             calibration.warnings.push(format!("axis {name}: {warning}"));
         }
+        if let Some(warning) = uneven_taps(&law.trim) {
+            calibration.warnings.push(format!("axis {name}: {warning}"));
+        }
         measured.push(MeasuredAxis {
             drift_pp_counts: drift_pp(&ramp, axis, Phase::Heating).unwrap_or(f64::NAN),
             curve_error_counts: curve_error(&ramp, axis, &drift),
@@ -190,6 +194,22 @@ fn compose(
     }
     let axes = measured.try_into().map_err(|_| fit_error(Axis::X, &"an axis is missing"))?;
     Ok(Measured { ramp, ramp_time, axes, calibration, record: made.record })
+}
+
+/// Where the slope by the supply's voltages is not that of the taps measured one by one: over a narrow span each point's half a
+/// tap is a large part of it.
+fn uneven_taps(trim: &Trim) -> Option<String> {
+    /// A part's own unevenness is less.
+    const ALIKE: f64 = 0.06;
+    let effects = trim.measured.as_ref()?.effects();
+    let (first, last) = (effects.first()?.0, effects.last()?.0);
+    let (by_taps, by_voltages) = ((last - first) / (effects.len() - 1) as f64, trim.line.counts_per_tap().0.abs());
+    let is_other = (by_voltages / by_taps - 1.0).abs() > ALIKE;
+    is_other.then(|| {
+        format!(
+            "by the supply's voltages a tap is {by_voltages:.2} counts, and by the taps themselves {by_taps:.2}: give trim.span_counts a wider span"
+        )
+    })
 }
 
 fn fit_error(axis: Axis, reason: &dyn std::fmt::Display) -> BenchError {
@@ -261,4 +281,27 @@ fn plant_slope(witness: &dyn Witness, axis: Axis, trim: &TrimFit) -> f64 {
     let products: f64 = truths.iter().map(|t| (t.0 - mean_tap) * (t.1 - mean_counts)).sum();
     let squares: f64 = truths.iter().map(|t| (t.0 - mean_tap) * (t.0 - mean_tap)).sum();
     -squares / products
+}
+
+#[cfg(test)]
+mod tests {
+    use zerorate_core::trim::{TapEffects, TrimLine};
+
+    use super::*;
+
+    /// Taps of 31 counts, and a line of so many.
+    fn told(counts_per_tap: f64) -> Option<String> {
+        let middle = Taps::new(511).unwrap();
+        let effects: Vec<Counts> = (0..21).map(|tap| Counts(31.0 * f64::from(tap - 10))).collect();
+        let measured = TapEffects::new(Taps::new(501).unwrap(), &effects);
+        let line = TrimLine::new(-1.0 / counts_per_tap, 0.0, Counts(8200.0), middle).unwrap();
+        uneven_taps(&Trim { line, measured })
+    }
+
+    #[test]
+    fn a_slope_that_is_not_the_taps_own_is_told() {
+        assert_eq!(told(31.5), None);
+        assert!(told(34.3).unwrap().contains("a tap is 34.30 counts, and by the taps themselves 31.00"));
+        assert!(told(28.0).is_some());
+    }
 }
