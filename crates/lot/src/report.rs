@@ -47,7 +47,8 @@ pub fn limits(path: &Path) -> Result<Vec<LotLimit>, ReportError> {
 }
 
 fn parse(text: &str) -> Result<Vec<LotLimit>, String> {
-    let file: LimitsFile = toml::from_str(text).map_err(|error| error.to_string())?;
+    let file: LimitsFile = toml::from_str(text)
+        .map_err(|error| format!("{}: give limits under [limits]", error.to_string().trim_end().replace('`', "'")))?;
     let known = || Quantity::ALL.map(Quantity::key).join(", ");
     if file.limits.is_empty() {
         return Err("no limit under [limits]".to_owned());
@@ -179,5 +180,10 @@ mod tests {
             assert!(refused.contains("reading_mid_counts ="), "{refused}");
         }
         assert!(parse("").unwrap_err().contains("no limit"));
+        let headless = parse("drift_pp_counts = 5\n").unwrap_err();
+        assert!(
+            headless.contains("'drift_pp_counts'") && headless.ends_with("give limits under [limits]"),
+            "{headless}"
+        );
     }
 }

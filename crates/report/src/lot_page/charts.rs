@@ -73,6 +73,7 @@ pub(super) fn distribution(report: &LotReport, number: usize) -> Option<Figure> 
 /// or all have one time.
 pub(super) fn over_time(report: &LotReport, number: usize) -> Option<Figure> {
     let days = || sound(report).map(|unit| unit.day).filter(|day| day.is_finite());
+    let undated = sound(report).filter(|unit| !unit.day.is_finite()).count();
     let (_, last) = extent(days()).filter(|(first, last)| last > first)?;
     let (unit_name, days_in_unit) = time_unit(last);
     let window = window(days().count());
@@ -103,6 +104,7 @@ pub(super) fn over_time(report: &LotReport, number: usize) -> Option<Figure> {
                 Some(window) => { "; the line is the median of " (window) " units about each." }
                 None => { ". With fewer than " (LEAST_FOR_MEDIAN) " units no running median is drawn." }
             }
+            @if undated > 0 { " " (counted(undated, "unit")) " without a time of a known zone (`recorded_at`) left out." }
             (drawn.far)
         },
         key: drawn.key(report),
