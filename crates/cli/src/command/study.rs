@@ -49,7 +49,7 @@ Examples:
   zerorate study --units 100
   zerorate study --units 100 --plant paper --json > study.json
   zerorate setup --plant typical > bench.toml; zerorate study --setup bench.toml
-      what a wider dead band, a faster ramp, another drift model would do";
+      what a wider dead band, shorter groups, another drift model would do";
 
 /// A study as JSON has it.
 #[derive(Serialize)]
