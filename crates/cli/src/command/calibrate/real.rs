@@ -57,7 +57,7 @@ impl Instruments {
     }
 
     /// The set-up with the instruments among its labels, so that every record says by which it was made; what the set-up says of
-    /// them itself stays.
+    /// them itself stays, but for the power.
     pub fn named_in(&self, setup: &SetUp) -> SetUp {
         named_in(setup, &self.labels)
     }
@@ -86,7 +86,11 @@ impl Instruments {
 fn named_in(setup: &SetUp, labels: &[(&'static str, String)]) -> SetUp {
     let mut setup = setup.clone();
     for (what, label) in labels {
-        setup.labels.entry((*what).to_owned()).or_insert_with(|| label.clone());
+        let said = setup.labels.entry((*what).to_owned()).or_insert_with(|| label.clone());
+        // What became of the power nobody knows better: of that a budget is made.
+        if *what == POWER {
+            said.clone_from(label);
+        }
     }
     setup
 }
