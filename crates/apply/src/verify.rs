@@ -10,11 +10,13 @@
 
 mod axis;
 mod limits;
+mod rows;
 mod told;
 
 use serde::Serialize;
 use thiserror::Error;
 use zerorate_fit::model::Model;
+use zerorate_fit::predict::DriftModel;
 
 use crate::apply::TimeFault;
 pub use axis::{VerifiedAxis, VerifiedPoint};
@@ -167,12 +169,20 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
     let in_sample = is_same_file || calibration.sources.iter().any(has_its_rows);
     // A unit that has lost an axis fails, by whatever log.
     refused(in_sample && places.iter().all(Option::is_some))?;
+    let matched = calibrated.iter().zip(&places).filter_map(|(own, place)| Some((own.name, &fit.axes[(*place)?])));
+    let matched: Vec<(&str, &AxisFit)> = matched.collect();
+    let own = |name: &str| &calibration.axes[name];
+    for (name, axis) in &matched {
+        axis::check(own(name), axis, calibration.temperature_unit).map_err(no_test)?;
+    }
+    let models: Vec<(&AxisFit, &DriftModel)> =
+        matched.iter().map(|(name, axis)| (*axis, &own(name).fit.model)).collect();
+    let biases = rows::mean_biases(log, &options.columns, &models).map_err(LogFitError::from)?;
     let mut axes = Vec::new();
     let mut notes = fit.notes.clone();
-    for (own, place) in calibrated.iter().zip(&places) {
-        let Some(axis) = place.map(|place| &fit.axes[place]) else { continue };
-        notes.extend(renamed(&axis.name, own.name));
-        let verified = axis::verify(own.name, &calibration.axes[own.name], axis, calibration.temperature_unit);
+    for ((name, axis), biases) in matched.iter().zip(&biases) {
+        notes.extend(renamed(&axis.name, name));
+        let verified = axis::verify(name, own(name), axis, biases);
         let mut verified = verified.map_err(no_test)?;
         verified.missed = options.limits.missed(&verified, options.told_in)?;
         verified.missed.extend(verified.too_little());

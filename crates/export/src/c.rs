@@ -31,8 +31,14 @@ pub(super) fn write(calibration: &Calibration) -> Result<Exported, ExportError> 
     );
     put(&mut text, &format!("#define ZR_STEP_MS {STEP_MS} /* of zr_int_advance */\n"));
     let integers = axes.iter().map(Axis::integers).collect::<Result<Vec<_>, _>>()?;
+    let mut names: Vec<String> = Vec::new();
     for (place, (axis, integer)) in axes.iter().zip(&integers).enumerate() {
-        let name = identifier(&axis.name);
+        let mut name = identifier(&axis.name);
+        if names.contains(&name) {
+            // Names that differ in other letters alone.
+            name = format!("{name}_{place}");
+        }
+        names.push(name.clone());
         put(&mut text, &format!("#define ZR_{name} {place} /* in {} */", axis.unit));
         put(&mut text, &format!("#define ZR_{name}_UNIT {} /* what 1 of zr_int_bias is */", number(integer.unit)));
     }

@@ -120,7 +120,7 @@ pub enum ExportError {
     NoAxis,
     /// The rates are no angular rates.
     #[error(
-        "axis {axis} is in {unit}, and {format} takes rad/s: how many of these are one rad/s is not known; fit the log with the unit of its rates (`rate_unit`), or give it to c, json or csv"
+        "axis {axis} is in {unit}, and {format} takes rad/s: how many of these are one rad/s is not known; fit the log with the unit of its rates (`rate_unit`), or give it to c or csv"
     )]
     NotARate {
         /// The axis's name.
@@ -131,7 +131,7 @@ pub enum ExportError {
         format: Format,
     },
     /// The temperatures are no temperatures.
-    #[error("the calibration's temperatures are in counts, and {format} takes degrees C: give it to c, json or csv")]
+    #[error("the calibration's temperatures are in counts, and {format} takes degrees C: give it to c or csv")]
     NotInDegrees {
         /// The format.
         format: Format,

@@ -141,7 +141,7 @@ static inline zr_real zr_bias_with_history(const zr_axis *axis, const zr_state *
 
 #endif /* ZERORATE_NO_FLOAT */
 
-/* In integers: temperatures in 65536ths, biases in ZR_UNIT (above, for each axis). For processors without floating point. */
+/* In integers: temperatures in 65536ths, biases in ZR_AXIS_..._UNIT (above, for each axis). For processors without floating point. */
 
 #define ZR_ONE ((int64_t)1 << 30) /* 1 in the scaled variable and in shares */
 #define ZR_KEPT_ONE ((int64_t)1 << 24) /* 1 in what a lag keeps and follows a step */

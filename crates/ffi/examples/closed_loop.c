@@ -3,7 +3,7 @@
  * (n = 0: a group that was lost), takes each past one axis, "writes" the wiper when it is asked to, and prints a line for each:
  *     tap corrected_q16 coverage history_known wiper_writes
  *
- *     closed_loop calibration.bin SERIAL|- AXIS MODE < groups.txt
+ *     closed_loop device-record.bin SERIAL|- AXIS MODE < groups.txt
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -14,7 +14,7 @@
 
 #define SAMPLES_PER_GROUP 4
 
-/* On a board: 4 KiB of static RAM. */
+/* On a board: 6 KiB of static RAM. */
 static zerorate_unit unit;
 /* On a board: flash, or what the host sent. */
 static uint8_t record[8192];
@@ -26,7 +26,7 @@ static int refuse(const char *what, zerorate_result result) {
 
 int main(int argc, char **argv) {
     if (argc != 5) {
-        fprintf(stderr, "usage: %s calibration.bin SERIAL|- AXIS MODE < groups\n", argv[0]);
+        fprintf(stderr, "usage: %s device-record.bin SERIAL|- AXIS MODE < groups\n", argv[0]);
         return 2;
     }
     FILE *file = fopen(argv[1], "rb");

@@ -83,6 +83,7 @@ typedef struct {
 // What closing a group came to.
 typedef struct {
   // The group's mean, corrected, in steps of 1/65536 count; the plain mean in the modes that do not correct.
+  // Of a reading from 32768 counts on, less 65536 counts.
   int32_t corrected_q16;
   // Where the temperature lies against the calibrated range: `ZERORATE_INSIDE`, `_BELOW`, `_ABOVE` or `_INVALID`.
   uint32_t coverage;
@@ -99,7 +100,7 @@ typedef struct {
 extern "C" {
 #endif // __cplusplus
 
-// Fills a unit from the bytes of a device record (`calibration.bin`). `serial` is the unit's own, ended by a zero byte;
+// Fills a unit from the bytes of a device record (`device-record.bin`). `serial` is the unit's own, ended by a zero byte;
 // a record of another serial is refused; null takes any. Both wipers are taken to stand at the middle tap, 511: write
 // that tap before the first group. The modes are those that the record gives for start-up.
 //
@@ -126,7 +127,8 @@ zerorate_result zerorate_set_mode(zerorate_unit *unit, uint32_t axis, uint32_t m
 zerorate_result zerorate_push(zerorate_group *group, uint16_t temperature, uint16_t zro);
 
 // Corrects one sample as it comes, by the temperature of the last closed group and the wiper as far as it has settled;
-// `corrected_q16` gets it in steps of 1/65536 count. The plain sample in the modes that do not correct.
+// `corrected_q16` gets it in steps of 1/65536 count. The plain sample in the modes that do not correct. Of a reading from 32768 on,
+// less 65536 counts.
 //
 // Call it for every sample or for none: `zerorate_update` passes over those that it was not shown.
 //

@@ -83,6 +83,7 @@ pub struct ZerorateGroup {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ZerorateOutcome {
     /// The group's mean, corrected, in steps of 1/65536 count; the plain mean in the modes that do not correct.
+    /// Of a reading from 32768 counts on, less 65536 counts.
     pub corrected_q16: i32,
     /// Where the temperature lies against the calibrated range: `ZERORATE_INSIDE`, `_BELOW`, `_ABOVE` or `_INVALID`.
     pub coverage: u32,
@@ -95,7 +96,7 @@ pub struct ZerorateOutcome {
     pub history_known: bool,
 }
 
-/// Fills a unit from the bytes of a device record (`calibration.bin`). `serial` is the unit's own, ended by a zero byte;
+/// Fills a unit from the bytes of a device record (`device-record.bin`). `serial` is the unit's own, ended by a zero byte;
 /// a record of another serial is refused; null takes any. Both wipers are taken to stand at the middle tap, 511: write
 /// that tap before the first group. The modes are those that the record gives for start-up.
 ///
@@ -173,7 +174,8 @@ pub unsafe extern "C" fn zerorate_push(group: *mut ZerorateGroup, temperature: u
 }
 
 /// Corrects one sample as it comes, by the temperature of the last closed group and the wiper as far as it has settled;
-/// `corrected_q16` gets it in steps of 1/65536 count. The plain sample in the modes that do not correct.
+/// `corrected_q16` gets it in steps of 1/65536 count. The plain sample in the modes that do not correct. Of a reading from 32768 on,
+/// less 65536 counts.
 ///
 /// Call it for every sample or for none: `zerorate_update` passes over those that it was not shown.
 ///

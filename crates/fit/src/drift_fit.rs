@@ -208,6 +208,11 @@ pub const A_FOLD_MISSES_ITS_BRANCH: &str = "A model without a history goes betwe
     of an eighth that is left out its own way is missing from the other seven. Where the ways differ, the same run again leaves \
     less than is told here, but no less than in-sample";
 
+/// Of what temperatures the figures of a model with a history are, for people.
+pub const A_HISTORY_GOES_BY_AVERAGES: &str = "A model with a history is told of averages of the temperature, as a board takes it. \
+    Taken row by row, as by zerorate apply, a noisy or coarse temperature drives the history too, and more is left: zerorate verify \
+    of another run tells how much";
+
 /// A model that was tried, and its errors, rate units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {

@@ -14,8 +14,8 @@ pub struct TracePoint {
     pub time_s: f64,
     /// In the temperature column's unit.
     pub temperature: f64,
-    /// The same as the sensor showed it ([`Series::shown`](crate::series::Series::shown)).
-    pub shown: f64,
+    /// The first of its rows, and the one after the last; of a fit of rows (0, 0).
+    pub rows: (u64, u64),
     /// Rate less the steps taken out, in the rate column's unit.
     pub rate: f64,
     /// Rate less the fitted curve.
@@ -63,7 +63,6 @@ impl Trace {
         *count += 1;
         sums.time_s += point.time_s;
         sums.temperature += point.temperature;
-        sums.shown += point.shown;
         sums.rate += point.rate;
         sums.residual += point.residual;
     }
@@ -77,7 +76,7 @@ impl Trace {
                 log: 0,
                 time_s: mean(sums.time_s),
                 temperature: mean(sums.temperature),
-                shown: mean(sums.shown),
+                rows: (0, 0),
                 rate: mean(sums.rate),
                 residual: mean(sums.residual),
             }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use zerorate_fit::boot::left_after_zero;
 use zerorate_fit::folds::TELLING;
-use zerorate_fit::predict::{Predictor, Start};
+use zerorate_fit::predict::Start;
 use zerorate_fit::residual::ResidualStatistics;
 
 use super::NoTest;
@@ -85,21 +85,14 @@ pub(super) fn verify(
     name: &str,
     own: &AxisCalibration,
     axis: &AxisFit,
-    temperature_unit: TemperatureUnit,
+    biases: &[f64],
 ) -> Result<VerifiedAxis, NoTest> {
     let other_unit = |found: String, expected: String| NoTest::Unit { axis: axis.name.clone(), found, expected };
     let logged = axis.calibration.rate_unit;
     let Some(factor) = logged.in_unit(own.rate_unit) else {
         return Err(other_unit(logged.to_string(), own.rate_unit.to_string()));
     };
-    if axis.temperature_unit != temperature_unit {
-        return Err(other_unit(axis.temperature_unit.name().to_owned(), temperature_unit.name().to_owned()));
-    }
-    let is_timed = axis.trace.iter().any(|point| point.time_s.is_finite());
-    if own.fit.model.needs_time(Start::Unknown) && !is_timed {
-        return Err(TimeFault::NoTime.into());
-    }
-    let points = corrected(own, &axis.trace, factor);
+    let points = corrected(&axis.trace, biases, factor);
     let raw: Vec<f64> = points.iter().map(|point| point.raw).collect();
     let left: Vec<f64> = points.iter().map(|point| point.corrected).collect();
     let times: Vec<f64> = points.iter().map(|point| point.time_s).collect();
@@ -155,16 +148,25 @@ impl VerifiedAxis {
     }
 }
 
-/// The points of a log, `factor` of the calibration's unit to one of its own, with the bias taken off that a device has by what its
-/// sensor shows.
-fn corrected(own: &AxisCalibration, trace: &[TracePoint], factor: f64) -> Vec<VerifiedPoint> {
-    let finite = |point: &&TracePoint| point.temperature.is_finite() && point.rate.is_finite();
-    // The history begins with the log, as it does on a device that is switched on.
-    let mut predictor = Predictor::new(&own.fit.model, Start::Unknown);
-    let correct = |point: &TracePoint| {
+/// Whether a log's axis can be told what a calibration's leaves of it.
+pub(super) fn check(own: &AxisCalibration, axis: &AxisFit, temperature_unit: TemperatureUnit) -> Result<(), NoTest> {
+    if axis.temperature_unit != temperature_unit {
+        let (found, expected) = (axis.temperature_unit.name().to_owned(), temperature_unit.name().to_owned());
+        return Err(NoTest::Unit { axis: axis.name.clone(), found, expected });
+    }
+    let is_timed = axis.trace.iter().any(|point| point.time_s.is_finite());
+    if own.fit.model.needs_time(Start::Unknown) && !is_timed {
+        return Err(TimeFault::NoTime.into());
+    }
+    Ok(())
+}
+
+/// The points of a log, `factor` of the calibration's unit to one of its own, each less its bias.
+fn corrected(trace: &[TracePoint], biases: &[f64], factor: f64) -> Vec<VerifiedPoint> {
+    let correct = |(point, bias): (&TracePoint, &f64)| {
         let raw = factor * point.rate;
-        let bias = predictor.predict(point.time_s, point.shown).bias;
         VerifiedPoint { time_s: point.time_s, temperature: point.temperature, raw, corrected: raw - bias }
     };
-    trace.iter().filter(finite).map(correct).collect()
+    let points = trace.iter().zip(biases).map(correct);
+    points.filter(|point| point.temperature.is_finite() && point.corrected.is_finite()).collect()
 }

@@ -438,3 +438,42 @@ fn a_model_with_a_lag_needs_times() {
     assert!(refused.to_string().contains("the model needs the time of each row"), "{refused}");
     assert!(verify(&Source::bytes("log.csv", timed.into_bytes()), &own, &VerifyOptions::default()).is_ok());
 }
+
+/// What `apply` takes off row by row, averaged over the same rows by hand, is what is told to be left: of a play, which a noisy temperature
+/// drives along, and which its averages would not.
+#[test]
+fn what_remembers_goes_by_rows_as_it_is_applied() {
+    use crate::apply::{AppliedModel, AppliedTo, apply};
+    use zerorate_cal::table::Table;
+    use zerorate_cal::units::WrittenTemperature;
+    use zerorate_core::drift::{History, Memory, Term};
+    let mut own = calibration();
+    let axis = own.axes.get_mut("gyro_x_rad_s").unwrap();
+    let term = Term { memory: Memory::Play { half_width: 2.0 }, weight: 1e-3, behind: 0.0, share: 1.0 };
+    axis.fit.model.history = History::new(axis.fit.model.drift.shape.clone(), &[term]);
+    let model = AppliedModel {
+        column: "gyro_x_rad_s".to_owned(),
+        temperature: "temperature_c".to_owned(),
+        written_temperature: WrittenTemperature::Celsius,
+        model: axis.fit.model.clone(),
+        measured: axis.fit.measured,
+        factor: 1.0,
+    };
+    let mut text = "time_s,temperature_c,gyro_x_rad_s\n".to_owned();
+    for row in 0..6000_i32 {
+        let (t, noise) = (-8.0 + 56.0 * f64::from(row) / 6000.0, f64::from((row * 7919) % 1000) / 500.0 - 1.0);
+        text += &format!("{},{},{}\n", f64::from(row) / 2.0, t + 1.5 * noise, 1e-3 * t + 1e-5 * t * t);
+    }
+    let log = Source::bytes("second.csv", text.into_bytes());
+    let told = verify(&log, &own, &VerifyOptions::default()).unwrap();
+    let told = told.axes.iter().find(|axis| axis.name == "gyro_x_rad_s").unwrap().corrected.rms;
+    let mut written = Vec::new();
+    let to = AppliedTo { time: Some("time_s"), time_unit: None, start: zerorate_fit::predict::Start::Unknown };
+    apply(&Table::open(&log).unwrap(), &to, &[model], &mut written).unwrap();
+    let written = String::from_utf8(written).unwrap();
+    let left = written.lines().skip(1).map(|row| row.rsplit(',').next().unwrap().parse::<f64>().unwrap());
+    let left: Vec<f64> = left.collect::<Vec<_>>().chunks_exact(20).map(|ten| ten.iter().sum::<f64>() / 20.0).collect();
+    let mean = left.iter().sum::<f64>() / left.len() as f64;
+    let truth = (left.iter().map(|left| (left - mean).powi(2)).sum::<f64>() / left.len() as f64).sqrt();
+    assert!((told / truth - 1.0).abs() < 0.03, "{told} for {truth}");
+}

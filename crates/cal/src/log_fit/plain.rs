@@ -174,7 +174,7 @@ fn judge(residuals: &mut FoldResiduals<'_>, trace: &mut Trace, rows: &Rows<'_>, 
             let residual = residuals.push(row, temperature, rate);
             trace.push(
                 row,
-                &TracePoint { log: 0, time_s: rows.time_s[place], temperature, shown: temperature, rate, residual },
+                &TracePoint { log: 0, time_s: rows.time_s[place], temperature, rows: (0, 0), rate, residual },
             );
         }
     }

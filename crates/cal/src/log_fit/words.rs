@@ -47,7 +47,7 @@ pub(super) fn report(judgement: &mut Judgement, sensor: &Gathered, axis: usize, 
     }
     if is_coarse(sensor) {
         let text = format!(
-            "the temperature comes in steps of {:.2} {unit}: a fit interpolates them, a device corrects by the steps as they are, and what it has left is told so",
+            "the temperature comes in steps of {:.2} {unit}: a fit interpolates them, and a device corrects by the steps as they are",
             sensor.temperature_step
         );
         judgement.add(Reason::new(ReasonKind::CoarseTemperature, text));

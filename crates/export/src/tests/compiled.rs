@@ -223,3 +223,15 @@ fn histories_in_c_are_the_hosts_through_a_cycle() {
     compare_history(&calibration, &doubles, &units, 1e-12);
     compare_history(&calibration, &c(folder.path(), &text, C_HISTORY, &[]).unwrap(), &units, 1e-5);
 }
+
+/// Two columns that are one word in C are two axes all the same.
+#[test]
+fn no_macro_stands_for_two_axes() {
+    let axis = || board().axes.into_values().next().unwrap();
+    let text = written(&calibration(vec![("a.x", axis()), ("a_x", axis())]), Format::C);
+    let defined: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("#define ")?.split(' ').next()).collect();
+    let mut once = defined.clone();
+    once.sort_unstable();
+    once.dedup();
+    assert_eq!(once.len(), defined.len(), "{defined:?}");
+}

@@ -5,7 +5,7 @@ use zerorate_cal::calibration::{CREATED_BY, Origin};
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::units::{RateScale, RateUnit};
-use zerorate_fit::drift_fit::{A_FOLD_MISSES_ITS_BRANCH, FitStatistics};
+use zerorate_fit::drift_fit::{A_FOLD_MISSES_ITS_BRANCH, A_HISTORY_GOES_BY_AVERAGES, FitStatistics};
 use zerorate_fit::residual::ResidualStatistics;
 
 use super::{LogPage, degree};
@@ -74,6 +74,9 @@ impl LogPage<'_> {
                 } @else { "Uncorrected is about its own mean. " }
                 "± is one standard error, by how much the eight folds of the log differ"
                 @if is_deployed(fit) { " and by the noise of the zero" } "."
+                @if is_deployed(fit) && axes.iter().any(|axis| axis.calibration.fit.model.history.is_some()) {
+                    " " (A_HISTORY_GOES_BY_AVERAGES) "."
+                }
                 @if axes.iter().any(|axis| axis.calibration.fit.misses_its_own_branch()) {
                     " " (A_FOLD_MISSES_ITS_BRANCH) "."
                 }

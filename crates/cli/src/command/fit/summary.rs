@@ -8,7 +8,9 @@ use zerorate_cal::in_chamber::InChamber;
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::units::{RateScale, RateUnit, WrittenRate};
-use zerorate_fit::drift_fit::{A_FOLD_MISSES_ITS_BRANCH, FitStatistics, LogLeft, ResidualOver};
+use zerorate_fit::drift_fit::{
+    A_FOLD_MISSES_ITS_BRANCH, A_HISTORY_GOES_BY_AVERAGES, FitStatistics, LogLeft, ResidualOver,
+};
 use zerorate_fit::residual::ResidualStatistics;
 use zerorate_report::{advice, believed_temperatures, by_log_sentence, measured_temperatures, trend_sentences};
 
@@ -228,6 +230,9 @@ fn terms(page: &mut Page, fit: &LogFit) {
                  the noise of the zero; pp is peak to peak."
             ),
         );
+        if axes.iter().any(|axis| axis.calibration.fit.model.history.is_some()) {
+            page.sentence("  ", &format!("{A_HISTORY_GOES_BY_AVERAGES}."));
+        }
         if axes.iter().any(|axis| axis.calibration.fit.misses_its_own_branch()) {
             page.sentence("  ", &format!("{A_FOLD_MISSES_ITS_BRANCH}."));
         }
