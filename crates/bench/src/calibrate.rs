@@ -43,6 +43,11 @@ pub fn calibrate(
 ) -> Result<Summary, BenchError> {
     let was_there = out.exists();
     let result = run(bench, setup, unit, out, progress, keep);
+    if progress.is_interrupted() && bench.clock.is_none() {
+        progress.note(
+            "stopping: what obeys a program is brought to rest, for half a minute; a second Ctrl-C leaves it as it is",
+        );
+    }
     // Somebody has to go there: that is what is told, on the screen and by a message.
     let rested = bench.rest(&|waited| waited < rest_for(progress.is_interrupted()));
     let result = match (result, rested) {

@@ -110,6 +110,8 @@ pub struct RemoteChamber {
     obedience: Patience,
     /// When it was last looked at whether it is where it was sent.
     looked: Instant,
+    /// How often in a row it was elsewhere.
+    strays: u32,
     is_astray: bool,
     /// Where its air was, when that was asked, and how long the answer took.
     last: Option<(Celsius, Instant, Duration)>,
@@ -120,6 +122,11 @@ pub struct RemoteChamber {
 const SHARE_OF_TIME: u32 = 4;
 /// How often a chamber is looked at whether it is where it was sent.
 const LOOK_EVERY: Duration = Duration::from_secs(5);
+/// Each time that it is elsewhere again the next look comes twice as late, to five minutes: many a controller writes set points to a
+/// memory that wears, and whatever else sets it will not give in.
+const MOST_DOUBLED: u32 = 6;
+/// From so many times on something else sets it.
+const OFTEN: u32 = 3;
 
 impl RemoteChamber {
     /// A chamber that was asked who it is and what it shows; it is not moved.
@@ -148,6 +155,7 @@ impl RemoteChamber {
             is_owed: false,
             obedience: Patience::with("chamber"),
             looked: Instant::now(),
+            strays: 0,
             is_astray: false,
             last: None,
         };
@@ -156,7 +164,7 @@ impl RemoteChamber {
 
     /// Looks now and then whether it is where it was sent, and at once where it was away: it may start anew between two answers.
     fn remind(&mut self) -> Result<(), InstrumentError> {
-        if !self.is_owed && self.looked.elapsed() < LOOK_EVERY {
+        if !self.is_owed && self.looked.elapsed() < LOOK_EVERY * 2_u32.pow(self.strays.min(MOST_DOUBLED)) {
             return Ok(());
         }
         match self.look() {
@@ -202,13 +210,18 @@ impl RemoteChamber {
         let strayed = self.controller.strayed_from(should)?;
         // Whether it is sent there or not: it was elsewhere.
         self.is_astray |= strayed.is_some();
+        self.strays = if strayed.is_some() { self.strays + 1 } else { 0 };
         // After a silence with the same set point too: it may have come back without running, and not every one tells.
         if strayed.is_some() || self.is_owed {
             self.controller.send(should)?;
         }
         if let Some(strayed) = strayed {
+            let by_another = match self.strays {
+                ..OFTEN => "",
+                _ => "; something else sets it too: another program, a person, or a programme of its own",
+            };
             self.contact.notes.push(format!(
-                "the chamber is {strayed}, and not where it was sent: it was sent to {:.1} C again",
+                "the chamber is {strayed}, and not where it was sent: it was sent to {:.1} C again{by_another}",
                 should.0
             ));
         }

@@ -13,6 +13,8 @@ use crate::manual::watch::{RampWatch, ReadingScale, Seen, SoakWatch};
 
 /// How long a person may be away before a run gives up waiting for the switch.
 const AWAY: Duration = Duration::from_secs(24 * 3600);
+/// A ramp is longer than what a chamber's air is held to, kelvin.
+const FAR: Celsius = Celsius(5.0);
 /// How often they are reminded of it.
 const REMIND: Duration = Duration::from_secs(120);
 
@@ -32,7 +34,10 @@ impl Session<'_> {
         let from = self.bench.chamber.set_point();
         self.leave(set_point, recorder)?;
         if self.bench.chamber.is_seen() {
-            let taken = self.until(self.taken + groups, phase, recorder)?;
+            let last = self.taken + groups;
+            let mut taken = vec![self.take(phase, recorder)?];
+            self.see_it_leave(from, set_point)?;
+            taken.extend(self.until(last, phase, recorder)?);
             return if self.was_astray(recorder)? { Err(BenchError::OffCourse) } else { Ok(taken) };
         }
         let period = self.setup.group_period();
@@ -60,6 +65,19 @@ impl Session<'_> {
             }
         }
         Ok(taken)
+    }
+
+    /// Warns of air that is where the ramp ends when it has hardly begun: what is read is a set point, or does not move.
+    fn see_it_leave(&mut self, from: Celsius, to: Celsius) -> Result<(), BenchError> {
+        let air = self.air()?;
+        let (way, left) = ((to - from).0.abs(), (to - air).0.abs());
+        if way > FAR.0 && left < 0.1 * way {
+            self.warn(format!(
+                "the chamber's air is told to be at {:.1} C as soon as it was sent from {:.1} to {:.1} C: see whether the air is read, and not a set point or a value that stands",
+                air.0, from.0, to.0
+            ));
+        }
+        Ok(())
     }
 
     /// Has the chamber sent to a temperature, and watches until the device is as warm and was held there.

@@ -378,7 +378,11 @@ fn with_what_is_left(error: BenchError, out: &Path, keep: Keep) -> anyhow::Error
     } else {
         "the run ended before it had recorded anything".into()
     };
-    anyhow::Error::from(error).context(left)
+    match error {
+        // Somebody has to go there: that comes first.
+        BenchError::LeftOn { first, left_on } => anyhow::Error::from(*first).context(left).context(left_on.to_string()),
+        error => anyhow::Error::from(error).context(left),
+    }
 }
 
 /// Step, phase, temperature, elapsed and remaining time on a terminal.
@@ -469,5 +473,25 @@ impl Progress for Bar {
 
     fn is_interrupted(&self) -> bool {
         interrupt::was_asked_for()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use zerorate_bench::instruments::InstrumentError;
+    use zerorate_words::sentence;
+
+    use super::*;
+
+    /// A telephone shows the first words of a message.
+    #[test]
+    fn what_is_left_on_comes_first() {
+        let left_on = InstrumentError::Power("it is on: GO THERE".to_owned());
+        let error = BenchError::LeftOn { first: Box::new(InstrumentError::Interrupted.into()), left_on };
+        let folder = tempfile::tempdir().unwrap();
+        let told = sentence(with_what_is_left(error, folder.path(), Keep::Resume).as_ref());
+        let places = ["GO THERE", "the run ended before it had recorded anything", "stopped by Ctrl-C"];
+        let places = places.map(|part| told.find(part).unwrap_or_else(|| panic!("{part} is missing from: {told}")));
+        assert!(places.is_sorted() && told.starts_with("the board does not come up"), "{told}");
     }
 }
