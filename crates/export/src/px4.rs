@@ -66,7 +66,8 @@ fn write_sensor(lines: &mut String, sensor: &mut ExportedSensor) -> Result<(), E
     if sensor.instance >= PLACES {
         return Err(ExportError::NoPlace { sensor: sensor.to_string(), format: Format::Px4, places: PLACES });
     }
-    let id = sensor.device_id.ok_or_else(|| ExportError::NoDeviceId { sensor: sensor.to_string() })?;
+    let id =
+        sensor.device_id.filter(|id| *id > 0).ok_or_else(|| ExportError::NoDeviceId { sensor: sensor.to_string() })?;
     let prefix = format!("TC_{}{}", letter(sensor.kind), sensor.instance);
     // An int32 holds the id's bits.
     line(lines, &format!("{prefix}_ID"), &id.cast_signed().to_string(), INT32);

@@ -18,6 +18,12 @@ const C_MAIN: &str = r#"
 #include "calibration.h"
 int main(void)
 {
+    /* Axes without a history, of which nothing is unknown. */
+    zr_state state = {0};
+    zr_int_state int_state = {0};
+    for (int a = 0; a < ZR_AXIS_COUNT; a++)
+        if (zr_known_share(&ZR_AXES[a], &state) < 1 || zr_int_known_share(&ZR_INT_AXES[a], &int_state) < (1 << 30))
+            return 1;
     for (int i = -800; i <= 2000; i++) {
         double t = i * 0.05;
         printf("%.17g", t);

@@ -319,3 +319,9 @@ fn a_guessed_unit_and_one_direction_go_where_the_parameters_go() {
         assert!(!exported.notes.iter().any(|note| note.contains("something else")));
     }
 }
+
+#[test]
+fn no_sensor_has_the_id_0() {
+    let none = ExportOptions { device_id: Some(0), instance: None };
+    assert!(matches!(export(&three_axes(), Format::Px4, &none), Err(ExportError::NoDeviceId { .. })));
+}
