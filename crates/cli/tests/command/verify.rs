@@ -58,7 +58,7 @@ fn where_rows_come_seldom_both_say_over_what_they_average() {
     let json = zerorate(folder.path(), &[&fit[..], &["--force", "--json"]].concat()).json();
     assert_eq!(json["averaged_over_s"], 21.0);
     let verify = ["verify", "second.csv", "--with", "calibration.json"];
-    zerorate(folder.path(), &verify).says(&["Averages over 10.0 s", "fit told both of averages over 21 s"]);
+    zerorate(folder.path(), &verify).says(&["Averages over 10.0 s", "fit told both of averages over 21.0 s"]);
     let json = zerorate(folder.path(), &[&verify[..], &["--json"]].concat()).json();
     assert_eq!((&json["averaged_over_s"], &json["fit_averaged_over_s"]), (&10.0.into(), &21.0.into()));
 }
