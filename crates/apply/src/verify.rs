@@ -172,18 +172,16 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
     let matched = calibrated.iter().zip(&places).filter_map(|(own, place)| Some((own.name, &fit.axes[(*place)?])));
     let matched: Vec<(&str, &AxisFit)> = matched.collect();
     let own = |name: &str| &calibration.axes[name];
-    for (name, axis) in &matched {
-        axis::check(own(name), axis, calibration.temperature_unit).map_err(no_test)?;
-    }
+    let factor = |(name, axis): &(&str, &AxisFit)| axis::factor(own(name), axis, calibration.temperature_unit);
+    let factors: Vec<f64> = matched.iter().map(factor).collect::<Result<_, _>>().map_err(no_test)?;
     let models: Vec<(&AxisFit, &DriftModel)> =
         matched.iter().map(|(name, axis)| (*axis, &own(name).fit.model)).collect();
     let biases = rows::mean_biases(log, &options.columns, &models).map_err(LogFitError::from)?;
     let mut axes = Vec::new();
     let mut notes = fit.notes.clone();
-    for ((name, axis), biases) in matched.iter().zip(&biases) {
+    for (((name, axis), factor), biases) in matched.iter().zip(factors).zip(&biases) {
         notes.extend(renamed(&axis.name, name));
-        let verified = axis::verify(name, own(name), axis, biases);
-        let mut verified = verified.map_err(no_test)?;
+        let mut verified = axis::verify(name, own(name), axis, factor, biases);
         verified.missed = options.limits.missed(&verified, options.told_in)?;
         verified.missed.extend(verified.too_little());
         axes.push(verified);

@@ -183,7 +183,7 @@ fn run(
     let summary = summary(&run, recordings, started, began.elapsed().as_secs_f64());
     results::write(&run.measured.calibration, &run.measured.record, &summary, &mut output)?;
     let published = output.publish()?;
-    if !has_soaks && Recording::read(&(&out.join(SOAKS)).into()).is_ok() {
+    if !has_soaks && Recording::is_one(&(&out.join(SOAKS)).into()) {
         // Of the run whose results these took the place of; a folder has files of one run.
         let _ = std::fs::remove_file(out.join(SOAKS));
     }

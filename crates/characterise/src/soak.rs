@@ -122,8 +122,8 @@ pub fn noise(
         let own = own.iter().zip(&places).find(|(_, of)| **of == Some(place));
         own.map(|(own, _)| &calibration.axes[own.name])
     };
-    let axes = taken.sensors.iter().flat_map(|series| (0..series.axes()).map(move |axis| (series, axis))).enumerate();
-    Ok(axes.filter_map(|(place, (series, axis))| Some(series.of_residual(axis, of_axis(place)?))).collect())
+    let mut axes = (0..logged.len()).map(of_axis);
+    Ok(taken.sensors.iter().flat_map(|series| series.of_residuals(axes.by_ref().take(series.axes()))).collect())
 }
 
 /// How far apart the rows of each sensor are.
@@ -363,6 +363,12 @@ impl Series {
         (0..self.axes()).map(|axis| self.of_soak(axis, &temperatures)).collect()
     }
 
+    /// Of the axes that have a calibration of their `own`.
+    fn of_residuals<'a>(&self, own: impl Iterator<Item = Option<&'a AxisCalibration>>) -> Vec<AxisNoise> {
+        let temperatures = self.temperatures();
+        own.enumerate().filter_map(|(axis, own)| Some(self.of_residual(axis, &temperatures, own?))).collect()
+    }
+
     fn values(&self, axis: usize) -> Vec<f64> {
         self.bins.iter().map(|bin| self.mean(bin.values[axis])).collect()
     }
@@ -393,9 +399,8 @@ impl Series {
         found
     }
 
-    fn of_residual(&self, axis: usize, own: &AxisCalibration) -> AxisNoise {
-        let temperatures = self.temperatures();
-        let mut found = self.describe(axis, NoiseOf::Residual, 0, temperatures.len(), &temperatures);
+    fn of_residual(&self, axis: usize, temperatures: &[f64], own: &AxisCalibration) -> AxisNoise {
+        let mut found = self.describe(axis, NoiseOf::Residual, 0, temperatures.len(), temperatures);
         let Some(of_own) = own.rate_unit.in_unit(self.stream.unit) else {
             let (log, own) = (self.stream.unit, own.rate_unit);
             found.noise =

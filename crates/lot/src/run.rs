@@ -157,15 +157,14 @@ impl FitRun {
         // Models of another version cannot be read, and are made anew.
         let before = models::read(&self.out).unwrap_or_default();
         // Serials begin anew with many a lot: of the same one is what came of the same dataset, or of the very files of this.
-        let of_this_lot =
-            |row: &ModelRow| row.dataset == self.dataset || found.iter().any(|own| earlier::is_of(row, own));
+        let states: BTreeSet<(String, u64)> = found.iter().map(earlier::state).collect();
+        let of_this_lot = |row: &ModelRow| row.dataset == self.dataset || states.contains(&earlier::state_of(row));
         out::check_kind(&self.out, "the models of this lot alone", |_| before.iter().all(of_this_lot))?;
-        let is_gone = |row: &&ModelRow| !found.iter().any(|own| own.file == row.file);
-        let gone: BTreeSet<&str> = before.iter().filter(is_gone).map(|row| row.file.as_str()).collect();
-        let is_known = |file: &str| skipped.iter().any(|skipped| skipped.file == file);
-        let gone: Vec<&str> = gone.into_iter().filter(|file| !is_known(file)).collect();
-        skipped.extend(gone.into_iter().map(|file| Skipped {
-            file: file.to_owned(),
+        let files = found.iter().map(|own| &own.file).chain(skipped.iter().map(|skipped| &skipped.file));
+        let files: BTreeSet<String> = files.cloned().collect();
+        let fitted: BTreeSet<String> = before.into_iter().map(|row| row.file).collect();
+        skipped.extend(fitted.difference(&files).map(|file| Skipped {
+            file: file.clone(),
             reason: "it was fitted before, and is no longer there: its rows were left out".to_owned(),
         }));
         let asked = self.asked();

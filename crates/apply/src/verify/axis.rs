@@ -80,18 +80,8 @@ pub struct VerifiedPoint {
     pub corrected: f64,
 }
 
-/// Takes the bias off an axis and says what is left. Limits are not looked at.
-pub(super) fn verify(
-    name: &str,
-    own: &AxisCalibration,
-    axis: &AxisFit,
-    biases: &[f64],
-) -> Result<VerifiedAxis, NoTest> {
-    let other_unit = |found: String, expected: String| NoTest::Unit { axis: axis.name.clone(), found, expected };
-    let logged = axis.calibration.rate_unit;
-    let Some(factor) = logged.in_unit(own.rate_unit) else {
-        return Err(other_unit(logged.to_string(), own.rate_unit.to_string()));
-    };
+/// Takes the `biases` off an axis, `factor` of whose unit are one of the log's, and says what is left. Limits are not looked at.
+pub(super) fn verify(name: &str, own: &AxisCalibration, axis: &AxisFit, factor: f64, biases: &[f64]) -> VerifiedAxis {
     let points = corrected(&axis.trace, biases, factor);
     let raw: Vec<f64> = points.iter().map(|point| point.raw).collect();
     let left: Vec<f64> = points.iter().map(|point| point.corrected).collect();
@@ -104,7 +94,7 @@ pub(super) fn verify(
     let (corrected, offset) = ResidualStatistics::about_mean(&left);
     let deployed = left_after_zero(left, &times);
     let worse_about_mean = corrected.rms > raw.rms + ROUNDING * raw.rms.max(offset.abs());
-    Ok(VerifiedAxis {
+    VerifiedAxis {
         name: name.to_owned(),
         log_axis: axis.name.clone(),
         rate_unit: own.rate_unit,
@@ -123,7 +113,7 @@ pub(super) fn verify(
         covered: covered(axis),
         missed: Vec::new(),
         points,
-    })
+    }
 }
 
 /// The share of rows with a rate, of those with a temperature.
@@ -148,17 +138,21 @@ impl VerifiedAxis {
     }
 }
 
-/// Whether a log's axis can be told what a calibration's leaves of it.
-pub(super) fn check(own: &AxisCalibration, axis: &AxisFit, temperature_unit: TemperatureUnit) -> Result<(), NoTest> {
+/// How many of the calibration's unit of rates one of the log's is, where a calibration can be taken off a log's axis at all.
+pub(super) fn factor(own: &AxisCalibration, axis: &AxisFit, temperature_unit: TemperatureUnit) -> Result<f64, NoTest> {
+    let other_unit = |found: String, expected: String| NoTest::Unit { axis: axis.name.clone(), found, expected };
+    let logged = axis.calibration.rate_unit;
+    let Some(factor) = logged.in_unit(own.rate_unit) else {
+        return Err(other_unit(logged.to_string(), own.rate_unit.to_string()));
+    };
     if axis.temperature_unit != temperature_unit {
-        let (found, expected) = (axis.temperature_unit.name().to_owned(), temperature_unit.name().to_owned());
-        return Err(NoTest::Unit { axis: axis.name.clone(), found, expected });
+        return Err(other_unit(axis.temperature_unit.name().to_owned(), temperature_unit.name().to_owned()));
     }
     let is_timed = axis.trace.iter().any(|point| point.time_s.is_finite());
     if own.fit.model.needs_time(Start::Unknown) && !is_timed {
         return Err(TimeFault::NoTime.into());
     }
-    Ok(())
+    Ok(factor)
 }
 
 /// The points of a log, `factor` of the calibration's unit to one of its own, each less its bias.

@@ -69,7 +69,8 @@ impl Earlier {
 
     /// The rows of a recording that was fitted as it is now.
     pub(super) fn take(&mut self, found: &Found) -> Option<Vec<ModelRow>> {
-        let same = |row: &ModelRow| is_of(row, found);
+        let now = state(found);
+        let same = |row: &ModelRow| state_of(row) == now;
         let mut rows = self.rows.remove(&found.file).filter(|rows| rows.len() == 2 && rows.iter().all(same))?;
         rows.iter_mut().for_each(|row| rejudge(row, found.serial_reason.as_ref()));
         rows.sort_by(|a, b| a.axis.cmp(&b.axis));
@@ -90,10 +91,14 @@ impl Earlier {
     }
 }
 
-/// Whether a row came of a recording as it is now.
-#[allow(clippy::float_cmp)] // A whole number of bytes.
-pub(super) fn is_of(row: &ModelRow, found: &Found) -> bool {
-    row.file_modified == found.meta.last_modified.to_rfc3339() && row.file_bytes == found.meta.size as f64
+/// When a recording was written, and its bytes, a whole number as a row has them: by these it is told from what it was.
+pub(super) fn state(found: &Found) -> (String, u64) {
+    (found.meta.last_modified.to_rfc3339(), (found.meta.size as f64).to_bits())
+}
+
+/// The same of the recording that a row came of, as it was then.
+pub(super) fn state_of(row: &ModelRow) -> (String, u64) {
+    (row.file_modified.clone(), row.file_bytes.to_bits())
 }
 
 /// What a serial is judged by are the other files, which may have changed since.
