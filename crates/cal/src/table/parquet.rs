@@ -43,11 +43,19 @@ fn builder(source: &Source) -> Result<ParquetRecordBatchReaderBuilder<ParquetSou
 }
 
 fn damaged(error: &dyn std::error::Error) -> TableFault {
-    let mut reason = error.to_string();
-    if let Some((_, packed)) = reason.split_once("Disabled feature at compile time: ") {
-        reason = format!("it is packed by {packed}: write it again, packed by snappy");
-    }
+    let reason = error.to_string();
+    let reason = match unknown_packing(&reason) {
+        Some(packing) => format!("it is packed by {packing}: write it again, packed by snappy"),
+        None => reason,
+    };
     TableFault::Parquet { reason }
+}
+
+/// What a file is packed by, where the reader says that it was built without it, or that nobody has written it yet.
+pub(super) fn unknown_packing(reason: &str) -> Option<&str> {
+    let left_out = reason.split_once("Disabled feature at compile time: ").map(|(_, packing)| packing);
+    let not_written = || reason.split_once("The codec type ")?.1.strip_suffix(" is not supported yet");
+    left_out.or_else(not_written)
 }
 
 /// A stream of batches from a Parquet file.
