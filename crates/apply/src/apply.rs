@@ -12,10 +12,10 @@ use zerorate_fit::predict::{DriftModel, Prediction, Predictor, Start};
 pub use same::are_of_one_log;
 pub use sensors::{AppliedSensors, COLUMNS, SensorFault, apply_to_sensors};
 
-use zerorate_cal::log::LogError;
+use zerorate_cal::log::{Clock, LogError, Ticks};
 use zerorate_cal::source::Faulty;
 use zerorate_cal::table::{Table, TableError};
-use zerorate_cal::units::{TimeUnit, WrittenTemperature};
+use zerorate_cal::units::WrittenTemperature;
 
 /// The model to apply to one rate column.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,12 +40,10 @@ pub fn in_common(ranges: impl Iterator<Item = ValidRange>) -> [f64; 2] {
 }
 
 /// The time of a log, and what is known where it begins.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct AppliedTo<'a> {
-    /// The time column's name; `None` where the log has none.
-    pub time: Option<&'a str>,
-    /// The time's unit; without one the log's length decides ([`TimeUnit::by_duration`]).
-    pub time_unit: Option<TimeUnit>,
+    /// The time column's name, and its clock as the log was surveyed; `None` where the log has none.
+    pub time: Option<(&'a str, &'a Clock)>,
     /// What is known where the log begins.
     pub start: Start,
 }
@@ -152,8 +150,10 @@ pub fn apply(
         columns.extend([table.column(&model.temperature)?, table.column(&model.column)?]);
     }
     let needs_time = models.iter().any(|own| own.model.needs_time(to.start));
-    let clock = if needs_time { Some(Clock::of(table, to)?) } else { None };
-    columns.extend(clock.as_ref().map(|clock| clock.column));
+    let mut ticks = if needs_time { Some(ticks(table, to)?) } else { None };
+    if let (Some(_), Some((name, _))) = (&ticks, to.time) {
+        columns.push(table.column(name)?);
+    }
     let mut predictors: Vec<Predictor<'_>> = models.iter().map(|own| Predictor::new(&own.model, to.start)).collect();
     let csv_error = |error: csv::Error| ApplyError::Write(error.into());
     let mut writer = csv::Writer::from_writer(output);
@@ -165,7 +165,8 @@ pub fn apply(
         let batch = batch?;
         applied.cut_line = batch.cut_line;
         for (row, cells) in batch.cells.iter().enumerate() {
-            let time_s = clock.as_ref().map_or(f64::NAN, |clock| clock.seconds(batch.columns[2 * models.len()][row]));
+            let seconds = |ticks: &mut Ticks<'_>| ticks.seconds(batch.columns[2 * models.len()][row]);
+            let time_s = ticks.as_mut().map_or(f64::NAN, seconds);
             let mut added = Vec::with_capacity(2 * models.len());
             let mut told = RowTold::default();
             for ((predictor, own), columns) in predictors.iter_mut().zip(models).zip(batch.columns.chunks(2)) {
@@ -188,39 +189,13 @@ fn cell(value: f64) -> String {
     if value.is_nan() { String::new() } else { value.to_string() }
 }
 
-/// The time of a log's rows.
-struct Clock {
-    column: usize,
-    first: f64,
-    unit_s: f64,
-}
-
-impl Clock {
-    fn of(table: &Table, to: &AppliedTo<'_>) -> Result<Self, ApplyError> {
-        let name = to.time.ok_or_else(|| table.source().faulty::<TimeFault>(TimeFault::NoTime))?;
-        let column = table.column(name)?;
-        let (mut first, mut last) = (f64::NAN, f64::NAN);
-        for batch in table.batches(&[column])? {
-            for time in batch?.columns[0].iter().copied().filter(|time| time.is_finite()) {
-                first = if first.is_nan() { time } else { first };
-                last = time;
-                if to.time_unit.is_some() {
-                    break;
-                }
-            }
-            if to.time_unit.is_some() && first.is_finite() {
-                break;
-            }
-        }
-        let unit = to.time_unit.or_else(|| TimeUnit::by_duration(last - first));
-        let none = || table.source().faulty::<TimeFault>(TimeFault::NoUnit { column: name.to_owned() });
-        Ok(Self { column, first, unit_s: unit.ok_or_else(none)?.seconds() })
+/// The times of a log's rows, from the first on.
+fn ticks<'a>(table: &Table, to: &AppliedTo<'a>) -> Result<Ticks<'a>, ApplyError> {
+    let (name, clock) = to.time.ok_or_else(|| table.source().faulty::<TimeFault>(TimeFault::NoTime))?;
+    if !clock.is_known() {
+        return Err(table.source().faulty::<TimeFault>(TimeFault::NoUnit { column: name.to_owned() }).into());
     }
-
-    /// Seconds from the log's first row.
-    fn seconds(&self, time: f64) -> f64 {
-        (time - self.first) * self.unit_s
-    }
+    Ok(clock.again())
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! The kind is recognised by content, never by name, also where a log is packed ([`zerorate_source::packed`]). A log goes by as
 //! batches of rows to a [`Sink`]; what is kept in memory is a batch a sensor, however long the log.
 
+mod clock;
 mod counter;
 mod error;
 mod of_autopilot;
@@ -14,6 +15,7 @@ mod survey;
 
 use std::time::SystemTime;
 
+pub use clock::{Clock, Ticks};
 pub use error::{LogError, LogFault};
 pub use imu_logs::{Rows, Sensor, SensorKind};
 pub use sensor::{SensorChoice, SensorChoiceError};
@@ -27,13 +29,22 @@ use crate::units::{RateUnit, TemperatureUnit};
 use of_table::TableLog;
 use survey::Survey;
 
-/// What is to be known of a table whose columns were found, once its numbers were seen: units that were guessed, a file that is
-/// cut.
+/// What is known of a table whose columns were found, once its numbers were seen.
+#[derive(Debug)]
+pub struct Surveyed {
+    /// Units that were guessed, a file that is cut.
+    pub reasons: Vec<Reason>,
+    /// The times, where there is a column of them.
+    pub clock: Clock,
+}
+
+/// Reads a table once, before its rows are.
 ///
 /// # Errors
 /// When the table cannot be read, its time runs backwards, or its numbers cannot be in the units they are taken for.
-pub fn doubts(table: &Table, columns: &Resolved) -> Result<Vec<Reason>, LogError> {
-    Ok(Survey::of(table, columns)?.reasons)
+pub fn surveyed(table: &Table, columns: &Resolved) -> Result<Surveyed, LogError> {
+    let Survey { reasons, clock, .. } = Survey::of(table, columns)?;
+    Ok(Surveyed { reasons, clock })
 }
 
 /// What one sensor of a log is, and how its rows are to be read.

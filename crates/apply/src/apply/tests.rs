@@ -4,9 +4,12 @@ use zerorate_core::drift::{Drift, History, Memory, Polynomial, Scale, Shape, Ter
 use zerorate_fit::predict::TimeDrift;
 
 use super::*;
+use zerorate_cal::log::surveyed;
 use zerorate_cal::source::Source;
+use zerorate_cal::table::Columns;
+use zerorate_cal::units::{RateUnit, WrittenRate};
 
-const TO: AppliedTo<'static> = AppliedTo { time: None, time_unit: None, start: Start::Unknown };
+const TO: AppliedTo<'static> = AppliedTo { time: None, start: Start::Unknown };
 
 /// 1 + T / 10 over 0..20.
 fn model(column: &str) -> AppliedModel {
@@ -29,6 +32,21 @@ fn apply_to(log: &str, to: &AppliedTo<'_>, models: &[AppliedModel]) -> (Result<A
     let mut output = Vec::new();
     let applied = apply(&table, to, models, &mut output);
     (applied, String::from_utf8(output).unwrap())
+}
+
+/// As it is applied to a log with this column of times.
+fn apply_timed(log: &str, time: &str, start: Start, models: &[AppliedModel]) -> (Result<Applied, ApplyError>, String) {
+    let table = Table::open(&Source::bytes("log.tsv", log.as_bytes())).unwrap();
+    let (temperature, rates) = (Some("temp".to_owned()), vec!["x".to_owned()]);
+    let columns = Columns {
+        time: Some(time.to_owned()),
+        temperature,
+        rates,
+        rate_unit: WrittenRate::of(RateUnit::Dps),
+        ..Columns::default()
+    };
+    let clock = surveyed(&table, &columns.resolve(&table).unwrap()).unwrap().clock;
+    apply_to(log, &AppliedTo { time: Some((time, &clock)), start }, models)
 }
 
 fn correct(log: &str) -> (Result<Applied, ApplyError>, String) {
@@ -87,20 +105,23 @@ fn with_history(column: &str) -> AppliedModel {
 }
 
 /// Heating from 5 to 15 degrees, a degree every 20 s; `rates` false leaves their cells empty.
-fn ramp(to: &AppliedTo<'_>, rates: bool) -> (Applied, Vec<f64>) {
+fn ramp(start: Start, rates: bool) -> (Applied, Vec<f64>) {
     let mut log = String::from("time_ms,temp,x\n");
     for step in 0..=10 {
         writeln!(log, "{},{},{}", 5000 + 20_000 * step, 5 + step, if rates { "1" } else { "" }).unwrap();
     }
-    let (applied, text) = apply_to(&log, to, &[with_history("x")]);
-    let mut rows = csv::Reader::from_reader(text.as_bytes());
-    (applied.unwrap(), rows.records().map(|row| row.unwrap()[3].parse().unwrap()).collect())
+    let (applied, text) = apply_timed(&log, "time_ms", start, &[with_history("x")]);
+    (applied.unwrap(), predictions(&text))
+}
+
+fn predictions(text: &str) -> Vec<f64> {
+    csv::Reader::from_reader(text.as_bytes()).records().map(|row| row.unwrap()[3].parse().unwrap()).collect()
 }
 
 #[test]
 fn a_history_starts_with_the_first_row_and_runs_through_rows_without_rates() {
-    let (applied, predicted) = ramp(&TO, true);
-    assert_eq!(predicted, ramp(&TO, false).1);
+    let (applied, predicted) = ramp(Start::Unknown, true);
+    assert_eq!(predicted, ramp(Start::Unknown, false).1);
     assert!((predicted[0] - 1.5).abs() < 1e-12, "nothing is known: the curve alone");
     // After 4 degrees the play is known to trail by 2.
     for (step, predicted) in predicted.iter().enumerate().skip(4) {
@@ -112,8 +133,7 @@ fn a_history_starts_with_the_first_row_and_runs_through_rows_without_rates() {
 
 #[test]
 fn in_its_own_recording_the_drift_in_time_is_added_and_the_history_believed() {
-    let to = AppliedTo { time: Some("time_ms"), time_unit: Some(TimeUnit::Ms), start: Start::OwnRecording };
-    let (applied, predicted) = ramp(&to, false);
+    let (applied, predicted) = ramp(Start::OwnRecording, false);
     for (step, predicted) in predicted.iter().enumerate() {
         // The middle of what is possible: half the way, and 2 from the fourth degree on.
         let play = -(0.5 * step as f64).min(2.0);
@@ -125,10 +145,30 @@ fn in_its_own_recording_the_drift_in_time_is_added_and_the_history_believed() {
 
 #[test]
 fn a_model_that_needs_time_says_so() {
-    let refused = |to: &AppliedTo<'_>| {
-        apply_to("clock,temp,x\n1,5,0\n2,6,0\n", to, &[with_history("x")]).0.unwrap_err().to_string()
-    };
-    let own = AppliedTo { start: Start::OwnRecording, ..TO };
-    assert!(refused(&own).contains("say which (`time`)"));
-    assert!(refused(&AppliedTo { time: Some("clock"), ..own }).contains("'clock' names no unit"));
+    let (log, own) = ("clock,temp,x\n1,5,0\n2,6,0\n", [with_history("x")]);
+    let untimed = apply_to(log, &AppliedTo { start: Start::OwnRecording, ..TO }, &own).0.unwrap_err().to_string();
+    assert!(untimed.contains("say which (`time`)"), "{untimed}");
+    let no_unit = apply_timed(log, "clock", Start::OwnRecording, &own).0.unwrap_err().to_string();
+    assert!(no_unit.contains("'clock' names no unit"), "{no_unit}");
+}
+
+/// Of a ramp of 0.01 degrees a second a lag of 100 s is behind by `1 - exp(-t / 100 s)`, also where a counter of microseconds is full
+/// and starts anew.
+#[test]
+fn a_lag_goes_on_where_a_counter_of_32_bits_is_full() {
+    let mut own = model("x");
+    let term = Term { memory: Memory::Lag { time_constant_s: 100.0 }, weight: 1.0, behind: 0.0, share: 1.0 };
+    own.model.history = History::new(own.model.drift.shape.clone(), &[term]);
+    let mut log = String::from("time_us,temp,x\n");
+    for second in 0..1000_u64 {
+        let counted = (4_294_967_296 - 400_000_000 + 1_000_000 * second) % 4_294_967_296;
+        writeln!(log, "{counted},{},0", 5.0 + 0.01 * second as f64).unwrap();
+    }
+    let predicted = predictions(&apply_timed(&log, "time_us", Start::Unknown, &[own]).1);
+    assert_eq!(predicted.len(), 1000);
+    for (second, predicted) in predicted.iter().enumerate() {
+        let second = second as f64;
+        let expected = 1.5 + 0.001 * second - (1.0 - (-second / 100.0).exp());
+        assert!((predicted - expected).abs() < 1e-9, "{second}: {predicted} {expected}");
+    }
 }

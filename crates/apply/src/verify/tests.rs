@@ -468,7 +468,7 @@ fn what_remembers_goes_by_rows_as_it_is_applied() {
     let told = verify(&log, &own, &VerifyOptions::default()).unwrap();
     let told = told.axes.iter().find(|axis| axis.name == "gyro_x_rad_s").unwrap().corrected.rms;
     let mut written = Vec::new();
-    let to = AppliedTo { time: Some("time_s"), time_unit: None, start: zerorate_fit::predict::Start::Unknown };
+    let to = AppliedTo { time: None, start: zerorate_fit::predict::Start::Unknown };
     apply(&Table::open(&log).unwrap(), &to, &[model], &mut written).unwrap();
     let written = String::from_utf8(written).unwrap();
     let left = written.lines().skip(1).map(|row| row.rsplit(',').next().unwrap().parse::<f64>().unwrap());

@@ -1,6 +1,5 @@
 //! A table as a log: its gyros, whose axes are the rate columns.
 
-use super::counter::Counter;
 use super::survey::{Survey, places, times, wanted};
 use super::{Ending, LogError, LogFault, Rows, Sink, Stream};
 use crate::source::Source;
@@ -33,7 +32,7 @@ impl TableLog {
         if !wants.contains(&true) {
             return Ok(ending);
         }
-        let (mut time_s, mut counter) = (Vec::new(), Counter::default());
+        let (mut time_s, mut ticks) = (Vec::new(), self.survey.clock.again());
         for batch in self.table.batches(&wanted(&self.columns)).map_err(LogFault::named)? {
             let mut batch = batch.map_err(LogFault::named)?;
             // A line that was cut may be alone in its batch.
@@ -42,7 +41,7 @@ impl TableLog {
             }
             time_s.clear();
             let times = times(&batch, &self.columns).iter();
-            time_s.extend(times.map(|time| self.survey.seconds(counter.goes_on(*time))));
+            time_s.extend(times.map(|time| ticks.seconds(*time)));
             time_s.resize(batch.rows(), f64::NAN);
             for ((number, sensor), place) in self.columns.sensors.iter().enumerate().zip(places(&self.columns)) {
                 if wants[number] {

@@ -4,9 +4,8 @@ use std::fmt::Write as _;
 use std::time::SystemTime;
 
 use imu_logs::wall_clock;
-use zerorate_fit::spacing::Spacing;
 
-use super::counter::Counter;
+use super::clock::Clock;
 use super::plausible::Plausible;
 use super::{LogError, LogFault};
 use crate::quality::{Reason, ReasonKind, TAKEN_AS};
@@ -16,9 +15,6 @@ use crate::units::TimeUnit;
 /// A log that would be shorter than this by the unit that is guessed may as well be one of some days by the next larger
 /// unit: few sensors go through their temperatures in five minutes.
 const SHORT_S: f64 = 300.0;
-
-/// A time between rows below this is none that makes averages shorter: a group lasts 10 s.
-const LEAST_GAP_S: f64 = 15.0;
 
 /// No gyro is read more often: the fastest have 32 000 readings a second.
 const FASTEST_S: f64 = 1e-5;
@@ -34,16 +30,10 @@ const FEW_ROWS: u64 = 64;
 pub(super) struct Survey {
     /// All rows.
     pub rows: u64,
-    /// The first finite time, in the column's own unit; NaN without one.
-    first_time: f64,
-    last_time: f64,
-    counter: Counter,
+    /// The times, where there is a column of them.
+    pub clock: Clock,
     /// Rows without a time, where there is a column of times.
     timeless_rows: u64,
-    /// How far apart the times are.
-    spacing: Spacing,
-    /// Seconds in one unit of the time column; NaN if not known.
-    unit_s: f64,
     /// Whether a time that counts from 1970 is UTC.
     is_utc: bool,
     /// What to know of the time.
@@ -57,12 +47,8 @@ impl Survey {
     pub(super) fn of(table: &Table, columns: &Resolved) -> Result<Self, LogError> {
         let mut survey = Self {
             rows: 0,
-            first_time: f64::NAN,
-            last_time: f64::NAN,
-            counter: Counter::default(),
+            clock: Clock::default(),
             timeless_rows: 0,
-            spacing: Spacing::default(),
-            unit_s: f64::NAN,
             is_utc: columns.is_utc,
             notes: Vec::new(),
             reasons: columns.guesses.clone(),
@@ -100,20 +86,14 @@ impl Survey {
         let times = times(batch, columns);
         self.timeless_rows += times.iter().filter(|time| !time.is_finite()).count() as u64;
         for (place, &written) in times.iter().enumerate().filter(|(_, time)| time.is_finite()) {
-            let time = self.counter.goes_on(written);
-            if time < self.last_time {
-                return Err(table.source().faulty(LogFault::TimeBackwards {
+            self.clock.take(written).map_err(|before| {
+                table.source().faulty::<LogFault>(LogFault::TimeBackwards {
                     row: batch.first_row + place as u64 + 1,
                     column: columns.time.map(|column| table.names()[column].clone()).unwrap_or_default(),
-                    before: self.last_time,
+                    before,
                     after: written,
-                }));
-            }
-            if self.first_time.is_nan() {
-                self.first_time = time;
-            }
-            self.last_time = time;
-            self.spacing.push(time);
+                })
+            })?;
         }
         Ok(())
     }
@@ -128,9 +108,8 @@ impl Survey {
             return;
         };
         let name = &table.names()[time];
-        let moves = self.last_time > self.first_time;
-        if !moves {
-            let how = if self.first_time.is_nan() { "has no numbers" } else { "does not move" };
+        if !self.clock.moves() {
+            let how = if self.clock.has_numbers() { "does not move" } else { "has no numbers" };
             let text = format!("'{name}' {how}: taken as no time (`time` names another column)");
             self.reasons.push(Reason::new(ReasonKind::MissingValues, text));
             return;
@@ -142,20 +121,16 @@ impl Survey {
             );
             self.reasons.push(Reason::new(ReasonKind::MissingValues, text));
         }
-        if self.counter.was_full() {
+        if self.clock.was_full() {
             self.notes
                 .push(format!("'{name}' starts anew where a counter of 32 bits is full; it is counted on from there"));
         }
-        let lasts = self.lasts_without_gaps(0.0);
-        let guessed = TimeUnit::by_duration(lasts);
-        match columns.time_unit.or(guessed) {
-            Some(unit) => self.unit_s = unit.seconds(),
-            None => self
-                .notes
-                .push(format!("'{name}' names no unit and the log's length fits none (`time_unit` says which)")),
+        let guessed = self.clock.settle(columns.time_unit);
+        if !self.clock.is_known() {
+            self.notes.push(format!("'{name}' names no unit and the log's length fits none (`time_unit` says which)"));
         }
         if let (None, Some(unit)) = (columns.time_unit, guessed) {
-            let lasts_s = lasts * unit.seconds();
+            let lasts_s = self.clock.lasts_without_gaps(0.0) * unit.seconds();
             let mut text = format!(
                 "'{name}' {TAKEN_AS} {unit}, by which the log lasts {lasts_s:.0} s (`time_unit` says otherwise)"
             );
@@ -172,37 +147,24 @@ impl Survey {
         }
     }
 
-    /// A time of the log's own unit in seconds from its first row; NaN if not known, as of an infinite one.
-    pub(super) fn seconds(&self, time: f64) -> f64 {
-        if time.is_finite() { (time - self.first_time) * self.unit_s } else { f64::NAN }
-    }
-
     /// When the first row was taken, where its time counts from 1970: seconds from a start are too few for that.
     pub(super) fn started(&self) -> Option<SystemTime> {
         // No time is 0, and what is too large is larger still: neither is a time of a clock.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let utc_us = (self.first_time * self.unit_s * 1e6) as u64;
+        let utc_us = self.clock.first_us() as u64;
         wall_clock(utc_us).filter(|_| self.is_utc)
     }
 
-    /// The mean time between rows but for the gaps, seconds; NaN if not known: what a log does not have makes its averages
-    /// no shorter.
+    /// The mean time between rows but for the gaps, seconds; NaN if not known.
     pub(super) fn step_s(&self) -> f64 {
-        let least = LEAST_GAP_S / self.unit_s;
-        let (gaps, _) = self.spacing.gaps(least);
-        self.lasts_without_gaps(least) * self.unit_s / (self.rows.max(2 + gaps) - 1 - gaps) as f64
-    }
-
-    /// How long the log lasts in the column's own unit, less its gaps of so much at least.
-    fn lasts_without_gaps(&self, least: f64) -> f64 {
-        self.last_time - self.first_time - self.spacing.gaps(least).1
+        self.clock.step_s(self.rows)
     }
 
     /// Refuses a unit by which rows come faster than from any gyro, or all in less than a second: the column's name is wrong
     /// about it.
     fn refuse_too_fast(&self, table: &Table, columns: &Resolved) -> Result<(), LogError> {
         let (Some(time), Some(unit)) = (columns.time, columns.time_unit) else { return Ok(()) };
-        let lasts = self.lasts_without_gaps(0.0);
+        let lasts = self.clock.lasts_without_gaps(0.0);
         let is_too_fast = lasts > 0.0 && (self.step_s() < FASTEST_S || lasts * unit.seconds() < SHORTEST_S);
         if columns.is_time_unit_asked || self.rows < FEW_ROWS || !is_too_fast {
             return Ok(());

@@ -170,11 +170,12 @@ impl Apply {
 
     /// A table.
     fn table(&self, calibration: &Calibration) -> Result<Told> {
-        let Found { table, time, time_unit, models, notes } =
+        let Found { table, time, models, notes } =
             table::found(&(&self.log).into(), calibration, self.columns.columns(), self.sensor).with_context(|| {
                 format!("{} is for the rate columns of {}", self.calibration.display(), whose(calibration))
             })?;
-        let to = AppliedTo { time: time.as_deref(), time_unit, start: self.start() };
+        let time = time.as_ref().map(|(name, clock)| (name.as_str(), clock));
+        let to = AppliedTo { time, start: self.start() };
         let applied = self.written(|out| apply(&table, &to, &models, out))?;
         let calibrated_temperature = in_common(models.iter().map(|own| own.model.drift.valid));
         let measured_temperature = in_common(models.iter().map(|own| own.measured));

@@ -4,18 +4,18 @@ use anyhow::{Context, Result, ensure};
 use zerorate_apply::apply::AppliedModel;
 use zerorate_apply::verify::known_columns;
 use zerorate_cal::calibration::Calibration;
-use zerorate_cal::log::{SensorChoice, doubts};
+use zerorate_cal::log::{Clock, SensorChoice, Surveyed, surveyed};
 use zerorate_cal::matching::{Known, calibrated, places, renamed};
 use zerorate_cal::quality::ReasonKind;
 use zerorate_cal::source::Source;
 use zerorate_cal::table::{Columns, ResolvedRate, ResolvedSensor, Table};
-use zerorate_cal::units::{TimeUnit, WrittenRate};
+use zerorate_cal::units::WrittenRate;
 
 /// What was found of the log's columns.
 pub(super) struct Found {
     pub table: Table,
-    pub time: Option<String>,
-    pub time_unit: Option<TimeUnit>,
+    /// The column of times, and these.
+    pub time: Option<(String, Clock)>,
     /// In the log's order.
     pub models: Vec<AppliedModel>,
     /// The units that were guessed, which axis was taken for which, and those that the log does not have.
@@ -56,10 +56,10 @@ pub(super) fn found(
     }
     models.sort_by_key(|(place, _)| *place);
     let is_guess = |kind: ReasonKind| matches!(kind, ReasonKind::AssumedUnit | ReasonKind::GuessedUnit);
-    notes.extend(doubts(&table, &found)?.into_iter().filter(|reason| is_guess(reason.kind)).map(|reason| reason.text));
+    let Surveyed { reasons, clock } = surveyed(&table, &found)?;
+    notes.extend(reasons.into_iter().filter(|reason| is_guess(reason.kind)).map(|reason| reason.text));
     Ok(Found {
-        time: found.time.map(|place| table.names()[place].clone()),
-        time_unit: found.time_unit,
+        time: found.time.map(|place| (table.names()[place].clone(), clock)),
         models: models.into_iter().map(|(_, model)| model).collect(),
         notes,
         table,
