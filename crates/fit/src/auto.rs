@@ -8,6 +8,7 @@
 //! dropped for it.
 
 mod band;
+mod by_log;
 mod curve;
 mod fits;
 mod levels;
@@ -54,6 +55,13 @@ pub struct GroupFit {
 /// # Errors
 /// [`FitError`], when the groups do not settle the model, or no model.
 pub fn fit(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<GroupFit, FitError> {
+    let mut made = fit_of_all(series, measured, asked)?;
+    made.fit.statistics.by_log = by_log::by_log(series, &made.fit, asked);
+    Ok(made)
+}
+
+/// The same, without what is left of each of several logs.
+fn fit_of_all(series: &Series<'_>, measured: ValidRange, asked: Model) -> Result<GroupFit, FitError> {
     let used = (0..series.rate.len()).filter(|&group| series.is_used(group)).count();
     let coefficients = asked.least_coefficients();
     if used < coefficients {
@@ -174,7 +182,6 @@ impl Attempt {
             nested: Some(outer.figures()),
             deployed: outer.deployed(series, &deployed),
             uncorrected: outer.uncorrected(series),
-            by_log: outer.by_log(series, &deployed),
             trends: trends(&deployed, series),
             ..FitStatistics::new(ResidualOver::Groups, used, in_sample, held_out, made.covariance.clone())
         };

@@ -11,8 +11,6 @@ pub(super) struct Fits {
     pub folds: Vec<Option<ModelFit>>,
     /// Without the cold and without the hot end.
     pub ends: Vec<Option<ModelFit>>,
-    /// Without each of several logs; none of one log.
-    pub logs: Vec<Option<ModelFit>>,
 }
 
 impl Fits {
@@ -21,13 +19,10 @@ impl Fits {
         let fold = |fold: &Fold| {
             fold.rows().any(|group| series.is_used(group)).then(|| make(&|group| !fold.has(group))).flatten()
         };
-        let logs = series.logs();
-        let several = if logs.len() < 2 { &[] } else { &logs[..] };
         Some(Self {
             whole: make(&|_| true)?,
             folds: series.folds().iter().map(fold).collect(),
             ends: ends(series).iter().map(|end| make(&|group| !end.contains(&group))).collect(),
-            logs: several.iter().map(|log| make(&|group| !log.contains(&group))).collect(),
         })
     }
 
@@ -40,7 +35,6 @@ impl Fits {
             whole: join(&self.whole, &other.whole)?,
             folds: all(&self.folds, &other.folds),
             ends: all(&self.ends, &other.ends),
-            logs: all(&self.logs, &other.logs),
         })
     }
 }

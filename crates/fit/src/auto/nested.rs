@@ -2,18 +2,18 @@
 
 use std::ops::Range;
 
-use zerorate_core::drift::{Drift, ValidRange};
+use zerorate_core::drift::Drift;
 
 use super::curve::Groups;
 use super::fits::{Fits, ends};
 use super::{in_recording, predict};
 use crate::boot::{booted, move_zero, take_zero_off, variance_by_the_zero};
 use crate::choose::standard_error;
-use crate::drift_fit::{Candidate, HeldOut, LogLeft, StaticCubic, finite};
+use crate::drift_fit::{Candidate, HeldOut, StaticCubic, finite};
 use crate::folds::{FOLDS, Fold};
 use crate::intervals::{self, Interval};
 use crate::model_fit::ModelFit;
-use crate::predict::{DriftModel, Start};
+use crate::predict::Start;
 use crate::residual::ResidualStatistics;
 use crate::series::{NextRun, Series};
 
@@ -29,8 +29,6 @@ pub(super) struct Outer {
     cold: Vec<f64>,
     cubic: Vec<f64>,
     cubic_deployed: Vec<f64>,
-    /// Each of several logs as a fit of the others leaves it, as deployed and a zero taken off; nothing of one log.
-    by_the_others: Vec<f64>,
     /// With the cold and the hot end held out, root mean squares; NaN where the rest does not settle it.
     ends: [f64; 2],
     /// Whether the fit that predicts a group has seen its temperature, or warmer and colder ones.
@@ -39,7 +37,7 @@ pub(super) struct Outer {
 }
 
 impl Outer {
-    /// What is left of every fold, of each end of temperature, and of each log by the fits without it.
+    /// What is left of every fold and of each end of temperature by the fits without it.
     pub(super) fn new(series: &Series<'_>, fits: &Fits) -> Self {
         let groups = series.rate.len();
         let nothing = || vec![f64::NAN; groups];
@@ -50,7 +48,6 @@ impl Outer {
             cold: nothing(),
             cubic: nothing(),
             cubic_deployed: nothing(),
-            by_the_others: by_the_others(series, fits),
             ends: [0, 1].map(|end| of_end(series, &ends(series)[end], fits.ends[end].as_ref())),
             between: vec![false; groups],
             failed: false,
@@ -171,29 +168,6 @@ impl Outer {
         (self.complete() && left.rms.is_finite()).then_some(ResidualStatistics { pp, ..left })
     }
 
-    /// What is left of each of several logs; `all` is what the fit of all leaves, as deployed. Nothing where one of them has
-    /// no rate that was used: then there is no level of it.
-    pub(super) fn by_log(&self, series: &Series<'_>, all: &[f64]) -> Vec<LogLeft> {
-        let logs = series.logs();
-        let is_silent = |log: &Range<usize>| !log.clone().any(|group| series.is_used(group));
-        if self.by_the_others.is_empty() || logs.iter().any(is_silent) {
-            return Vec::new();
-        }
-        let above = |log: &Range<usize>| level(&all[log.clone()]);
-        let mean = logs.iter().map(above).sum::<f64>() / logs.len() as f64;
-        let (uncorrected, left) = (zeroed(series, &predicted(series.rate, all)), zeroed(series, all));
-        let of_log = |log: &Range<usize>| {
-            let rms = |left: &[f64]| ResidualStatistics::of(left[log.clone()].iter().copied()).rms;
-            LogLeft {
-                uncorrected: rms(&uncorrected),
-                by_the_others: finite(rms(&self.by_the_others)),
-                by_all: rms(&left),
-                offset: finite(above(log) - mean),
-            }
-        };
-        logs.iter().map(of_log).collect()
-    }
-
     pub(super) fn figures(&self) -> HeldOut {
         let rms = |values: &[f64]| {
             Some(ResidualStatistics::of(values.iter().copied()).rms).filter(|rms| rms.is_finite() && self.complete())
@@ -239,28 +213,8 @@ impl Outer {
     }
 }
 
-/// What fits of all logs but one leave of that one, as deployed and a zero taken off; nothing of one log. Each is believed as far
-/// beyond its own logs' temperatures as the fit of all is beyond all of them, and held from there.
-fn by_the_others(series: &Series<'_>, fits: &Fits) -> Vec<f64> {
-    let (coldest, hottest) = temperatures(series, |_| true);
-    let of_log = |(log, made): (Range<usize>, &Option<ModelFit>)| {
-        let (min, max) = temperatures(series, |group| !log.contains(&group));
-        let own = made.as_ref().and_then(|made| {
-            let all = made.model.drift.valid;
-            let further = (all.max() - hottest) / (hottest - coldest) * (max - min);
-            let valid = ValidRange::new(min - further, max + further)?;
-            Some(DriftModel { drift: Drift { valid, ..made.model.drift.clone() }, ..made.model.clone() })
-        });
-        match own {
-            Some(model) => predict(&model, Start::Unknown, series, log),
-            None => vec![f64::NAN; log.len()],
-        }
-    };
-    zeroed(series, &series.logs().into_iter().zip(&fits.logs).flat_map(of_log).collect::<Vec<_>>())
-}
-
 /// The coldest and the warmest of the groups that are used and `kept`.
-fn temperatures(series: &Series<'_>, kept: impl Fn(usize) -> bool) -> Interval {
+pub(super) fn temperatures(series: &Series<'_>, kept: impl Fn(usize) -> bool) -> Interval {
     let used = (0..series.rate.len()).filter(|&group| kept(group) && series.is_used(group));
     intervals::ends(used.map(|group| series.temperature[group]))
 }
@@ -274,13 +228,13 @@ fn of_end(series: &Series<'_>, end: &[usize], made: Option<&ModelFit>) -> f64 {
 }
 
 /// The mean of what is left of the groups that were predicted.
-fn level(left: &[f64]) -> f64 {
+pub(super) fn level(left: &[f64]) -> f64 {
     let known: Vec<f64> = left.iter().copied().filter(|left| left.is_finite()).collect();
     ResidualStatistics::about_mean(&known).1
 }
 
 /// What is left of the groups that were predicted; NaN of the others, which are none of a device's.
-fn predicted(left: &[f64], deployed: &[f64]) -> Vec<f64> {
+pub(super) fn predicted(left: &[f64], deployed: &[f64]) -> Vec<f64> {
     left.iter().zip(deployed).map(|(left, own)| if own.is_finite() { *left } else { f64::NAN }).collect()
 }
 

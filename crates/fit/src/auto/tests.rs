@@ -325,6 +325,31 @@ fn of_two_logs_each_is_predicted_by_the_other() {
     assert!(alone.fit.statistics.by_log.is_empty());
 }
 
+/// What the second of two runs leaves of the first is what a calibration of it alone does: its strength, its temperatures and its part of
+/// the cubic are its own.
+#[test]
+fn the_other_logs_are_fitted_as_if_there_were_no_more() {
+    let run = |temperature: Vec<f64>| {
+        let history = bouc_wen(&temperature);
+        Made::new(temperature, move |group, t| cubic(t) + history[group] + 2e-3 * libm::exp(-(group as f64) / 50.0))
+    };
+    let (first, second) = (run(cycle()), run(cycles()));
+    let both = Made {
+        time_s: [&first.time_s[..], &second.time_s].concat(),
+        temperature: [&first.temperature[..], &second.temperature].concat(),
+        rate: [&first.rate[..], &second.rate].concat(),
+    };
+    let log: Vec<u32> = (0..800).map(|group| u32::from(group >= 400)).collect();
+    let told = both.fit_of_logs(Model::Auto, &log).fit.statistics.by_log[0].by_the_others.unwrap();
+    let rows = first.time_s.iter().copied().zip(first.temperature.iter().copied());
+    let biases = second.fit(Model::Auto).fit.model.biases(rows);
+    let left: Vec<f64> = first.rate.iter().zip(biases).map(|(rate, bias)| rate - bias).collect();
+    let zero = left[..3].iter().sum::<f64>() / 3.0;
+    let squares = left[3..].iter().map(|left| (left - zero).powi(2)).sum::<f64>();
+    let truth = (squares / 397.0).sqrt();
+    assert!((told / truth - 1.0).abs() < 1e-9, "{told} for {truth}");
+}
+
 /// A cold log and a warm one beside it, on one line of 0.01 a degree: a calibration of either is held where the other begins, and
 /// leaves of that all 2 to 398 steps of 0.125 C after its zero.
 #[test]
