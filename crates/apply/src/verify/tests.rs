@@ -1,3 +1,5 @@
+use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, ValidRange};
+
 use super::*;
 use zerorate_cal::calibration::{AxisCalibration, Origin};
 use zerorate_cal::log::{Sensor, SensorKind};
@@ -195,6 +197,15 @@ fn a_run_of_few_of_the_calibrated_temperatures_says_so() {
     let verified = second(0.0, 0.0, &Limits::default(), &own).unwrap();
     let [note] = &verified.notes[..] else { panic!("{:?}", verified.notes) };
     assert!(note.starts_with("the log has 10 % of the temperatures that were calibrated, "), "{note}");
+    // One axis alone.
+    let mut own = calibration();
+    own.axes.get_mut("gyro_y_rad_s").unwrap().fit.measured = wide;
+    let verified = second(0.0, 0.0, &Limits::default(), &own).unwrap();
+    let [note] = &verified.notes[..] else { panic!("{:?}", verified.notes) };
+    assert!(
+        note.starts_with("gyro_y_rad_s: its rates are at 10 % of the temperatures that were calibrated, "),
+        "{note}"
+    );
     assert!(second(0.0, 0.0, &Limits::default(), &calibration()).unwrap().notes.is_empty());
 }
 
@@ -367,6 +378,12 @@ fn an_axis_without_most_of_its_rates_does_not_pass() {
     }
 }
 
+fn line(slope: f64) -> Drift {
+    let scale = Scale::spanning(-100.0, 100.0).unwrap();
+    let shape = Shape::Polynomial(Polynomial::from_raw_coefficients(scale, &[0.0, slope]).unwrap());
+    Drift { shape, valid: ValidRange::new(-100.0, 100.0).unwrap() }
+}
+
 #[test]
 fn a_run_that_leaves_much_more_than_the_fit_told_has_something_else() {
     // Two rows a second, so that both are of averages over 10 s.
@@ -385,6 +402,13 @@ fn a_run_that_leaves_much_more_than_the_fit_told_has_something_else() {
     let told = own.axes["gyro_x_rad_s"].fit.statistics.deployed.unwrap().rms;
     let verified = |extra: f64| verify(&faster("second.csv", 733, extra), &own, &VerifyOptions::default()).unwrap();
     assert!(verified(0.0).reasons.is_empty(), "{:?}", verified(0.0).reasons);
+    // Turned around the unit is another one, and twice as bad as nothing.
+    let mut turned = own.clone();
+    let model = &mut turned.axes.get_mut("gyro_x_rad_s").unwrap().fit.model;
+    *model = DriftModel::of_curve(line(-1e-3));
+    let worse = verify(&faster("second.csv", 733, 0.0), &turned, &VerifyOptions::default()).unwrap();
+    let kinds: Vec<ReasonKind> = worse.reasons.iter().map(|reason| reason.kind).collect();
+    assert_eq!(kinds, [ReasonKind::WorseThanUncorrected, ReasonKind::MoreThanTold], "{:?}", worse.reasons);
     let other = verified(1e-3);
     let [reason] = &other.reasons[..] else { panic!("{:?}", other.reasons) };
     assert_eq!((reason.kind, other.verdict), (ReasonKind::MoreThanTold, Verdict::Warning));

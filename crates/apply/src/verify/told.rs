@@ -18,16 +18,24 @@ const TOLD_TIMES: f64 = 2.0;
 /// Of less of the range than this a run says nothing of a calibration but there.
 const MUCH: f64 = 0.5;
 
-/// How much of what was calibrated a run tells of, where that is little: by the axis of which it is least.
+/// How much of what was calibrated a run tells of, where that is little: by the axis of which it is least, and which axes they are
+/// where it is not all of them.
 pub(super) fn little_seen(axes: &[VerifiedAxis], unit: TemperatureUnit) -> Option<String> {
     let seen = |axis: &VerifiedAxis| {
         let ([from, to], [min, max]) = (axis.temperature, axis.calibrated_temperature);
         (to.min(max) - from.max(min)).max(0.0) / (max - min)
     };
-    let least = axes.iter().filter(|axis| seen(axis) < MUCH).min_by(|a, b| seen(a).total_cmp(&seen(b)))?;
+    let little: Vec<&VerifiedAxis> = axes.iter().filter(|axis| seen(axis) < MUCH).collect();
+    let least = little.iter().min_by(|a, b| seen(a).total_cmp(&seen(b)))?;
+    let whose = if little.len() == axes.len() {
+        "the log has".to_owned()
+    } else {
+        let names: Vec<&str> = little.iter().map(|axis| axis.name.as_str()).collect();
+        format!("{}: its rates are at", names.join(", "))
+    };
     let ([from, to], [min, max]) = (least.temperature, least.calibrated_temperature);
     Some(format!(
-        "the log has {:.0} % of the temperatures that were calibrated, {} of {} {}: what is told holds there alone",
+        "{whose} {:.0} % of the temperatures that were calibrated, {} of {} {}: what is told holds there alone",
         100.0 * seen(least),
         from_to(from, to),
         from_to(min, max),
@@ -75,9 +83,9 @@ fn worse(axes: &[VerifiedAxis], told_in: Option<WrittenRate>) -> impl Iterator<I
     })
 }
 
-/// A run on which much more is left than the fit told of averages that are `alike`, though less than without.
+/// A run on which much more is left than the fit told of averages that are `alike`.
 fn more_than_told(axes: &[VerifiedAxis], told_in: Option<WrittenRate>, alike: bool) -> impl Iterator<Item = Reason> {
-    axes.iter().filter(move |axis| alike && !axis.worse).filter_map(move |axis| {
+    axes.iter().filter(move |_| alike).filter_map(move |axis| {
         let told = axis.fit_told.filter(|told| axis.deployed.rms > TOLD_TIMES * told.rms)?;
         let scale = RateScale::of(axis.rate_unit, &[axis.deployed.rms], told_in);
         let text = format!(
