@@ -59,7 +59,7 @@ pub struct Applied {
     pub outside: u64,
     /// Rows with a temperature outside of what a curve was fitted to, those among them: there it goes on as it ends.
     pub unmeasured: u64,
-    /// Rows at which a history was not known yet: the prediction is uncertain by up to the hysteresis.
+    /// Rows at which a history was not known yet: the prediction is uncertain by up to what it adds.
     pub uncertain: u64,
     /// The file's last line, where it was cut and left out.
     pub cut_line: Option<u64>,

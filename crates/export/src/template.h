@@ -105,7 +105,7 @@ static inline void zr_advance(const zr_axis *axis, zr_state *state, zr_real temp
     state->last = now;
 }
 
-/* How much of the history was seen, 0 to 1: below 0.95 the bias is uncertain by up to the hysteresis. 1 of an axis without one. */
+/* How much of the history was seen, 0 to 1: below 0.95 the bias is uncertain by up to what it adds. 1 of an axis without one. */
 static inline zr_real zr_known_share(const zr_axis *axis, const zr_state *state)
 {
     zr_real sum = 0;
@@ -250,7 +250,7 @@ static inline void zr_int_advance(const zr_int_axis *axis, zr_int_state *state, 
     state->last = now;
 }
 
-/* How much of the history was seen, in 2^-30: below 0.95 the bias is uncertain by up to the hysteresis. 1 of an axis without one. */
+/* How much of the history was seen, in 2^-30: below 0.95 the bias is uncertain by up to what it adds. 1 of an axis without one. */
 static inline int64_t zr_int_known_share(const zr_int_axis *axis, const zr_int_state *state)
 {
     int64_t sum = 0;

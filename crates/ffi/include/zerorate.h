@@ -92,7 +92,7 @@ typedef struct {
   // Whether the wiper is elsewhere: write `tap`, then call `zerorate_wiper_written`.
   bool write_wiper;
   // Whether the history that the correction rests on was seen; always so for a calibration without history. Until it
-  // was, after a start, the correction is uncertain by up to the hysteresis.
+  // was, after a start, the correction is uncertain by up to what it adds.
   bool history_known;
 } zerorate_outcome;
 

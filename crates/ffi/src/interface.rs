@@ -92,7 +92,7 @@ pub struct ZerorateOutcome {
     /// Whether the wiper is elsewhere: write `tap`, then call `zerorate_wiper_written`.
     pub write_wiper: bool,
     /// Whether the history that the correction rests on was seen; always so for a calibration without history. Until it
-    /// was, after a start, the correction is uncertain by up to the hysteresis.
+    /// was, after a start, the correction is uncertain by up to what it adds.
     pub history_known: bool,
 }
 

@@ -10,7 +10,7 @@ use clap::Args;
 use serde::Serialize;
 use zerorate_apply::apply::{Applied, AppliedSensors, AppliedTo, ApplyError, apply, apply_to_sensors, in_common};
 use zerorate_bench::whole_file::WholeFile;
-use zerorate_cal::calibration::{Calibration, Kind};
+use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, sha256};
 use zerorate_cal::log::{SensorChoice, autopilot_format};
 use zerorate_cal::source::Source;
 use zerorate_cal::units::from_to;
@@ -126,6 +126,7 @@ impl Apply {
             self.table(&calibration)?
         };
         told.notes.extend(calibration.no_gains());
+        told.notes.extend(self.drift_of_another(&log, &calibration)?);
         if self.json {
             told.notes.iter().for_each(|note| screen::note(note));
             screen::print_json(&Done {
@@ -146,6 +147,25 @@ impl Apply {
             self.page(&told, calibration.temperature_unit.name()).print()?;
         }
         Ok(Outcome::Done)
+    }
+
+    /// That what is added of the recording's own is of another recording, as far as its bytes tell.
+    fn drift_of_another(&self, log: &Source, calibration: &Calibration) -> Result<Option<String>> {
+        let adds = |axis: &AxisCalibration| axis.fit.model.time_drift.is_some() || axis.fit.model.history.is_some();
+        if !self.with_time_drift || !calibration.axes.values().any(adds) {
+            return Ok(None);
+        }
+        let own = sha256(log).with_context(|| self.log.display().to_string())?;
+        let is_own = calibration.sources.iter().any(|source| source.sha256 == own);
+        let told = || {
+            format!(
+                "--with-time-drift: {} is, by its bytes, no log that the calibration was fitted on: the drift in time that was \
+                 added, and the history that was believed from the first row on, are that log's, and wrong here unless this is a \
+                 copy of it",
+                self.log.display()
+            )
+        };
+        Ok((!is_own).then(told))
     }
 
     /// An autopilot's log.
@@ -233,7 +253,7 @@ impl Apply {
         if applied.uncertain > 0 {
             let rows = rows_are(applied.uncertain);
             let text = format!(
-                "{rows} from before enough of the temperature's history was seen: there the prediction is uncertain by up to the hysteresis"
+                "{rows} from before enough of the temperature's history was seen: there the prediction is uncertain by up to what the history adds"
             );
             page.sentence("  - ", &text);
         }

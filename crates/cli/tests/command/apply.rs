@@ -42,6 +42,22 @@ fn a_fitted_log_is_corrected_row_by_row() {
     }
 }
 
+/// X drifts by half as much again in each of 8400 rows.
+#[test]
+fn a_drift_in_time_is_said_to_be_another_logs() {
+    let mut log = Log::cycle();
+    log.rates[0].iter_mut().enumerate().for_each(|(row, rate)| *rate += 1e-6 * row as f64);
+    let folder = calibrated(&log);
+    let with = |log: &str| {
+        zerorate(folder.path(), &["apply", "calibration.json", log, "--out", "out.csv", "--force", "--with-time-drift"])
+    };
+    assert!(!with("log.csv").out.contains("--with-time-drift"), "its own");
+    log.rates[1][0] += 1e-6;
+    fs::write(folder.path().join("next.csv"), log.csv()).unwrap();
+    with("next.csv").says(&["--with-time-drift: next.csv is, by its bytes, no log that the calibration was fitted on"]);
+    assert!(!apply(folder.path(), "next.csv").out.contains("drift in time"), "it was not asked for");
+}
+
 #[test]
 fn rows_whose_rates_were_blanked_are_predicted_all_the_same() {
     let whole = Log::cycle();

@@ -71,7 +71,7 @@ pub enum Knowledge {
     /// There is no history in the model, or it was seen.
     #[default]
     Known,
-    /// Too little of it was seen since start-up: the correction is uncertain by up to the hysteresis.
+    /// Too little of it was seen since start-up: the correction is uncertain by up to what it adds.
     Uncertain,
 }
 
