@@ -1,22 +1,24 @@
 //! `zerorate verify`.
 
+mod join;
 mod page;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde::Serialize;
 use zerorate_apply::verify::{Limit, Limits, Verified, VerifyOptions, known_columns, verify};
-use zerorate_cal::calibration::{Calibration, Kind, Origin};
+use zerorate_cal::calibration::{Calibration, Kind};
 use zerorate_cal::log::SensorChoice;
 use zerorate_cal::source::{Source, in_quotes};
 
+use self::join::join;
 use super::Outcome;
 use crate::log_arguments::{ColumnArguments, ShownUnits};
 use crate::progress::Busy;
-use crate::{output, screen};
+use crate::screen;
 
 /// See what a calibration leaves of a log that it has not seen
 ///
@@ -121,29 +123,10 @@ impl Verify {
             verified.notes.iter().for_each(|note| screen::note(note));
             screen::print_json(&Found { schema: 1, verified: &verified })?;
         } else {
-            page::page(&verified, units, self.join(&calibration, &verified).as_deref()).print()?;
+            let join = join((&self.calibration, &calibration), (&self.log, &verified), &self.columns);
+            page::page(&verified, units, join.as_deref()).print()?;
         }
         Ok(if verified.passed == Some(false) { Outcome::Rejected } else { Outcome::Done })
-    }
-
-    /// The command that fits this run and those of the calibration as one, where they are logs of the same axes that seem to be
-    /// of the same unit: of another the two would be nobody's.
-    fn join(&self, calibration: &Calibration, verified: &Verified) -> Option<String> {
-        let same = verified.axes.iter().all(|axis| axis.name == axis.log_axis) && verified.missing.is_empty();
-        let is_other = verified.axes.iter().any(|axis| axis.worse) || verified.passed == Some(false);
-        if !same || is_other || verified.in_sample || calibration.kind != Kind::Log {
-            return None;
-        }
-        // A calibration knows its logs by name; most lie beside it.
-        let folder = self.calibration.parent().unwrap_or(Path::new(""));
-        let place = |source: &Origin| {
-            let beside = folder.join(&source.file);
-            if beside.is_file() { beside } else { PathBuf::from(&source.file) }
-        };
-        let logs = calibration.sources.iter().map(place).chain([self.log.clone()]);
-        let logs: Vec<String> = logs.map(|log| output::argument(&log)).collect();
-        let (logs, columns) = (logs.join(" "), self.columns.typed());
-        Some(format!("zerorate fit {logs}{columns} --out both.calibration.json --report both.report.html"))
     }
 
     fn limits(&self) -> Result<Limits> {

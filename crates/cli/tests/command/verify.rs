@@ -16,6 +16,46 @@ fn calibrated() -> TempDir {
     folder
 }
 
+/// What is offered is run: it has the numbers' unit, the model and the serial that the calibration was made with.
+#[test]
+fn the_two_runs_are_joined_as_the_first_was_fitted() {
+    let bare = |log: Log| log.csv().replacen("x_rad_s", "x", 1).replacen("y_rad_s", "y", 1);
+    let [mut first, mut second] = [Log::cycle(), Log::cycle_of_run(2)];
+    for log in [&mut first, &mut second] {
+        log.rates.iter_mut().flatten().for_each(|rate| *rate *= 10.0);
+    }
+    let folder = folder_with("first.csv", bare(first));
+    fs::create_dir(folder.path().join("next")).unwrap();
+    fs::write(folder.path().join("next/second.csv"), bare(second)).unwrap();
+    let asked = ["--rate-unit", "dps", "--model", "poly:2", "--serial", "G 7", "--label", "operator=A. N."];
+    let ran = zerorate(folder.path(), &[&["fit", "first.csv", "--out", "own.json"][..], &asked].concat());
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let verify = ["verify", "next/second.csv", "--with", "own.json"];
+    let out = zerorate(folder.path(), &verify).out;
+    let offer = "zerorate fit first.csv next/second.csv --rate-unit dps --model poly:2 --serial 'G 7' --label 'operator=A. N.' --out \
+                 both.calibration.json --report both.report.html";
+    assert!(out.split_whitespace().collect::<Vec<_>>().join(" ").contains(offer), "{out}");
+    let joined = ["fit", "first.csv", "next/second.csv", "--out", "both.json", "--report", "both.html"];
+    let ran = zerorate(folder.path(), &[&joined[..], &asked].concat());
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    ran.says(&["in dps"]);
+    // Another file in the first one's place is not that log, and columns in another order are not joined.
+    let turned = fs::read_to_string(folder.path().join("next/second.csv")).unwrap();
+    let turned: String = turned
+        .lines()
+        .map(|row| {
+            let cells: Vec<&str> = row.split(',').collect();
+            format!("{},{},{},{}\n", cells[0], cells[1], cells[3], cells[2])
+        })
+        .collect();
+    fs::write(folder.path().join("turned.csv"), turned).unwrap();
+    let out = zerorate(folder.path(), &["verify", "turned.csv", "--with", "own.json"]).out;
+    assert!(out.contains("turned.csv: measured") && !out.contains("zerorate fit"), "{out}");
+    fs::write(folder.path().join("first.csv"), "t_s,temperature_c,x,y\n0,1,2,3\n").unwrap();
+    let out = zerorate(folder.path(), &verify).out;
+    assert!(out.contains("second.csv: measured") && !out.contains("zerorate fit"), "{out}");
+}
+
 #[test]
 fn a_second_run_passes_or_fails_by_its_limits() {
     let folder = calibrated();
