@@ -9,6 +9,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use serde::Serialize;
+use zerorate_board_run::folder::CALIBRATION;
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::device_record::StoredRecord;
 use zerorate_core::record::DeviceRecord;
@@ -296,6 +297,14 @@ pub fn read_deployable(path: &Path) -> Result<Deployable, NotDeployable> {
         let made = made.map_err(|error| NotDeployable(format!("{}: {error}", path.display())))?;
         return Ok(Deployable { record: made.record, simulated: calibration.simulated });
     }
-    let stored = StoredRecord::read(&path.into()).map_err(|error| not(&error))?;
-    Ok(Deployable { record: stored.record, simulated: None })
+    let record = StoredRecord::read(&path.into()).map_err(|error| not(&error))?.record;
+    let simulated = simulated_beside(path, &record);
+    Ok(Deployable { record, simulated })
+}
+
+/// A record cannot say that it is of the simulated bench; the calibration that it was made of, which lies beside it, does.
+fn simulated_beside(path: &Path, record: &DeviceRecord) -> Option<String> {
+    let beside = Calibration::read(&(&path.with_file_name(CALIBRATION)).into()).ok()?;
+    let made = beside.to_device_record().ok()?;
+    beside.simulated.filter(|_| made.record == *record)
 }

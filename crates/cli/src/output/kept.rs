@@ -104,6 +104,16 @@ impl Force {
         })
     }
 
+    /// The same of what a board has stored, which may be all that is left of it: another one of this unit that was read before is set
+    /// aside.
+    pub fn backup(self, option: &str, path: &Path, unit: &str, new: &[u8]) -> Result<()> {
+        self.record(option, path, unit)?;
+        self.keep(option, path, || match fs::read(path) {
+            Ok(there) if there == new => There::Same,
+            _ => There::Earlier("is another calibration of this unit"),
+        })
+    }
+
     /// Refuses the place of anything: a recording that is there was recorded once.
     pub fn recording(self, option: &str, path: &Path) -> Result<()> {
         ensure!(

@@ -64,6 +64,18 @@ fn a_calibration_goes_on_the_board_and_comes_back_the_same() {
     fs::write(folder.path().join("simulated.json"), simulated).unwrap();
     run(&["deploy", "simulated.json"]).ends(2, &["made on the simulated bench (plant paper, seed 1)", "--simulated"]);
     run(&["deploy", "simulated.json", "--simulated"]).ends(0, &["read back and the same"]);
+    // Nor does its record, beside it.
+    fs::create_dir(folder.path().join("run")).unwrap();
+    fs::copy(folder.path().join("simulated.json"), folder.path().join("run/calibration.json")).unwrap();
+    fs::copy(folder.path().join("record.bin"), folder.path().join("run/device-record.bin")).unwrap();
+    run(&["deploy", "run/device-record.bin"]).ends(2, &["made on the simulated bench", "--simulated"]);
+
+    // A record that was read before may be all that is left of it.
+    fs::write(folder.path().join("back.bin"), bench::another_record()).unwrap();
+    run(&["read", "back.bin"]).ends(0, &["another calibration of this unit", "back.earlier.bin"]);
+    assert_eq!(fs::read(folder.path().join("back.earlier.bin")).unwrap(), bench::another_record());
+    run(&["read", "back.bin"]).ends(0, &["back.bin"]);
+    assert!(!folder.path().join("back.earlier-2.bin").exists(), "the same once more");
 
     let other = bench::calibration().replace("ZR-0042", "ZR-0043");
     fs::write(folder.path().join("other.json"), other).unwrap();

@@ -39,6 +39,7 @@ impl Read {
                 "the board has no calibration stored, and nothing was written: `zerorate device deploy` puts one on it"
             ));
         }
+        self.force.backup("FILE", &self.out, board.serial(), &stored)?;
         write_whole(&self.out, &stored).with_context(|| format!("{}: cannot be written", self.out.display()))?;
         let told = json!({ "file": self.out, "bytes": stored.len() });
         let text = format!(
