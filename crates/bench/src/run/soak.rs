@@ -1,10 +1,11 @@
 //! The way to a temperature and the time there, by a chamber that says where its air is.
 
-use zerorate_core::units::{Celsius, Seconds};
+use zerorate_core::units::{Axis, Celsius, Seconds};
 use zerorate_core::wire::SampleWindow;
 
-use super::{Phase, Recorder, Session};
+use super::{Phase, Recorder, Session, Taken};
 use crate::error::BenchError;
+use crate::following::LeftBehind;
 use crate::soaking::{Gone, Held, Hold, Way};
 
 /// How often the chamber is looked at on the way to a soak.
@@ -64,6 +65,20 @@ impl Session<'_> {
     /// Whether the chamber has gone where it was not to go, since that was last asked; it is waited for while it is away.
     pub(super) fn was_astray(&mut self, recorder: &mut Recorder) -> Result<bool, BenchError> {
         self.patiently(Phase::Soak, recorder, |bench| bench.chamber.take_astray())
+    }
+
+    /// Holds the board's own temperature against the chamber's air, which it follows where it lies in it.
+    pub(super) fn follow(&mut self, taken: &Taken, air: Celsius) -> Result<(), BenchError> {
+        if !self.bench.chamber.is_seen() {
+            return Ok(());
+        }
+        let board = Axis::BOTH.map(|axis| self.setup.celsius(taken.temperature(axis)));
+        match self.following.see(self.elapsed, air, board) {
+            None => Ok(()),
+            Some(LeftBehind { board_k, air_k, slowest_k, time }) => {
+                Err(BenchError::NotInChamber { board_k, air_k, slowest_k, minutes: time.0 / 60.0 })
+            }
+        }
     }
 
     /// Waits until the air is at the set point.
