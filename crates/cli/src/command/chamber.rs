@@ -121,7 +121,15 @@ impl Chamber {
         let mut labels = setup.labels.clone();
         labels.entry("chamber".into()).or_insert(label);
         let info = ChamberInfo { started: SystemTime::now().into(), profile: profile.text.clone(), labels };
-        let mut told = Told::new(&profile, times, ChamberWriter::create(out, &info)?);
+        let writer = ChamberWriter::create(out, &info)?;
+        if let Some(aside) = writer.set_aside() {
+            screen::note(&format!(
+                "an earlier run to {} was ended before it could finish its recording: that is kept as {}, which `fit` takes as well",
+                out.display(),
+                aside.display()
+            ));
+        }
+        let mut told = Told::new(&profile, times, writer);
         let driven = drive(&profile, &mut chamber, &mut WallClock::begin(), &mut told);
         let rested = chamber.rest(&|waited| waited < rest_for(interrupt::was_asked_for()));
         let written = told.finish();
