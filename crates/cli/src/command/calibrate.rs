@@ -41,7 +41,7 @@ use self::real::Instruments;
 use super::{Outcome, unless_gone};
 use crate::interrupt;
 use crate::looking_on::{self, LookingOn};
-use crate::notify;
+use crate::notify::Notice;
 use crate::plant::Plant;
 use crate::progress;
 use crate::screen;
@@ -161,17 +161,19 @@ Examples:
 Exit codes: 0 the unit passed; 1 it was rejected, with reasons; 2 error.";
 
 impl Calibrate {
-    pub fn run(&self) -> Result<Outcome> {
+    /// How it ended, and what is told of that to whom it may concern.
+    pub fn run(&self) -> (Result<Outcome>, Option<Notice>) {
         let end = self.carry_through();
-        if let Some(command) = self.notify.as_ref().filter(|_| !self.dry_run) {
+        let notice = self.notify.clone().filter(|_| !self.dry_run).map(|command| {
             let (result, message) = self.told(&end);
-            notify::tell(command, result, &message, &self.out);
-        }
-        Ok(match end? {
+            Notice { command, result, message, out: self.out.clone() }
+        });
+        let outcome = end.map(|end| match end {
             End::Planned | End::Carried(Verdict::Good | Verdict::Warning) => Outcome::Done,
             End::Carried(Verdict::Rejected) => Outcome::Rejected,
             End::NotAll(_) => Outcome::Failed,
-        })
+        });
+        (outcome, notice)
     }
 
     /// What is told of an end: a word for programs, and a sentence.

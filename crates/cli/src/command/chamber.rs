@@ -17,8 +17,9 @@ use zerorate_words::sentence;
 
 use self::progress::{Told, plan};
 use super::Outcome;
+use crate::notify::Notice;
 use crate::screen::Page;
-use crate::{interrupt, notify, output, screen};
+use crate::{interrupt, output, screen};
 
 /// Run a chamber through a profile, beside boards that log by themselves, and record where its air was
 ///
@@ -77,25 +78,26 @@ Examples:
 Exit codes: 0 done; 2 error.";
 
 impl Chamber {
-    pub fn run(&self) -> Result<Outcome> {
+    /// How it ended, and what is told of that to whom it may concern.
+    pub fn run(&self) -> (Result<Outcome>, Option<Notice>) {
         let (Some(profile), Some(chamber), Some(setup)) = (&self.profile, &self.chamber, &self.setup) else {
             print!("{}", Profile::EXAMPLE);
-            return Ok(Outcome::Done);
+            return (Ok(Outcome::Done), None);
         };
         let out = self
             .out
             .clone()
             .unwrap_or_else(|| Path::new(profile.file_stem().unwrap_or_default()).with_extension("parquet"));
         let result = self.carry_through(profile, chamber, setup, &out);
-        if let Some(command) = self.notify.as_ref().filter(|_| !self.dry_run) {
-            let (word, message) = match &result {
+        let notice = self.notify.clone().filter(|_| !self.dry_run).map(|command| {
+            let (result, message) = match &result {
                 Ok(_) => ("done", format!("the profile is done; the recording is {}", out.display())),
                 Err(error) if interrupt::was_asked_for() => ("stopped", sentence(error.as_ref())),
                 Err(error) => ("failed", sentence(error.as_ref())),
             };
-            notify::tell(command, word, &message, &out);
-        }
-        result
+            Notice { command, result, message, out }
+        });
+        (result, notice)
     }
 
     fn carry_through(&self, profile: &Path, address: &Address, setup: &Path, out: &Path) -> Result<Outcome> {

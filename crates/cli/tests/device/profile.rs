@@ -154,6 +154,19 @@ fn the_recording_of_a_run_that_was_killed_is_kept_and_it_is_said_where() {
     assert!(told.contains("that is kept as own.cut.arrows"), "{told}");
 }
 
+/// One after the other, as they are read at the terminal.
+#[test]
+fn an_error_is_told_before_a_notification_that_hangs_and_that_is_waited_for_with_a_word() {
+    let alone = Alone::start();
+    fs::write(alone.path().join("night.toml"), "steps = [{ soak_c = 80, minutes = 1 }]").unwrap();
+    let output = alone.command(&["--notify", "sleep 3; exit 7"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let told = told(&output);
+    let parts = ["80 C is outside of", "--notify is waited for, 30 s at most: sleep 3", "it ended with exit status: 7"];
+    let places = parts.map(|part| told.find(part).unwrap_or_else(|| panic!("{part} is missing from: {told}")));
+    assert!(places.is_sorted(), "{told}");
+}
+
 #[test]
 fn a_profile_beyond_the_chambers_limits_moves_nothing() {
     let alone = Alone::start();
