@@ -1,6 +1,6 @@
 //! The plants that the simulated bench offers by name.
 
-use zerorate_sim::{Plant, PlantParameters};
+use zerorate_sim::{ChamberParameters, Plant, PlantParameters};
 
 use crate::setup::SetUp;
 
@@ -31,6 +31,12 @@ impl PlantKind {
             Self::Typical => PlantParameters::typical(seed),
         };
         Plant::new(parameters, seed)
+    }
+
+    /// How fast the air of its chamber goes to a set point, kelvins a minute: it has no ramp of its own to be set.
+    #[must_use]
+    pub fn chamber_k_per_min(self) -> f64 {
+        ChamberParameters::default().heating_k_per_min
     }
 
     /// The set-up that goes with it.

@@ -34,6 +34,7 @@ use zerorate_live::Listen;
 use zerorate_words::sentence;
 
 use self::acquisition::Acquisition;
+use self::dry_run::RampsOf;
 use self::instrument::Instrument;
 use self::looked_on::LookedOn;
 use self::operator::AtTerminal;
@@ -229,7 +230,7 @@ impl Calibrate {
             "the board is simulated, and so are its chamber and supply: name a real board by --device, or leave --chamber and --supply out"
         );
         if self.dry_run {
-            dry_run::print(&setup, &[], self.json)?;
+            dry_run::print(&setup, RampsOf::Simulated(kind), &[], self.json)?;
             return Ok(End::Planned);
         }
         let unit = Unit::new(self.serial.as_deref().unwrap_or("ZR-0001"), Some((kind, self.seed)))?;
@@ -259,7 +260,7 @@ impl Calibrate {
         let unit = Unit::new(serial, None)?;
         if self.dry_run {
             instruments.found.push(format!("the board at {choice} is {serial}"));
-            dry_run::print(setup, &instruments.found, self.json)?;
+            dry_run::print(setup, RampsOf::Real, &instruments.found, self.json)?;
             return Ok(End::Planned);
         }
         interrupt::watch()?;
@@ -301,7 +302,7 @@ impl Calibrate {
         if let Some(live) = live {
             bar.note(&live.told());
         }
-        let mut progress = LookedOn::new(&mut bar, setup, live.as_ref());
+        let mut progress = LookedOn::new(&mut bar, setup, RampsOf::unit(&unit), live.as_ref());
         let mut result = calibrate(bench, setup, unit.clone(), out, &mut progress, *keep);
         // At night nobody is there to go on.
         if let Err(error @ BenchError::OffCourse) = &result {
