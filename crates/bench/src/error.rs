@@ -8,6 +8,7 @@ use zerorate_core::compensate::Mode;
 use zerorate_core::units::{Axis, Taps};
 
 use crate::client::ClientError;
+use crate::following::LeftBehind;
 use crate::instruments::InstrumentError;
 
 /// Why a procedure could not be carried through. What had been taken is in the recording.
@@ -76,19 +77,8 @@ pub enum BenchError {
     )]
     OffCourse,
     /// The board does not follow the chamber's air.
-    #[error(
-        "the board does not follow the chamber: in {minutes:.0} min the chamber's air has moved by {air_k:.0} K and the board's own temperature by {board_k:.1} K, where even the slowest that its soak would warm has moved by {slowest_k:.0} K. See whether the board lies in this chamber, and whether the air that the chamber tells is its own; if both is so, whether the board's temperature sensors are wired, and board.counts_per_celsius is theirs"
-    )]
-    NotInChamber {
-        /// How far the board's reading has moved, kelvins.
-        board_k: f64,
-        /// How far the air has.
-        air_k: f64,
-        /// How far the slowest board would have.
-        slowest_k: f64,
-        /// In how many minutes.
-        minutes: f64,
-    },
+    #[error(transparent)]
+    NotInChamber(#[from] LeftBehind),
     /// The A/D saturates.
     #[error(
         "axis {}: the A/D saturates {}: the reading is at the converter's end, and nothing can be measured there. {}", axis.name(), whence, remedy

@@ -40,17 +40,16 @@ impl Extent {
     }
 }
 
-/// A board that does not follow.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct LeftBehind {
-    /// How far the board's reading has moved, kelvins.
-    pub board_k: f64,
-    /// How far the chamber's air has.
-    pub air_k: f64,
-    /// How far the slowest board would have.
-    pub slowest_k: f64,
-    /// In what time.
-    pub time: Seconds,
+/// A board that does not follow: how far its reading has moved, the air, and the slowest of the bank, in so many minutes.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "the board does not follow the chamber: in {minutes:.0} min the chamber's air has moved by {air_k:.0} K and the board's own temperature by {board_k:.1} K, where even the slowest that its soak would warm has moved by {slowest_k:.0} K. See whether the board lies in this chamber, and whether the air that the chamber tells is its own; if both is so, whether the board's temperature sensors are wired, and board.counts_per_celsius is theirs"
+)]
+pub struct LeftBehind {
+    board_k: f64,
+    air_k: f64,
+    slowest_k: f64,
+    minutes: f64,
 }
 
 /// A board that is watched from its first group on.
@@ -102,7 +101,7 @@ impl Following {
         // One sensor that moves is enough: what the other has is not that the board lies elsewhere.
         let board_k = self.board[0].span().max(self.board[1].span());
         let is_left = slowest_k >= LEAST.0 && board_k < SHARE * slowest_k;
-        is_left.then(|| LeftBehind { board_k, air_k: self.air.span(), slowest_k, time: time - first })
+        is_left.then(|| LeftBehind { board_k, air_k: self.air.span(), slowest_k, minutes: (time - first).0 / 60.0 })
     }
 }
 
@@ -168,7 +167,7 @@ mod tests {
         let (time_s, left) = said(2.5, 22.0, room).unwrap();
         assert!((26.0 * 60.0..86.0 * 60.0).contains(&time_s), "{time_s}");
         assert!(
-            (left.air_k - 65.0).abs() < 1e-9 && left.board_k < 1.0 && (left.time.0 - time_s).abs() < 1e-9,
+            (left.air_k - 65.0).abs() < 1e-9 && left.board_k < 1.0 && (left.minutes * 60.0 - time_s).abs() < 1e-6,
             "{left:?}"
         );
         // One that has just been switched on and warms by five kelvins is seen in the ramp's hour.

@@ -48,3 +48,25 @@ impl PlantKind {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use zerorate_core::units::{Celsius, Seconds};
+
+    use super::*;
+
+    #[test]
+    fn a_plants_chamber_goes_as_fast_as_is_told_of_it() {
+        for kind in [PlantKind::Paper, PlantKind::Typical] {
+            for to in [60.0, -40.0] {
+                let mut plant = kind.build(7);
+                let from = plant.chamber_air();
+                plant.chamber_set_point(Celsius(to)).unwrap();
+                plant.wait(Seconds(600.0));
+                let went = (plant.chamber_air() - from).0.abs() / 10.0;
+                // Its regulation's ripple is a tenth of a kelvin.
+                assert!((went - kind.chamber_k_per_min()).abs() < 0.03, "{kind:?} to {to} C: {went} K/min");
+            }
+        }
+    }
+}

@@ -5,7 +5,6 @@ use zerorate_core::wire::SampleWindow;
 
 use super::{Phase, Recorder, Session, Taken};
 use crate::error::BenchError;
-use crate::following::LeftBehind;
 use crate::soaking::{Gone, Held, Hold, Way};
 
 /// How often the chamber is looked at on the way to a soak.
@@ -73,12 +72,7 @@ impl Session<'_> {
             return Ok(());
         }
         let board = Axis::BOTH.map(|axis| self.setup.celsius(taken.temperature(axis)));
-        match self.following.see(self.elapsed, air, board) {
-            None => Ok(()),
-            Some(LeftBehind { board_k, air_k, slowest_k, time }) => {
-                Err(BenchError::NotInChamber { board_k, air_k, slowest_k, minutes: time.0 / 60.0 })
-            }
-        }
+        self.following.see(self.elapsed, air, board).map_or(Ok(()), |left| Err(left.into()))
     }
 
     /// Waits until the air is at the set point.
