@@ -8,6 +8,7 @@ use zerorate_core::compensate::Mode;
 use zerorate_core::units::{Axis, Taps};
 
 use crate::client::ClientError;
+use crate::following::LeftBehind;
 use crate::instruments::InstrumentError;
 
 /// Why a procedure could not be carried through. What had been taken is in the recording.
@@ -75,6 +76,9 @@ pub enum BenchError {
         "the controller started anew during the ramp, or somebody sent it elsewhere: what was recorded is of no ramp, and nothing is made of it"
     )]
     OffCourse,
+    /// The board does not follow the chamber's air.
+    #[error(transparent)]
+    NotInChamber(#[from] LeftBehind),
     /// The A/D saturates.
     #[error(
         "axis {}: the A/D saturates {}: the reading is at the converter's end, and nothing can be measured there. {}", axis.name(), whence, remedy

@@ -14,6 +14,7 @@ pub mod client;
 pub mod emulated;
 pub mod error;
 pub mod evaluate;
+mod following;
 pub mod instruments;
 pub mod link;
 pub mod manual;

@@ -4,7 +4,7 @@
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, TrimCalibration};
 use zerorate_cal::compose::{DigitalOnly, chatter_warning, steepest_slope_taps};
 use zerorate_cal::log_fit::{AxisFit, FitOptions};
-use zerorate_cal::quality::{Judgement, Verdict};
+use zerorate_cal::quality::{Judgement, OR_ALLOW_NARROW, Verdict};
 use zerorate_cal::ramp_fit::{RampGroup, RampMeans, fit_axis};
 use zerorate_cal::units::TemperatureUnit;
 use zerorate_core::drift::Drift;
@@ -234,7 +234,8 @@ fn fit_ramp(session: &Session<'_>, ramp: &[Taken], axis: Axis) -> Result<AxisFit
     let fit = fit_axis(axis.name(), &means, None, &options, &mut judgement);
     fit.filter(|_| !judgement.rejected()).ok_or_else(|| {
         let rejecting = judgement.reasons.into_iter().filter(|reason| reason.kind.verdict() == Verdict::Rejected);
-        let reasons: Vec<String> = rejecting.map(|reason| reason.text).collect();
+        // A narrow range is allowed where a log is fitted, and not here.
+        let reasons: Vec<String> = rejecting.map(|reason| reason.text.replace(OR_ALLOW_NARROW, "")).collect();
         BenchError::Rejected { reasons: reasons.join("; ") }
     })
 }

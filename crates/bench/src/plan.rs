@@ -42,13 +42,12 @@ impl fmt::Display for Part {
 }
 
 impl Part {
-    /// What the chamber does in it, in words: temperatures, times, rates.
+    /// What the chamber does in it, in words: temperatures, times, and how fast its ramps are, kelvins a minute.
     #[must_use]
-    pub fn chamber(self, setup: &SetUp) -> String {
+    pub fn chamber(self, setup: &SetUp, rate: f64) -> String {
         let chamber = &setup.chamber;
         let (cold, hot, room) = (chamber.cold_c, chamber.hot_c, chamber.room_c);
         let held = chamber.soak_s / 60.0;
-        let rate = setup.ramp_rate();
         let back = format!(", back at {rate:.1} K/min");
         let ramp = |goes_back| {
             let back = if goes_back { back.as_str() } else { "" };

@@ -17,6 +17,7 @@ use zerorate_sim::Truth;
 
 use crate::client::Group;
 use crate::error::BenchError;
+use crate::following::Following;
 use crate::instruments::{Bench, InstrumentError};
 use crate::manual::watch::ReadingScale;
 use crate::plan::{Part, Plan};
@@ -120,6 +121,7 @@ pub struct Session<'b> {
     /// Where the chamber was when the session began.
     at: Celsius,
     scale: Option<ReadingScale>,
+    following: Following,
     doing: String,
     plan: Option<Plan>,
 }
@@ -139,6 +141,7 @@ impl<'b> Session<'b> {
             taken: 0,
             acquiring: false,
             scale: None,
+            following: Following::new(Seconds(setup.chamber.soak_s)),
             doing: String::new(),
             plan: None,
         }
@@ -244,6 +247,7 @@ impl<'b> Session<'b> {
         let taken = Taken { report: group.report, time, phase, jumps, truth };
         self.progress.group(&taken, self.elapsed.0);
         recorder.record(&taken, self.bench.chamber.set_point(), air)?;
+        self.follow(&taken, air)?;
         Ok(taken)
     }
 }

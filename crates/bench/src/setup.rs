@@ -4,7 +4,7 @@
 //! over a field stands over it in the file that `zerorate setup` prints, too.
 
 mod contradictions;
-mod soaks;
+pub(crate) mod soaks;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -297,15 +297,15 @@ impl SetUp {
         POTENTIOMETER_SUPPLY_V / f64::from(Taps::LAST.get()) / self.board.input_volts_per_count
     }
 
-    /// What a sound set-up asks for that no unit gives whose taps are as the drawing has them, in sentences. Parts differ a
-    /// little, so that one may pass; a run may be made all the same, and rejects.
+    /// What a sound set-up asks for that no chamber gives, and no unit whose taps are as the drawing has them, in sentences. Parts
+    /// differ a little, so that one may pass; a run may be made all the same.
     #[must_use]
     pub fn unreachable(&self) -> Vec<String> {
         let (limit, tap) = (self.limits.trim_residual_pp_counts, self.nominal_counts_per_tap());
         let sentence = format!(
             "limits.trim_residual_pp_counts {limit} is less than a tap as the circuit's drawing has it, {tap:.1} counts: a potentiometer moves in whole taps, so mode trim leaves less only where a unit's own taps are smaller, or its drift crosses none"
         );
-        (limit < tap).then_some(sentence).into_iter().collect()
+        (limit < tap).then_some(sentence).into_iter().chain(self.ramp_too_fast()).collect()
     }
 
     /// The drift model asked for; `auto` where a set-up was never checked and its model makes no sense.

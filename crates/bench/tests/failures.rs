@@ -140,6 +140,7 @@ fn a_ramp_too_narrow_to_fit_is_rejected_with_its_span() {
     setup.chamber.hot_c = -35.0;
     let error = fails(PlantKind::Paper.build(1), &setup).to_string();
     assert!(error.contains("spans") && error.contains("record a wider range"), "{error}");
+    assert!(!error.contains("allow"), "what this command has not: {error}");
 }
 
 #[test]

@@ -27,6 +27,8 @@ const OLDEST_SCHEMA: u32 = 1;
 /// A test with more of its groups outside of the temperatures that were fitted is told. A ramp is sent to where the first was,
 /// and a gyro that is still settling is a little beyond its end for a twentieth of the way back.
 const FEW_OUTSIDE: f64 = 0.05;
+/// Less than a twentieth of a change is told as none.
+const SAME: f64 = 0.05;
 /// A ramp that covers less of the temperatures asked for was cut short: in an hour a gyro's inside follows nine tenths of the
 /// chamber's way.
 const MOST_OF_THE_RAMP: f64 = 0.8;
@@ -356,6 +358,16 @@ impl TestResult {
         }
     }
 
+    /// The ratio in words beside a drift that was told before it. Where the test's own ramp was between other temperatures, and drifts
+    /// by other counts, those are named: a ratio is of them.
+    #[must_use]
+    pub fn times_beside(&self, told_counts: f64) -> String {
+        let (own, times) = (self.uncompensated_pp_counts, self.times());
+        let is_told = (own / told_counts - 1.0).abs() < SAME;
+        let than = if self.ratio() < 1.0 / (1.0 + SAME) || self.ratio() >= 1.0 + SAME { "than" } else { "of" };
+        if is_told { times } else { format!("{times} {than} the {own:.0} that its own ramp drifts") }
+    }
+
     /// How many times smaller the residual is than what a plain quadratic would have left; nothing of the potentiometer alone,
     /// whose taps are coarser than any curve.
     #[must_use]
@@ -404,6 +416,20 @@ mod tests {
         assert_eq!((&again["mode"], &again["direction"]), (&"hybrid".into(), &"cooling".into()));
         let wrong = serde_json::from_str::<TestResult>(&text.replace("hybrid", "mixed")).unwrap_err().to_string();
         assert!(wrong.contains("'mixed' is no mode: there are off, trim, digital, hybrid"), "{wrong}");
+    }
+
+    #[test]
+    fn a_ratio_beside_the_drift_of_other_temperatures_names_its_own() {
+        let text = r#"{"mode":"trim","axis":"x","control":"y","direction":"heating","residual_pp_counts":32.0,
+            "residual_rms_counts":1.0,"uncompensated_pp_counts":384.0,"control_pp_counts":400.0,"wiper_writes":13,
+            "mean_counts":8200.1,"largest_step_counts":0.5}"#;
+        let test: TestResult = serde_json::from_str(text).unwrap();
+        // 384 / 32 are 12, and 240 are another ramp's.
+        assert_eq!(test.times_beside(384.0), "12 times less");
+        assert_eq!(test.times_beside(380.0), "12 times less");
+        assert_eq!(test.times_beside(240.0), "12 times less than the 384 that its own ramp drifts");
+        let none = TestResult { residual_pp_counts: 384.0, ..test };
+        assert_eq!(none.times_beside(240.0), "no less of the 384 that its own ramp drifts");
     }
 
     #[test]

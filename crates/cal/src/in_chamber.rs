@@ -1,6 +1,9 @@
 //! A chamber's recording beside the log of a board that lay in it: where its air was, and what sensor and rate were at the end
 //! of each soak.
 
+mod clocks;
+mod told;
+
 use std::time::SystemTime;
 
 use serde::Serialize;
@@ -98,6 +101,11 @@ pub struct InChamber {
     pub started: String,
     /// The log's second at which it was begun.
     pub begins_s: f64,
+    /// Between which seconds after the air the sensor begins to answer, beside its lag; below 0 it is before it, and a clock is wrong. `None`
+    /// where the data do not tell.
+    pub answers_after_s: Option<[f64; 2]>,
+    /// By which clocks the two were joined, whether the data speak against it, and against either thermometer: a sentence each.
+    pub told: Vec<String>,
     /// The air: seconds of the log, degrees C.
     #[serde(skip)]
     pub air: Vec<(f64, f64)>,
@@ -165,12 +173,22 @@ impl InChamber {
         }
         let soaks = recording.moments.chunk_by(|a, b| (a.step, a.phase) == (b.step, b.phase));
         let soaks = soaks.filter(|moments| moments[0].phase == Phase::Soak);
+        let soaks: Vec<Soak> = soaks.filter_map(|moments| soak(fit, moments, begins_s)).collect();
+        let air: Vec<(f64, f64)> =
+            recording.moments.iter().map(|moment| (begins_s + moment.t_s, moment.air_c)).collect();
+        let trace = fit.axes.first().map(|axis| &axis.trace[..]).unwrap_or_default();
+        let sensor: Vec<(f64, f64)> = trace.iter().map(|point| (point.time_s, point.temperature)).collect();
+        let answers_after_s = clocks::answers(&air, &sensor);
+        let mut told = vec![told::joined(why == BY_CLOCKS, begins_s, answers_after_s)];
+        told.extend(told::colder_than_its_air(&air, &soaks));
         Ok(Self {
             recording: name.to_owned(),
             started: rfc3339(recording.info.started),
             begins_s,
-            air: recording.moments.iter().map(|moment| (begins_s + moment.t_s, moment.air_c)).collect(),
-            soaks: soaks.filter_map(|moments| soak(fit, moments, begins_s)).collect(),
+            answers_after_s,
+            told,
+            air,
+            soaks,
         })
     }
 }

@@ -21,6 +21,9 @@ pub const TAKEN_AS: &str = "names no unit: taken as";
 /// What stands in the sentence about a log of one direction.
 pub const NO_HYSTERESIS: &str = "the log says nothing of hysteresis";
 
+/// What a fit of a log may do about a narrow range; whoever has no such option leaves it out.
+pub const OR_ALLOW_NARROW: &str = ", or allow a narrow one in the fit of a log (`allow_narrow`)";
+
 /// Whether a temperature can be a gyro's in degrees C.
 pub(crate) fn is_celsius(temperature: f64) -> bool {
     (COLDEST_C..=HOTTEST_C).contains(&temperature)
@@ -250,13 +253,11 @@ impl Judgement {
             self.add(Reason::new(ReasonKind::StuckTemperature, text));
         } else if span < least {
             let verdict = if allow_narrow { Verdict::Warning } else { Verdict::Rejected };
-            let advice = if allow_narrow {
-                "the calibration holds for this range alone"
-            } else {
-                "record a wider range, or allow a narrow one in the fit of a log (`allow_narrow`)"
-            };
+            let advice =
+                if allow_narrow { "the calibration holds for this range alone" } else { "record a wider range" };
+            let or_allow = if allow_narrow { "" } else { OR_ALLOW_NARROW };
             let text = format!(
-                "the temperature spans {span:.1} {name} ({}), less than {least:.0} {name}: {advice}",
+                "the temperature spans {span:.1} {name} ({}), less than {least:.0} {name}: {advice}{or_allow}",
                 from_to(min, max)
             );
             self.add_as(verdict, Reason::new(ReasonKind::NarrowSpan, text));

@@ -26,6 +26,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use zerorate_words::sentence;
 
+use crate::notify::Notice;
 use crate::screen;
 use typed::Typed;
 
@@ -115,7 +116,8 @@ impl Cli {
     /// Runs the command and gives the exit code.
     fn run(&self, typed: &Typed) -> u8 {
         let result = match &self.command {
-            Command::Calibrate(calibrate) => calibrate.run(),
+            Command::Calibrate(calibrate) => return end(calibrate.run(), typed),
+            Command::Chamber(chamber) => return end(chamber.run(), typed),
             Command::Fit(fit) => fit.run(typed),
             Command::Apply(apply) => apply.run(),
             Command::Export(export) => export.run(),
@@ -129,12 +131,20 @@ impl Cli {
             Command::Lot(lot) => lot.run(),
             Command::Setup(setup) => setup.run(),
             Command::Device(device) => device.run(),
-            Command::Chamber(chamber) => chamber.run(),
             Command::VirtualBoard(board) => board.run(),
             Command::Completions(completions) => completions.run(),
         };
         exit_code(&result, typed)
     }
+}
+
+/// The exit code of a command that tells others of its end: whoever stands here hears of it first, for a notification may hang.
+fn end((result, notice): (Result<Outcome>, Option<Notice>), typed: &Typed) -> u8 {
+    let code = exit_code(&result, typed);
+    if let Some(notice) = notice {
+        notice.tell();
+    }
+    code
 }
 
 fn exit_code(result: &Result<Outcome>, typed: &Typed) -> u8 {

@@ -78,6 +78,12 @@ impl ChamberWriter {
         Streamed::create(path, Arc::new(Schema::new_with_metadata(fields, metadata)), "moments").map(Self)
     }
 
+    /// Where an earlier recording is kept now that was cut, and stood where this one is written.
+    #[must_use]
+    pub fn set_aside(&self) -> Option<&Path> {
+        self.0.set_aside()
+    }
+
     /// Writes a moment and hands it to the system.
     ///
     /// # Errors
@@ -184,6 +190,23 @@ mod tests {
         assert_eq!(cut, ChamberRecording { info: info(), moments: moments.clone(), cut: true });
         let path = writer.finish().unwrap();
         assert_eq!(ChamberRecording::read(&(&path).into()).unwrap(), ChamberRecording { moments, cut: false, ..cut });
+    }
+
+    #[test]
+    fn each_recording_that_was_cut_is_kept_and_told_where() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("chamber.parquet");
+        // A program that is killed finishes nothing.
+        let cut = |of: u32| {
+            let mut writer = ChamberWriter::create(&path, &info()).unwrap();
+            (0..of).for_each(|i| writer.write(&moment(i)).unwrap());
+            writer.set_aside().map(Path::to_owned)
+        };
+        let told = [cut(3), cut(4), cut(5)];
+        let kept = ["chamber.cut.arrows", "chamber.cut-1.arrows"].map(|name| folder.path().join(name));
+        assert_eq!(told, [None, Some(kept[0].clone()), Some(kept[1].clone())]);
+        let moments = kept.map(|file| ChamberRecording::read(&(&file).into()).unwrap().moments.len());
+        assert_eq!(moments, [3, 4]);
     }
 
     #[test]

@@ -39,20 +39,26 @@ pub(super) struct Streamed {
     writer: StreamWriter<BufWriter<File>>,
     of: &'static str,
     batches: u64,
+    set_aside: Option<PathBuf>,
 }
 
 impl Streamed {
     /// Starts a table, a batch for each of what errors call `of`, that will be finished as the Parquet file `path`; until then it is the stream beside it with
     /// the extension `arrows`. An earlier Parquet file stays until this one is finished; an earlier stream, which a cut
-    /// recording left, is kept under the extension `cut.arrows`.
+    /// recording left, is kept under the extension `cut.arrows`, or `cut-1.arrows` and so on where one is kept already.
     pub fn create(path: &Path, schema: Arc<Schema>, of: &'static str) -> Result<Self, WriteError> {
         let stream = path.with_extension("arrows");
         let error = |reason: String| WriteError::Create { path: stream.clone(), reason };
+        let mut set_aside = None;
         if let Ok(cut) = File::open(&stream) {
             if !hold(&cut) {
                 return Err(WriteError::InUse { path: stream });
             }
-            fs::rename(&stream, path.with_extension("cut.arrows")).map_err(|e| error(e.to_string()))?;
+            let numbered = (1..).map(|number| format!("cut-{number}.arrows"));
+            let mut names =
+                std::iter::once("cut.arrows".to_owned()).chain(numbered).map(|name| path.with_extension(name));
+            set_aside = names.find(|free| !free.exists());
+            set_aside.iter().try_for_each(|free| fs::rename(&stream, free)).map_err(|e| error(e.to_string()))?;
         }
         let file = File::create_new(&stream).map_err(|e| error(e.to_string()))?;
         if !hold(&file) {
@@ -60,7 +66,12 @@ impl Streamed {
         }
         let mut writer = StreamWriter::try_new(BufWriter::new(file), &schema).map_err(|e| error(e.to_string()))?;
         writer.get_mut().flush().map_err(|e| error(e.to_string()))?;
-        Ok(Self { parquet: path.to_owned(), stream: stream.clone(), schema, writer, of, batches: 0 })
+        Ok(Self { parquet: path.to_owned(), stream: stream.clone(), schema, writer, of, batches: 0, set_aside })
+    }
+
+    /// Where an earlier stream is now that was in this one's place.
+    pub fn set_aside(&self) -> Option<&Path> {
+        self.set_aside.as_deref()
     }
 
     /// Writes a batch and hands it to the system: from then on the end of this program cannot lose it.

@@ -12,7 +12,7 @@ pub struct RecordingWriter(Streamed);
 impl RecordingWriter {
     /// Starts a recording that will be finished as the Parquet file `path`; until then it is the stream beside it with
     /// the extension `arrows`. An earlier Parquet file stays until this one is finished; an earlier stream, which a cut
-    /// recording left, is kept under the extension `cut.arrows`.
+    /// recording left, is kept under the extension `cut.arrows`, or `cut-1.arrows` and so on where one is kept already.
     ///
     /// # Errors
     /// When the folder or the stream cannot be written.

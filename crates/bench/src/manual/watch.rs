@@ -6,6 +6,8 @@ use std::collections::VecDeque;
 
 use zerorate_core::units::{Celsius, Counts, Seconds};
 
+use crate::setup::soaks::FASTEST_K_PER_MIN;
+
 /// A reading that has moved by this has begun to move: thirty times the noise of a group's mean.
 const BEGUN_K: f64 = 0.3;
 /// A set point nearer than this asks for no movement that could be seen to fail.
@@ -20,8 +22,6 @@ const ARRIVED_K_PER_MIN: f64 = 0.3;
 const SETTLED_K_PER_MIN: f64 = 0.15;
 /// A ramp so many times faster than planned leaves the gyros' insides behind.
 const TOO_FAST: f64 = 3.0;
-/// No ramp slower than this is too fast, kelvins a minute.
-const FAST_K_PER_MIN: f64 = 5.0;
 
 /// Temperature readings in degrees C: anchored where the temperature is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -195,7 +195,7 @@ impl RampWatch {
         Self {
             target,
             way,
-            fastest: f64::max(TOO_FAST * nominal, FAST_K_PER_MIN),
+            fastest: f64::max(TOO_FAST * nominal, FASTEST_K_PER_MIN),
             rate: Slope::over(20.0 * period.0),
             settling: Slope::over((planned.0 / 6.0).clamp(20.0 * period.0, 600.0)),
             extreme: None,

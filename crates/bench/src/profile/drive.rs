@@ -6,7 +6,7 @@ use zerorate_core::units::{Celsius, Kelvins, Seconds};
 use super::{Profile, Step};
 use crate::error::BenchError;
 use crate::instruments::{Chamber, InstrumentError};
-use crate::soaking::{Held, Hold, Way};
+use crate::soaking::{Gone, Held, Hold, Way};
 
 /// How often the chamber is looked at.
 const LOOK_EVERY: Seconds = Seconds(1.0);
@@ -125,11 +125,14 @@ impl Drive<'_> {
     /// Waits until the air is there.
     fn arrive(&mut self, at: Celsius, going: Phase) -> Result<(), BenchError> {
         let mut way = Way::to(at);
-        let (mut air, mut since) = self.look(going)?;
-        while !way.has_ended(air, since)? {
-            (air, since) = self.look(going)?;
+        loop {
+            let (air, since) = self.look(going)?;
+            match way.goes_on(air, since)? {
+                Gone::Arrived => return Ok(()),
+                Gone::On => {}
+                Gone::Told(text) | Gone::Stands(text) => self.watcher.note(&text),
+            }
         }
-        Ok(())
     }
 
     /// Sends the chamber somewhere, as soon as it can be asked.

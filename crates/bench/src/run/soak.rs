@@ -1,11 +1,11 @@
 //! The way to a temperature and the time there, by a chamber that says where its air is.
 
-use zerorate_core::units::{Celsius, Seconds};
+use zerorate_core::units::{Axis, Celsius, Seconds};
 use zerorate_core::wire::SampleWindow;
 
-use super::{Phase, Recorder, Session};
+use super::{Phase, Recorder, Session, Taken};
 use crate::error::BenchError;
-use crate::soaking::{Held, Hold, Way};
+use crate::soaking::{Gone, Held, Hold, Way};
 
 /// How often the chamber is looked at on the way to a soak.
 const LOOK_EVERY: Seconds = Seconds(10.0);
@@ -66,16 +66,31 @@ impl Session<'_> {
         self.patiently(Phase::Soak, recorder, |bench| bench.chamber.take_astray())
     }
 
+    /// Holds the board's own temperature against the chamber's air, which it follows where it lies in it.
+    pub(super) fn follow(&mut self, taken: &Taken, air: Celsius) -> Result<(), BenchError> {
+        if !self.bench.chamber.is_seen() {
+            return Ok(());
+        }
+        let board = Axis::BOTH.map(|axis| self.setup.celsius(taken.temperature(axis)));
+        self.following.see(self.elapsed, air, board).map_or(Ok(()), |left| Err(left.into()))
+    }
+
     /// Waits until the air is at the set point.
     fn arrive(&mut self, set_point: Celsius, recorder: &mut Recorder) -> Result<(), BenchError> {
         let mut way = Way::to(set_point);
-        let mut air = self.air()?;
-        while !way.has_ended(air, LOOK_EVERY)? {
-            self.wait(LOOK_EVERY, recorder)?;
-            air = self.air()?;
+        loop {
+            let air = self.air()?;
             self.progress.step(air.0);
+            let gone = way.goes_on(air, LOOK_EVERY)?;
+            match gone {
+                Gone::Arrived => return Ok(()),
+                Gone::Stands(text) => self.warn(text),
+                // Where time passes only while somebody waits, nobody does.
+                Gone::Told(text) if self.bench.clock.is_none() => self.progress.note(&text),
+                Gone::Told(_) | Gone::On => {}
+            }
+            self.wait(LOOK_EVERY, recorder)?;
         }
-        Ok(())
     }
 
     /// Holds the chamber for so long, the time left out in which nobody knows where it is; anew if it has left its set point.

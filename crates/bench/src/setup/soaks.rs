@@ -4,6 +4,9 @@ use zerorate_core::units::Celsius;
 
 use super::SetUp;
 
+/// No ramp slower than this is too fast, kelvins a minute: three times the paper's, 100 K in an hour (docs/paper.md, S6).
+pub(crate) const FASTEST_K_PER_MIN: f64 = 5.0;
+
 impl SetUp {
     /// The temperatures of the soaks that are made.
     #[must_use]
@@ -16,6 +19,21 @@ impl SetUp {
     pub fn ramp_rate(&self) -> f64 {
         let [cold, hot] = self.ends();
         (hot - cold).0 / (f64::from(self.chamber.ramp_groups) * self.group_period().0 / 60.0)
+    }
+
+    /// What is told of a ramp that no chamber goes, a sentence.
+    pub(super) fn ramp_too_fast(&self) -> Option<String> {
+        let (rate, [cold, hot]) = (self.ramp_rate(), self.ends());
+        let way = (hot - cold).0;
+        let groups = way / FASTEST_K_PER_MIN * 60.0 / self.group_period().0;
+        (rate > FASTEST_K_PER_MIN).then(|| {
+            format!(
+                "chamber.ramp_groups {} last {:.1} min, and {way:.0} K in them are {rate:.1} K/min: few chambers go faster than {FASTEST_K_PER_MIN:.0}, and only as much of the way is measured as the chamber goes in that time; a gyro that follows its air in 2.5 min would be {:.0} K behind it. The paper takes an hour for 100 K, 1.7 K/min; {groups:.0} groups make {FASTEST_K_PER_MIN:.0} K/min here",
+                self.chamber.ramp_groups,
+                f64::from(self.chamber.ramp_groups) * self.group_period().0 / 60.0,
+                2.5 * rate
+            )
+        })
     }
 
     /// Which soaks are not made and why, a sentence; `None` where all are.
@@ -45,6 +63,19 @@ impl SetUp {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_ramp_that_no_chamber_goes_is_told_with_its_rate_and_the_papers_and_slower_ones_are_not() {
+        let told = |ramp_groups: u32| {
+            SetUp::parse(&format!("[chamber]\nramp_groups = {ramp_groups}"), "x").unwrap().unreachable()
+        };
+        // 100 K in 100 groups of 1.5 s are 40 K/min, in 801 a little less than 5.
+        let fast = told(100);
+        for part in ["last 2.5 min", "100 K in them are 40.0 K/min", "100 K behind", "800 groups make 5 K/min"] {
+            assert!(fast.len() == 1 && fast[0].contains(part), "{part} is missing from: {fast:?}");
+        }
+        assert_eq!((told(801), told(2400)), (Vec::new(), Vec::new()));
+    }
 
     #[test]
     fn soaks_outside_the_ramp_are_not_made_and_are_named() {

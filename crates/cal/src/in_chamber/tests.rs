@@ -93,3 +93,20 @@ fn a_recording_of_another_day_is_refused_with_both_times() {
     let told = InChamber::join(&with_the_time_of_day(), "night.parquet", &other, None).unwrap_err().to_string();
     assert!(told.contains("not of the log's time") && told.contains("from 86400 to"), "{told}");
 }
+
+/// The fixture's sensor is 3 K above its air at every second: its clock is early by what the recording's is late.
+#[test]
+fn a_sensor_that_answers_before_its_air_is_told_and_one_that_answers_with_it_is_not() {
+    let fit = with_the_time_of_day();
+    let straight = InChamber::join(&fit, "night.parquet", &recording(), None).unwrap();
+    assert!(straight.told.len() == 1 && straight.told[0].contains("the clocks agree"), "{:?}", straight.told);
+    let mut late = recording();
+    late.info.started = "2026-11-02T18:02:25Z".parse().unwrap();
+    let early = InChamber::join(&fit, "night.parquet", &late, None).unwrap();
+    // Ways of a third of a kelvin a minute tell it to a dozen seconds.
+    let [from, to] = early.answers_after_s.unwrap();
+    assert!(from > -40.0 && to < -10.0 && (f64::midpoint(from, to) + 25.0).abs() < 3.0, "{from} to {to}");
+    assert!(early.told[0].contains("no sensor does") && early.told[0].contains("`chamber_at` 12"), "{:?}", early.told);
+    let given = InChamber::join(&fit, "night.parquet", &late, Some(120.0)).unwrap();
+    assert_eq!(given.answers_after_s, straight.answers_after_s);
+}

@@ -34,6 +34,7 @@ use zerorate_live::Listen;
 use zerorate_words::sentence;
 
 use self::acquisition::Acquisition;
+use self::dry_run::RampsOf;
 use self::instrument::Instrument;
 use self::looked_on::LookedOn;
 use self::operator::AtTerminal;
@@ -41,7 +42,7 @@ use self::real::Instruments;
 use super::{Outcome, unless_gone};
 use crate::interrupt;
 use crate::looking_on::{self, LookingOn};
-use crate::notify;
+use crate::notify::Notice;
 use crate::plant::Plant;
 use crate::progress;
 use crate::screen;
@@ -161,17 +162,19 @@ Examples:
 Exit codes: 0 the unit passed; 1 it was rejected, with reasons; 2 error.";
 
 impl Calibrate {
-    pub fn run(&self) -> Result<Outcome> {
+    /// How it ended, and what is told of that to whom it may concern.
+    pub fn run(&self) -> (Result<Outcome>, Option<Notice>) {
         let end = self.carry_through();
-        if let Some(command) = self.notify.as_ref().filter(|_| !self.dry_run) {
+        let notice = self.notify.clone().filter(|_| !self.dry_run).map(|command| {
             let (result, message) = self.told(&end);
-            notify::tell(command, result, &message, &self.out);
-        }
-        Ok(match end? {
+            Notice { command, result, message, out: self.out.clone() }
+        });
+        let outcome = end.map(|end| match end {
             End::Planned | End::Carried(Verdict::Good | Verdict::Warning) => Outcome::Done,
             End::Carried(Verdict::Rejected) => Outcome::Rejected,
             End::NotAll(_) => Outcome::Failed,
-        })
+        });
+        (outcome, notice)
     }
 
     /// What is told of an end: a word for programs, and a sentence.
@@ -227,7 +230,7 @@ impl Calibrate {
             "the board is simulated, and so are its chamber and supply: name a real board by --device, or leave --chamber and --supply out"
         );
         if self.dry_run {
-            dry_run::print(&setup, &[], self.json)?;
+            dry_run::print(&setup, RampsOf::Simulated(kind), &[], self.json)?;
             return Ok(End::Planned);
         }
         let unit = Unit::new(self.serial.as_deref().unwrap_or("ZR-0001"), Some((kind, self.seed)))?;
@@ -257,7 +260,7 @@ impl Calibrate {
         let unit = Unit::new(serial, None)?;
         if self.dry_run {
             instruments.found.push(format!("the board at {choice} is {serial}"));
-            dry_run::print(setup, &instruments.found, self.json)?;
+            dry_run::print(setup, RampsOf::Real, &instruments.found, self.json)?;
             return Ok(End::Planned);
         }
         interrupt::watch()?;
@@ -299,7 +302,7 @@ impl Calibrate {
         if let Some(live) = live {
             bar.note(&live.told());
         }
-        let mut progress = LookedOn::new(&mut bar, setup, live.as_ref());
+        let mut progress = LookedOn::new(&mut bar, setup, RampsOf::unit(&unit), live.as_ref());
         let mut result = calibrate(bench, setup, unit.clone(), out, &mut progress, *keep);
         // At night nobody is there to go on.
         if let Err(error @ BenchError::OffCourse) = &result {

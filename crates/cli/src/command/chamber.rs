@@ -17,8 +17,9 @@ use zerorate_words::sentence;
 
 use self::progress::{Told, plan};
 use super::Outcome;
+use crate::notify::Notice;
 use crate::screen::Page;
-use crate::{interrupt, notify, output, screen};
+use crate::{interrupt, output, screen};
 
 /// Run a chamber through a profile, beside boards that log by themselves, and record where its air was
 ///
@@ -77,25 +78,26 @@ Examples:
 Exit codes: 0 done; 2 error.";
 
 impl Chamber {
-    pub fn run(&self) -> Result<Outcome> {
+    /// How it ended, and what is told of that to whom it may concern.
+    pub fn run(&self) -> (Result<Outcome>, Option<Notice>) {
         let (Some(profile), Some(chamber), Some(setup)) = (&self.profile, &self.chamber, &self.setup) else {
             print!("{}", Profile::EXAMPLE);
-            return Ok(Outcome::Done);
+            return (Ok(Outcome::Done), None);
         };
         let out = self
             .out
             .clone()
             .unwrap_or_else(|| Path::new(profile.file_stem().unwrap_or_default()).with_extension("parquet"));
         let result = self.carry_through(profile, chamber, setup, &out);
-        if let Some(command) = self.notify.as_ref().filter(|_| !self.dry_run) {
-            let (word, message) = match &result {
+        let notice = self.notify.clone().filter(|_| !self.dry_run).map(|command| {
+            let (result, message) = match &result {
                 Ok(_) => ("done", format!("the profile is done; the recording is {}", out.display())),
                 Err(error) if interrupt::was_asked_for() => ("stopped", sentence(error.as_ref())),
                 Err(error) => ("failed", sentence(error.as_ref())),
             };
-            notify::tell(command, word, &message, &out);
-        }
-        result
+            Notice { command, result, message, out }
+        });
+        (result, notice)
     }
 
     fn carry_through(&self, profile: &Path, address: &Address, setup: &Path, out: &Path) -> Result<Outcome> {
@@ -121,7 +123,15 @@ impl Chamber {
         let mut labels = setup.labels.clone();
         labels.entry("chamber".into()).or_insert(label);
         let info = ChamberInfo { started: SystemTime::now().into(), profile: profile.text.clone(), labels };
-        let mut told = Told::new(&profile, times, ChamberWriter::create(out, &info)?);
+        let writer = ChamberWriter::create(out, &info)?;
+        if let Some(aside) = writer.set_aside() {
+            screen::note(&format!(
+                "an earlier run to {} was ended before it could finish its recording: that is kept as {}, which `fit` takes as well",
+                out.display(),
+                aside.display()
+            ));
+        }
+        let mut told = Told::new(&profile, times, writer);
         let driven = drive(&profile, &mut chamber, &mut WallClock::begin(), &mut told);
         let rested = chamber.rest(&|waited| waited < rest_for(interrupt::was_asked_for()));
         let written = told.finish();

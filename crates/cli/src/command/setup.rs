@@ -85,7 +85,7 @@ impl Setup {
         let found = if unreachable.is_empty() {
             "sound"
         } else {
-            "nothing in it contradicts itself, but few units can pass, if any"
+            "nothing in it contradicts itself, but few units or chambers can do what it asks, if any"
         };
         if differences.is_empty() {
             page.sentence("", &format!("{}: {found}, and the same as the paper's.", file.display()));
@@ -99,7 +99,7 @@ impl Setup {
             page.grid(&grid);
         }
         if !unreachable.is_empty() {
-            page.heading("Few units can meet, if any");
+            page.heading("Few can do, if any");
             unreachable.iter().for_each(|sentence| page.sentence("  - ", sentence));
         }
         page.print()

@@ -31,11 +31,14 @@ fn the_air_stands_beside_a_log_and_each_soaks_end_is_told() {
     let ran = zerorate(folder.path(), &fit);
     assert_eq!(ran.code, 0, "{}", ran.err);
     ran.says(&["In the chamber, at the end of each soak", "20.0  20.5", "x_rad_s"]);
+    // The air stands still: nothing is told of the clocks but that.
+    ran.says(&["Joined as it was said (--chamber-at)", "cannot be told from the data"]);
     let report = fs::read_to_string(folder.path().join("log.report.html")).unwrap();
     assert!(report.contains("In the chamber") && report.contains("night.parquet"));
 
     let json = zerorate(folder.path(), &[&fit[..], &["--json"]].concat()).json();
     schema::hold("fit.json", &json);
+    assert!(json["chamber"]["answers_after_s"].is_null());
     let soak = &json["chamber"]["soaks"][0];
     assert_eq!([&soak["from_s"], &soak["to_s"], &soak["set_c"], &soak["air_c"]], [100.0, 700.0, 20.0, 20.5]);
     // The same rows by hand: the file's own second and third column.

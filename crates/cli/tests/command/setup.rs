@@ -1,6 +1,6 @@
 use std::fs;
 
-use crate::{folder_with, zerorate};
+use crate::{folder_with, schema, zerorate};
 
 #[test]
 fn what_is_printed_is_sound_and_the_same_as_the_papers() {
@@ -44,15 +44,36 @@ fn a_limit_below_a_tap_is_told_and_what_is_not_known_is_not_claimed() {
     let checked = zerorate(folder.path(), &check);
     assert!(!checked.out.contains("sound"), "{}", checked.out);
     checked.says(&[
-        "few units can pass, if any",
-        "Few units can meet, if any",
+        "few units or chambers can do what it asks, if any",
+        "Few can do, if any",
         "limits.trim_residual_pp_counts 30 is less than a tap as the circuit's drawing has it, 31.3 counts",
         "only where a unit's own taps are smaller",
     ]);
     let json = zerorate(folder.path(), &[&check[..], &["--json"]].concat()).json();
     assert_eq!(json["unreachable"].as_array().unwrap().len(), 1);
     fs::write(folder.path().join("bench.toml"), "[limits]\ntrim_residual_pp_counts = 32.0\n").unwrap();
-    assert!(!zerorate(folder.path(), &check).out.contains("Few units"));
+    assert!(!zerorate(folder.path(), &check).out.contains("Few can"));
+}
+
+#[test]
+fn a_ramp_that_no_chamber_goes_is_told() {
+    // 100 K in 100 groups of 1.5 s.
+    let folder = folder_with("bench.toml", "[chamber]\nramp_groups = 100\n");
+    let checked = zerorate(folder.path(), &["setup", "--check", "bench.toml"]);
+    assert_eq!(checked.code, 0);
+    checked.says(&["few units or chambers can do", "100 K in them are 40.0 K/min", "1.7 K/min"]);
+}
+
+#[test]
+fn the_plan_of_a_simulated_run_tells_the_rate_of_its_chamber() {
+    // A ramp in half of the time: the chamber goes as it goes (bench holds that to the plant's own air).
+    let folder = folder_with("bench.toml", "[chamber]\nramp_groups = 1200\n");
+    let plan = ["calibrate", "--dry-run", "--setup", "bench.toml"];
+    zerorate(folder.path(), &plan).says(&["to 60 C at 2.5 K/min", "simulated chamber goes at 2.5 K/min"]);
+    let ran = zerorate(folder.path(), &[&plan[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    schema::hold("plan.json", &json);
+    assert_eq!(json["ramp_k_per_min"], 2.5);
 }
 
 #[test]

@@ -357,6 +357,27 @@ fn a_run_that_is_stopped_leaves_the_chamber_safe_and_the_supply_off() {
     assert_eq!(bench.at_the_end(), (25.0, 62, "0".into()));
 }
 
+/// A board on the table, and the chamber of another: its first soak is an hour and a half, eighteen seconds here, and a ramp as long.
+#[test]
+fn a_board_that_is_not_in_the_chamber_is_told_before_its_first_ramp_is_over_and_all_is_brought_to_rest() {
+    let setup = NIGHT.replace("cold_c = 10.0", "cold_c = -40.0").replace("hot_c = 40.0", "hot_c = 60.0");
+    let setup = setup.replace("soak_s = 60.0", "soak_s = 3600.0").replace("ramp_groups = 400", "ramp_groups = 2400");
+    let [on_the_table, other] = [(); 2].map(|()| Bench::of(&setup, "300", "tcp:127.0.0.1:0"));
+    let notify = ["--notify", "echo $ZERORATE_RESULT: $ZERORATE_MESSAGE > message"];
+    let mut run = on_the_table.calibrate_by(&other.chamber, &on_the_table.supply, &notify);
+    let told = told(&mut run);
+    assert_eq!(await_end(&mut run), Some(2), "{told}");
+    assert!(told.contains("the board does not follow the chamber") && told.contains("lies in this chamber"), "{told}");
+    assert!(!told.contains("step 2 of") && !told.contains("allow"), "{told}");
+    assert!(fs::read_to_string(on_the_table.path().join("message")).unwrap().starts_with("failed: "));
+    // It was told in the soak, or in the first minutes of the ramp.
+    let recording = on_the_table.path().join("calibration/in-progress/full-temperature.arrows");
+    let groups = Recording::read(&(&recording).into()).map_or(0, |recording| recording.groups());
+    assert!(groups < 1200, "{groups} groups of the ramp's 2400");
+    let (set_point, mode, _) = other.at_the_end();
+    assert_eq!((set_point, mode), (25.0, 62));
+}
+
 #[test]
 fn the_plan_is_told_beforehand_and_nothing_is_moved() {
     let bench = Bench::start("pty");

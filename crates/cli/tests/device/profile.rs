@@ -133,6 +133,40 @@ fn ctrl_c_leaves_what_was_recorded_and_a_chamber_at_rest() {
     assert!(!recording.cut && recording.moments.len() > 2 && !stream.exists());
 }
 
+#[cfg(unix)]
+#[test]
+fn the_recording_of_a_run_that_was_killed_is_kept_and_it_is_said_where() {
+    let alone = Alone::start();
+    fs::write(alone.path().join("night.toml"), "steps = [{ soak_c = 24, minutes = 600 }]").unwrap();
+    let start = || alone.command(&["--out", "own.parquet"]).stderr(Stdio::piped()).spawn().unwrap();
+    let stream = alone.path().join("own.arrows");
+    let is_recorded = |file: &Path| ChamberRecording::read(&file.into()).is_ok_and(|read| read.moments.len() > 2);
+    let mut first = start();
+    await_that("something is recorded", || is_recorded(&stream));
+    first.kill().unwrap();
+    first.wait().unwrap();
+    let mut second = start();
+    let kept = alone.path().join("own.cut.arrows");
+    await_that("the second records", || is_recorded(&kept) && is_recorded(&stream));
+    send("INT", second.id());
+    await_end(&mut second);
+    let told = told(&second.wait_with_output().unwrap());
+    assert!(told.contains("that is kept as own.cut.arrows"), "{told}");
+}
+
+/// One after the other, as they are read at the terminal.
+#[test]
+fn an_error_is_told_before_a_notification_that_hangs_and_that_is_waited_for_with_a_word() {
+    let alone = Alone::start();
+    fs::write(alone.path().join("night.toml"), "steps = [{ soak_c = 80, minutes = 1 }]").unwrap();
+    let output = alone.command(&["--notify", "sleep 3; exit 7"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let told = told(&output);
+    let parts = ["80 C is outside of", "--notify is waited for, 30 s at most: sleep 3", "it ended with exit status: 7"];
+    let places = parts.map(|part| told.find(part).unwrap_or_else(|| panic!("{part} is missing from: {told}")));
+    assert!(places.is_sorted(), "{told}");
+}
+
 #[test]
 fn a_profile_beyond_the_chambers_limits_moves_nothing() {
     let alone = Alone::start();

@@ -61,26 +61,27 @@ fn lead(board: &Board) -> Markup {
     let Some(test) = trim.or(hybrid) else {
         return html! { "The drift was fitted; no compensation test was run." };
     };
+    let drift = board.summary.drift_pp_counts(test.axis);
     html! {
         "Over one heating ramp" @if let Some(axis) = board.summary.axes.get(test.axis.name()) {
             @let [cold, hot] = axis.drift_temperature_counts();
             ", from " (board.temperature(cold)) " to " (board.temperature(hot)) ","
         }
         " " (name_of(test.axis)) "’s zero-rate output drifted "
-        (fixed(board.summary.drift_pp_counts(test.axis), 0)) " counts. "
+        (fixed(drift, 0)) " counts. "
         @if let Some(trim) = trim {
             "Trimmed by the potentiometer, as in the paper, it moves " (fixed(trim.residual_pp_counts, 1))
-            " counts, " (trim.times())
+            " counts, " (trim.times_beside(drift))
             @if hybrid.is_some() { "; " } @else { "." }
         }
         @if let Some(hybrid) = hybrid {
             @if trim.is_none() { "With " } @else { "with " }
             "the remainder subtracted in numbers, " (fixed(hybrid.residual_pp_counts, 1)) " counts, "
-            (hybrid.times()) "."
+            (hybrid.times_beside(drift)) "."
         }
         @if let Some(cooling) = board.summary.cooling() {
             " On the way back down, in mode " (cooling.mode.name()) ", it moves "
-            (fixed(cooling.residual_pp_counts, 1)) " counts, " (cooling.times()) "."
+            (fixed(cooling.residual_pp_counts, 1)) " counts, " (cooling.times_beside(drift)) "."
         }
     }
 }

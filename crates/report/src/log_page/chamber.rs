@@ -15,6 +15,7 @@ pub(super) fn chapter(fit: &LogFit, chamber: &InChamber, units: Option<WrittenRa
     let rows = chamber.rows(fit, units);
     html! {
         p { "The air as " (chamber.recording) " has it, begun " (chamber.started) ". The fit did not use it." }
+        @for sentence in &chamber.told { p { (sentence) } }
         (figure(fit, chamber).markup())
         @if rows.is_empty() { p { "No soak ended while the log was recorded." } } @else { (table(&rows)) }
     }

@@ -2,12 +2,50 @@
 
 use anyhow::Result;
 use serde::Serialize;
+use zerorate_bench::calibrated::Unit;
 use zerorate_bench::plan::Plan;
+use zerorate_bench::plants::PlantKind;
 use zerorate_bench::setup::SetUp;
 
 use super::schedule;
 use crate::clock;
 use crate::screen::{self, Grid, Page};
+
+/// Whose ramps they are.
+#[derive(Debug, Clone, Copy)]
+pub enum RampsOf {
+    /// Of the chamber of a simulated plant, which goes as fast as it goes.
+    Simulated(PlantKind),
+    /// Of a real one, which somebody sets to the set-up's rate.
+    Real,
+}
+
+impl RampsOf {
+    /// Whose the ramps of a unit are.
+    pub fn unit(unit: &Unit) -> Self {
+        unit.plant.map_or(Self::Real, |(kind, _)| Self::Simulated(kind))
+    }
+
+    /// How fast they are, kelvins a minute.
+    pub fn k_per_min(self, setup: &SetUp) -> f64 {
+        match self {
+            Self::Simulated(kind) => kind.chamber_k_per_min(),
+            Self::Real => setup.ramp_rate(),
+        }
+    }
+
+    fn told(self, setup: &SetUp) -> String {
+        let (rate, own) = (self.k_per_min(setup), setup.ramp_rate());
+        match self {
+            Self::Simulated(_) => format!(
+                "The simulated chamber goes at {rate:.1} K/min, whatever the set-up's ramps take, and stays at their end for what is left of them."
+            ),
+            Self::Real => format!(
+                "The chamber is sent to the end of a ramp at once: set its controller's own ramp rate to {own:.1} K/min, the way in the time of chamber.ramp_groups."
+            ),
+        }
+    }
+}
 
 /// The plan as JSON has it.
 #[derive(Serialize)]
@@ -28,13 +66,14 @@ struct PlannedStep {
 }
 
 /// Prints the plan and what was found of the instruments.
-pub fn print(setup: &SetUp, instruments: &[String], json: bool) -> Result<()> {
+pub fn print(setup: &SetUp, chamber: RampsOf, instruments: &[String], json: bool) -> Result<()> {
     let plan = Plan::of(setup);
+    let rate = chamber.k_per_min(setup);
     let duration_s = plan.time_from(0).0;
     if json {
         let steps = plan.parts.iter().map(|(part, time)| PlannedStep {
             step: part.to_string(),
-            chamber: part.chamber(setup),
+            chamber: part.chamber(setup, rate),
             duration_s: time.0,
         });
         return screen::print_json(&Planned {
@@ -42,7 +81,7 @@ pub fn print(setup: &SetUp, instruments: &[String], json: bool) -> Result<()> {
             steps: steps.collect(),
             duration_s,
             ends: clock::stamp(duration_s),
-            ramp_k_per_min: setup.ramp_rate(),
+            ramp_k_per_min: rate,
             instruments,
         });
     }
@@ -54,7 +93,7 @@ pub fn print(setup: &SetUp, instruments: &[String], json: bool) -> Result<()> {
     for (place, (part, time)) in plan.parts.iter().enumerate() {
         let step = format!("{}. {part}", place + 1);
         let ends = duration_s - plan.time_from(place + 1).0;
-        grid.row([&step, &clock::time(time.0), &clock::from_now(ends), &part.chamber(setup)]);
+        grid.row([&step, &clock::time(time.0), &clock::from_now(ends), &part.chamber(setup, rate)]);
     }
     page.grid(&grid);
     if !instruments.is_empty() {
@@ -62,6 +101,7 @@ pub fn print(setup: &SetUp, instruments: &[String], json: bool) -> Result<()> {
         instruments.iter().for_each(|found| page.sentence("  - ", found));
     }
     page.gap();
+    page.sentence("", &chamber.told(setup));
     page.sentence("", "Nothing was moved, fed or recorded.");
     page.print()
 }

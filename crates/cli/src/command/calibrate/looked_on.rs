@@ -6,6 +6,7 @@ use zerorate_bench::run::{Progress, Taken};
 use zerorate_bench::setup::SetUp;
 use zerorate_report::{RunGroup, RunStep, StepState};
 
+use super::dry_run::RampsOf;
 use super::{Bar, schedule};
 use crate::clock::time;
 use crate::looking_on::{LookingOn, clock};
@@ -17,12 +18,13 @@ const MOST_NOTES: usize = 200;
 pub struct LookedOn<'a> {
     bar: &'a mut Bar,
     setup: &'a SetUp,
+    ramps: RampsOf,
     live: Option<&'a LookingOn>,
 }
 
 impl<'a> LookedOn<'a> {
-    pub const fn new(bar: &'a mut Bar, setup: &'a SetUp, live: Option<&'a LookingOn>) -> Self {
-        Self { bar, setup, live }
+    pub const fn new(bar: &'a mut Bar, setup: &'a SetUp, ramps: RampsOf, live: Option<&'a LookingOn>) -> Self {
+        Self { bar, setup, ramps, live }
     }
 }
 
@@ -32,7 +34,7 @@ impl Progress for LookedOn<'_> {
         let Some(live) = self.live else { return };
         let steps = plan.parts.iter().map(|(part, took)| RunStep {
             name: part.to_string(),
-            chamber: part.chamber(self.setup),
+            chamber: part.chamber(self.setup, self.ramps.k_per_min(self.setup)),
             takes: if took.0 > 0.0 { time(took.0) } else { "done before".to_owned() },
             state: if took.0 > 0.0 { StepState::ToCome } else { StepState::Done },
         });

@@ -129,16 +129,16 @@ fn headline(page: &mut Page, summary: &Summary) {
     let mut told = format!("X drifts {before:.0} counts over the heating ramp");
     let [trim, hybrid] = summary.headline();
     if let Some(trim) = trim {
-        let (left, times) = (trim.residual_pp_counts, trim.times());
+        let (left, times) = (trim.residual_pp_counts, trim.times_beside(before));
         told += &format!("; the potentiometer leaves {left:.0} ({times}, peak to peak)");
     }
     if let Some(hybrid) = hybrid {
-        let (left, times) = (hybrid.residual_pp_counts, hybrid.times());
+        let (left, times) = (hybrid.residual_pp_counts, hybrid.times_beside(before));
         told += &format!("; with the rest subtracted in numbers {left:.1} ({times})");
     }
     told += ".";
     if let Some(cooling) = summary.cooling() {
-        let (mode, left, times) = (cooling.mode.name(), cooling.residual_pp_counts, cooling.times());
+        let (mode, left, times) = (cooling.mode.name(), cooling.residual_pp_counts, cooling.times_beside(before));
         told += &format!(" On the way back down mode {mode} leaves {left:.1} ({times}).");
     }
     page.sentence("", &told);

@@ -34,7 +34,11 @@ impl Beside {
         let recording = ChamberRecording::read(&file.into())?;
         let name = file.display().to_string();
         let joined = InChamber::join(fit, &name, &recording, self.chamber_at);
-        joined.map(Some).map_err(|error| anyhow::anyhow!(as_options(&error.to_string()))).context(name)
+        let told = |mut joined: InChamber| {
+            joined.told.iter_mut().for_each(|sentence| *sentence = as_options(sentence));
+            Some(joined)
+        };
+        joined.map(told).map_err(|error| anyhow::anyhow!(as_options(&error.to_string()))).context(name)
     }
 }
 
@@ -50,6 +54,8 @@ pub struct Fitted<'a> {
 /// What stood about the log, as people read it.
 pub fn soaks(page: &mut Page, fit: &LogFit, chamber: &InChamber, asked: Option<WrittenRate>) {
     page.heading("In the chamber, at the end of each soak");
+    chamber.told.iter().for_each(|sentence| page.sentence("  ", sentence));
+    page.gap();
     let rows: Vec<SoakRow> = chamber.rows(fit, asked);
     if rows.is_empty() {
         page.sentence("  ", &format!("No soak of {} ended while the log was recorded.", chamber.recording));
