@@ -62,6 +62,21 @@ impl RecordingInfo {
         let groups: u64 = chamber.get("ramp_groups")?.as_integer()?.try_into().ok()?;
         groups.checked_mul(ramps)
     }
+
+    /// What there is to say of a recording that holds groups, and none of a ramp.
+    #[must_use]
+    pub fn without_a_ramp(&self) -> String {
+        format!(
+            "the recording{} holds no ramp, and only a ramp shows the drift: take that of a whole full-temperature test",
+            self.of_procedure()
+        )
+    }
+
+    /// The procedure in words that follow a noun; nothing where it is not told.
+    fn of_procedure(&self) -> String {
+        let named = Some(self.procedure.as_str()).filter(|name| !name.is_empty());
+        named.map(|name| format!(" of the procedure {name}")).unwrap_or_default()
+    }
 }
 
 /// One axis of one group.

@@ -246,6 +246,26 @@ fn a_lot_says_once_what_many_of_its_units_share() {
 }
 
 #[test]
+fn a_lot_tells_what_was_skipped_and_says_once_what_several_units_are_warned_of() {
+    let mut lot = sample::lot(204, 0.37);
+    let page = lot.to_html();
+    let section = |page: &str, id: &str| between(page, &format!("<section id=\"{id}\">"), "</section>")[0].to_owned();
+    assert!(
+        section(&page, "skipped").contains("notes.txt") && page.contains("1 file was skipped. 2 recordings of other")
+    );
+    // Units 3, 43, 83, 123, 163 and 203; none of them is one of the rejected.
+    let warnings = section(&page, "warnings");
+    assert_eq!(warnings.matches("the temperature only rises").count(), 1);
+    assert!(warnings.contains("ZR-2026-0003, ZR-2026-0043, ZR-2026-0083 and 3 more") && warnings.contains(">6</td>"));
+    assert!(page.contains("6 have warnings") && lot.warned() == 6);
+    lot.units[3].rejected = vec!["the run ended before its ramp did".into()];
+    assert!(lot.warned() == 5 && section(&lot.to_html(), "warnings").contains(">6</td>"));
+    lot.beside = None;
+    let untold = lot.to_html();
+    assert!(untold.contains("Which files were skipped is not told") && !untold.contains("id=\"skipped\""));
+}
+
+#[test]
 fn a_small_lot_is_not_drawn_as_if_it_were_a_large_one() {
     let one = sample::lot(1, 0.0).to_html();
     assert!(one.contains("Lot of 1 unit<") && !one.contains("1 units"));

@@ -6,13 +6,16 @@ use std::time::Duration;
 
 use anyhow::Result;
 use clap::Args;
+use zerorate_cal::quality::{Reason, Verdict};
+use zerorate_cal::ramp_fit::verdict_of;
 use zerorate_fit::model::Model;
 use zerorate_lot::engine::{Address, Cluster, Engine};
 use zerorate_lot::run::{FitRun, JudgedUnit, Summary};
+use zerorate_report::{alike, few};
 
 use super::{Outcome, bar, wait};
 
-/// Rejected units and skipped files shown at most; --json has all.
+/// Lines of a list shown at most; --json has all.
 const SHOWN: usize = 40;
 
 /// Fit every recording of a lot: one row a unit and axis
@@ -87,14 +90,14 @@ impl Fit {
             // Programs read parameters' own names.
             _ = writeln!(io::stdout(), "{}", serde_json::to_string_pretty(&summary)?);
         } else {
-            print(&summary);
+            print(&summary, self.allow_narrow);
         }
         let clean = summary.rejected.is_empty() && summary.skipped.is_empty();
         Ok(if clean { Outcome::Done } else { Outcome::Rejected })
     }
 }
 
-fn print(summary: &Summary) {
+fn print(summary: &Summary, narrow: bool) {
     let Summary { units, fits, reused, warnings, warned, rejected, skipped, .. } = summary;
     say!("{units} units, {fits} fits in {:.1} s ({reused} units were done before)", summary.seconds);
     say!("{warnings} with warnings, {} rejected, {} files skipped", rejected.len(), skipped.len());
@@ -109,29 +112,39 @@ fn print(summary: &Summary) {
             worst.axis
         );
     }
-    judged("Rejected", rejected);
-    judged("With warnings", warned);
-    if !skipped.is_empty() {
-        say!("\nSkipped");
-    }
-    for file in skipped.iter().take(SHOWN) {
-        say!("  {}: {}", file.file, file.reason);
-    }
-    let left: usize =
-        [rejected.len(), warned.len(), skipped.len()].iter().map(|count| count.saturating_sub(SHOWN)).sum();
-    if left > 0 {
-        say!("\nand {left} more: --json has all");
+    let reject = |reason: &Reason| verdict_of(reason, narrow) == Verdict::Rejected;
+    let why = rejected.iter().map(|unit| {
+        let reasons = unit.reasons.iter().filter(|reason| reject(reason)).map(|reason| reason.text.as_str());
+        format!("{} ({}): {}", unit.serial, unit.file, reasons.collect::<Vec<_>>().join("; "))
+    });
+    let lists = [
+        ("Rejected", why.collect()),
+        ("Warnings", told(rejected.iter().chain(warned), &|reason| verdict_of(reason, narrow) == Verdict::Warning)),
+        ("Skipped", skipped.iter().map(|file| format!("{}: {}", file.file, file.reason)).collect::<Vec<_>>()),
+    ];
+    for (heading, lines) in lists.iter().filter(|(_, lines)| !lines.is_empty()) {
+        say!("\n{heading}");
+        lines.iter().take(SHOWN).for_each(|line| say!("  {line}"));
+        if lines.len() > SHOWN {
+            say!("  and {} more: `json` has all", lines.len() - SHOWN);
+        }
     }
     say!("\nWritten: {}", summary.models.display());
     say!("To look at it: zerorate lot report {}", summary.models.display());
 }
 
-fn judged(heading: &str, units: &[JudgedUnit]) {
-    if !units.is_empty() {
-        say!("\n{heading}");
-    }
-    for unit in units.iter().take(SHOWN) {
-        let reasons: Vec<&str> = unit.reasons.iter().map(|reason| reason.text.as_str()).collect();
-        say!("  {} ({}): {}", unit.serial, unit.file, reasons.join("; "));
-    }
+/// What there is to look at; what several units are told in the same words is said once.
+fn told<'u>(units: impl Iterator<Item = &'u JudgedUnit>, of: &dyn Fn(&Reason) -> bool) -> Vec<String> {
+    let each = units.flat_map(|unit| {
+        let reasons = unit.reasons.iter().filter(|reason| of(reason));
+        reasons.map(move |reason| (unit, reason.text.clone()))
+    });
+    let line = |(text, units): (String, Vec<&JudgedUnit>)| match units.as_slice() {
+        [unit] => format!("{} ({}): {text}", unit.serial, unit.file),
+        several => {
+            let serials: Vec<&str> = several.iter().map(|unit| unit.serial.as_str()).collect();
+            format!("{} units ({}): {text}", several.len(), few(&serials))
+        }
+    };
+    alike(each).into_iter().map(line).collect()
 }

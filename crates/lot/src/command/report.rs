@@ -8,6 +8,7 @@ use clap::Args;
 use zerorate_bench::whole_file::write_whole;
 use zerorate_lot::{out, report};
 use zerorate_report::LotReport;
+use zerorate_report::number::counted;
 
 use super::{Outcome, tell, wait};
 
@@ -47,9 +48,19 @@ impl Report {
         report.undrawn_notes().iter().for_each(|sentence| tell(&format!("note: {sentence}")));
         let units = report.units.len();
         let noun = if units == 1 { "unit" } else { "units" };
-        say!("{units} {noun}, {} pass, {} rejected", report.passed(), report.rejected());
+        say!(
+            "{units} {noun}, {} pass, {} rejected, {} with warnings",
+            report.passed(),
+            report.rejected(),
+            report.warned()
+        );
+        match &report.beside {
+            Some(beside) if beside.skipped.is_empty() => {}
+            Some(beside) => say!("{} skipped: the page says why", counted(beside.skipped.len(), "file")),
+            None => tell("note: which files were skipped is not told: an earlier version fitted them"),
+        }
         say!("Written: {}", self.out.display());
-        let all = report.passed() == report.units.len();
+        let all = report.passed() == report.units.len() && report.skipped().is_empty();
         Ok(if all { Outcome::Done } else { Outcome::Rejected })
     }
 }
