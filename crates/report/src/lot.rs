@@ -152,6 +152,12 @@ impl LotReport {
         self.units.iter().filter(|unit| !unit.rejected.is_empty()).count()
     }
 
+    /// Units that were not rejected and miss a limit.
+    #[must_use]
+    pub fn outside(&self) -> usize {
+        self.units.len() - self.passed() - self.rejected()
+    }
+
     /// Units that were not rejected and have something to look at.
     #[must_use]
     pub fn warned(&self) -> usize {

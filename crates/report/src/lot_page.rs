@@ -61,6 +61,7 @@ impl LotReport {
             p.lead {
                 (self.share(passed)) @if passed == 1 { " passes, " } @else { " pass, " }
                 (whole(rejected as u64)) @if rejected == 1 { " was" } @else { " were" } " rejected"
+                @if self.outside() > 0 { ", " (whole(self.outside() as u64)) @if self.outside() == 1 { " is" } @else { " are" } " outside the limits" }
                 @if self.warned() > 0 { ", " (whole(self.warned() as u64)) @if self.warned() == 1 { " has" } @else { " have" } " warnings" }
                 ". Model: " (self.model) "."
             }
@@ -147,5 +148,7 @@ fn definitions() -> Markup {
             html! { "Blocked cross-validation: what is left of each of eight folds of the ramp, predicted by a fit of the other seven. It tells how far to trust the curve." },
         ),
         ("rejected", html! { "A unit whose recording speaks against it: no calibration comes of it." }),
+        ("warning", html! { "Something to look at, which by itself rejects no unit." }),
+        ("skipped", html! { "A file that is no recording of a ramp, or cannot be read: it is none of the units." }),
     ])
 }

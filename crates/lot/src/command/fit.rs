@@ -11,6 +11,7 @@ use zerorate_cal::ramp_fit::verdict_of;
 use zerorate_fit::model::Model;
 use zerorate_lot::engine::{Address, Cluster, Engine};
 use zerorate_lot::run::{FitRun, JudgedUnit, Summary};
+use zerorate_report::number::counted;
 use zerorate_report::{alike, few};
 
 use super::{Outcome, bar, wait};
@@ -99,10 +100,12 @@ impl Fit {
 
 fn print(summary: &Summary, narrow: bool) {
     let Summary { units, fits, reused, warnings, warned, rejected, skipped, .. } = summary;
-    say!("{units} units, {fits} fits in {:.1} s ({reused} units were done before)", summary.seconds);
-    say!("{warnings} with warnings, {} rejected, {} files skipped", rejected.len(), skipped.len());
+    let (seconds, files) = (summary.seconds, counted(skipped.len(), "file"));
+    say!("{}, {} in {seconds:.1} s ({reused} done before)", counted(*units, "unit"), counted(*fits, "fit"));
+    say!("{warnings} with warnings, {} rejected, {files} skipped", rejected.len());
     if summary.other_procedures > 0 {
-        say!("{} recordings of other procedures passed over", summary.other_procedures);
+        let others = usize::try_from(summary.other_procedures).unwrap_or(usize::MAX);
+        say!("{} of other procedures passed over", counted(others, "recording"));
     }
     if let (Some(median), Some(worst)) = (summary.median_held_out_rms_counts, &summary.worst) {
         say!(
@@ -112,6 +115,8 @@ fn print(summary: &Summary, narrow: bool) {
             worst.axis
         );
     }
+    let mut looked_at: Vec<&JudgedUnit> = rejected.iter().chain(warned).collect();
+    looked_at.sort_by_key(|unit| (&unit.serial, &unit.file));
     let reject = |reason: &Reason| verdict_of(reason, narrow) == Verdict::Rejected;
     let why = rejected.iter().map(|unit| {
         let reasons = unit.reasons.iter().filter(|reason| reject(reason)).map(|reason| reason.text.as_str());
@@ -119,7 +124,7 @@ fn print(summary: &Summary, narrow: bool) {
     });
     let lists = [
         ("Rejected", why.collect()),
-        ("Warnings", told(rejected.iter().chain(warned), &|reason| verdict_of(reason, narrow) == Verdict::Warning)),
+        ("Warnings", told(&looked_at, *units, &|reason| verdict_of(reason, narrow) == Verdict::Warning)),
         ("Skipped", skipped.iter().map(|file| format!("{}: {}", file.file, file.reason)).collect::<Vec<_>>()),
     ];
     for (heading, lines) in lists.iter().filter(|(_, lines)| !lines.is_empty()) {
@@ -134,13 +139,14 @@ fn print(summary: &Summary, narrow: bool) {
 }
 
 /// What there is to look at; what several units are told in the same words is said once.
-fn told<'u>(units: impl Iterator<Item = &'u JudgedUnit>, of: &dyn Fn(&Reason) -> bool) -> Vec<String> {
-    let each = units.flat_map(|unit| {
+fn told(units: &[&JudgedUnit], all: usize, of: &dyn Fn(&Reason) -> bool) -> Vec<String> {
+    let each = units.iter().flat_map(|&unit| {
         let reasons = unit.reasons.iter().filter(|reason| of(reason));
         reasons.map(move |reason| (unit, reason.text.clone()))
     });
     let line = |(text, units): (String, Vec<&JudgedUnit>)| match units.as_slice() {
         [unit] => format!("{} ({}): {text}", unit.serial, unit.file),
+        several if several.len() == all => format!("all {all} units: {text}"),
         several => {
             let serials: Vec<&str> = several.iter().map(|unit| unit.serial.as_str()).collect();
             format!("{} units ({}): {text}", several.len(), few(&serials))

@@ -46,14 +46,10 @@ impl Report {
         write_whole(&self.out, report.to_html().as_bytes())
             .with_context(|| format!("{}: cannot be written", self.out.display()))?;
         report.undrawn_notes().iter().for_each(|sentence| tell(&format!("note: {sentence}")));
-        let units = report.units.len();
-        let noun = if units == 1 { "unit" } else { "units" };
-        say!(
-            "{units} {noun}, {} pass, {} rejected, {} with warnings",
-            report.passed(),
-            report.rejected(),
-            report.warned()
-        );
+        let outside = Some(report.outside()).filter(|_| !report.limits.is_empty());
+        let outside = outside.map(|units| format!(", {units} outside the limits")).unwrap_or_default();
+        let (units, warned) = (counted(report.units.len(), "unit"), report.warned());
+        say!("{units}, {} pass, {} rejected{outside}, {warned} with warnings", report.passed(), report.rejected());
         match &report.beside {
             Some(beside) if beside.skipped.is_empty() => {}
             Some(beside) => say!("{} skipped: the page says why", counted(beside.skipped.len(), "file")),

@@ -16,14 +16,17 @@ pub(super) fn judge(rows: &mut [ModelRow]) {
     by_readings.retain(|_, files| files.len() > 1);
     let mut told: BTreeMap<String, Reason> = BTreeMap::new();
     for files in by_readings.values() {
+        let of_one = files.iter().all(|(_, serial)| *serial == files[0].1);
+        let advice = if of_one {
+            "it is one run under several names: keep one of them"
+        } else {
+            "it is one run under several serials, and tells of one unit: find out of which, and record the others"
+        };
         for (own, _) in files {
             let others = files.iter().filter(|(file, _)| file != own);
             let others: Vec<String> = others.map(|(file, serial)| format!("{file} (serial {serial})")).collect();
             let others = few(&others.iter().map(String::as_str).collect::<Vec<_>>());
-            let text = format!(
-                "its readings are those of {others}, to the last bit: it is one run under several names, and tells of one unit; \
-                 take the copies away, and record the units that they stand for"
-            );
+            let text = format!("its readings are those of {others}, to the last bit: {advice}");
             told.insert((*own).to_owned(), Reason::new(ReasonKind::Copied, text));
         }
     }
@@ -58,6 +61,13 @@ mod tests {
         let told: Vec<usize> = rows.iter().map(|row| row.reason_list().len()).collect();
         assert_eq!(told, [1, 1, 0, 0, 1, 1, 0, 0, 0, 0]);
         assert!(rows[0].verdict == "warning" && rows[0].reason_list()[0].text.contains("those of c (serial 3), to"));
-        assert!(rows[4].reason_list()[0].text.contains("those of a (serial 1), to"));
+        assert!(rows[4].reason_list()[0].text.ends_with("of which, and record the others"));
+        let mut rows = [row("a", "1", "aa"), row("b", "1", "aa")];
+        judge(&mut rows);
+        assert!(
+            rows[1].reason_list()[0].text.ends_with(
+                "those of a (serial 1), to the last bit: it is one run under several names: keep one of them"
+            )
+        );
     }
 }

@@ -7,6 +7,7 @@ use zerorate_cal::log_fit::FitOptions;
 use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
 use zerorate_cal::recording::{Recording, RecordingWriter};
 use zerorate_core::units::Axis;
+use zerorate_lot::export::export;
 use zerorate_lot::models::ModelRow;
 use zerorate_lot::{models, report};
 
@@ -91,7 +92,8 @@ fn files_that_were_skipped_are_on_the_page_with_their_reasons() {
     fs::remove_file(lot.join("notes.txt")).unwrap();
     fs::remove_file(lot.join("ZR-000009.arrows")).unwrap();
     run(&job(&lot, &out, "poly:2")).unwrap();
-    assert!(!page_of(&out).contains("kipped"));
+    let page = page_of(&out);
+    assert!(!page.contains("Skipped files") && !page.contains(" skipped. ") && !page.contains("notes.txt"));
 }
 
 #[test]
@@ -129,6 +131,9 @@ fn one_run_under_two_serials_is_told_on_both_and_no_longer_when_the_copy_is_gone
         let page = page_of(&out);
         assert!(told.iter().all(|(_, text)| page.contains(text)), "{told:?}");
     }
+    // Who takes the copy's calibration hears of it.
+    let exported = wait(export(&out, None, "ZR-000077", &folder.path().join("unit"))).unwrap();
+    assert!(exported.warnings.iter().any(|text| text.contains("those of ZR-000002.parquet (serial ZR-000002)")));
     fs::remove_file(&copy).unwrap();
     let (_, rows) = run(&job(&lot, &out, "poly:2")).unwrap();
     assert_eq!((copied(&rows), models::read(&out).unwrap().len()), (Vec::new(), 8));

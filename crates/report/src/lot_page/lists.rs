@@ -10,6 +10,9 @@ use crate::page::{Table, told};
 /// Rows of a list, at most: the rows that the page was made from have all.
 const LISTED: usize = 200;
 
+/// The recording of several units.
+const NONE: &str = "\u{2013}";
+
 /// What follows a caption where a list is cut.
 fn of_all(all: usize) -> Markup {
     html! { @if all > LISTED { ", the first " (LISTED) " of " (whole(all as u64)) } "." }
@@ -36,10 +39,14 @@ pub(super) fn warnings(report: &LotReport) -> Markup {
     let all = alike(each);
     let row = |(sentence, units): &(String, Vec<&LotUnit>)| {
         let serials: Vec<&str> = units.iter().map(|unit| unit.serial.as_str()).collect();
-        let files: Vec<&str> = units.iter().map(|unit| unit.file.as_str()).collect();
+        let (whom, file) = match units.as_slice() {
+            [unit] => (unit.serial.clone(), unit.file.as_str()),
+            several if several.len() == report.units.len() => ("all".to_owned(), NONE),
+            _ => (few(&serials), NONE),
+        };
         vec![
-            html! { (few(&serials)) },
-            html! { (few(&files)) },
+            html! { (whom) },
+            html! { (file) },
             html! { div.sentence { (told(sentence)) } },
             html! { (whole(units.len() as u64)) },
         ]
