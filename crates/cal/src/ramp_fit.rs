@@ -231,7 +231,7 @@ fn of_fit(name: &str, means: &RampMeans, fit: DriftFit, residuals: &[f64]) -> Ax
         log: 0,
         time_s: means.times_s[group],
         temperature: means.temperatures[group],
-        rows: (0, 0),
+        rows: None,
         rate: means.readings[group],
         residual: *residual,
     };
