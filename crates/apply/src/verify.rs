@@ -32,7 +32,7 @@ use zerorate_cal::matching::{Known, calibrated, places, renamed};
 use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
 use zerorate_cal::source::{Faulty, Source};
 use zerorate_cal::table::{Columns, Table};
-use zerorate_cal::units::{RateUnit, TemperatureUnit, WrittenRate};
+use zerorate_cal::units::{TemperatureUnit, WrittenRate};
 use zerorate_fit::trace::period_s;
 
 /// How a log is to be verified.
@@ -234,15 +234,11 @@ fn conditioned(log: &Source, options: &VerifyOptions) -> Result<LogFit, LogFitEr
 /// The axes of a log that the calibration does not have, of the quantities that it has: nothing was said of them.
 fn unknown(logged: &[AxisFit], places: &[Option<usize>], calibrated: &[Known<'_>]) -> Option<String> {
     let alike = |axis: &AxisFit| {
-        calibrated.iter().any(|own| is_acceleration(own.unit) == is_acceleration(axis.calibration.rate_unit))
+        calibrated.iter().any(|own| own.unit.is_of_acceleration() == axis.calibration.rate_unit.is_of_acceleration())
     };
     let others = logged.iter().enumerate().filter(|(place, axis)| !places.contains(&Some(*place)) && alike(axis));
     let names: Vec<&str> = others.map(|(_, axis)| axis.name.as_str()).collect();
     (!names.is_empty()).then(|| format!("not in the calibration, and not verified: {}", names.join(", ")))
-}
-
-fn is_acceleration(unit: RateUnit) -> bool {
-    unit == RateUnit::MetresPerS2
 }
 
 /// Why there is nothing of an axis.
@@ -251,7 +247,9 @@ fn missing(own: &Known<'_>, fit: &LogFit) -> String {
         fit.verdicts.iter().find(|axis| axis.name == own.name).filter(|axis| !axis.judgement.reasons.is_empty());
     if let Some(verdict) = verdict {
         format!("{}: nothing that can be used: {}", own.name, verdict.why())
-    } else if is_acceleration(own.unit) && !fit.axes.iter().any(|axis| is_acceleration(axis.calibration.rate_unit)) {
+    } else if own.unit.is_of_acceleration()
+        && !fit.axes.iter().any(|axis| axis.calibration.rate_unit.is_of_acceleration())
+    {
         format!("{}: the log has no accelerometer; to verify the gyros alone give `sensor` gyro", own.name)
     } else {
         format!("{}: the log has no such axis", own.name)

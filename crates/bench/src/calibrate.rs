@@ -25,7 +25,7 @@ use crate::results::{self, SOAKS, TRIM_SWEEP};
 use crate::run::{Progress, Recorder, Session};
 use crate::setup::SetUp;
 use crate::soak_comparison;
-use crate::summary::summary;
+use crate::summary::{cut_short, summary};
 use crate::verify::{check, deploy, evaluated};
 
 /// Runs everything on one unit and writes the results into `out`; returns the summary. On a bench that takes
@@ -177,9 +177,9 @@ fn run(
     for recording in tested.into_iter().filter(|(_, file)| has_soaks || *file != SOAKS) {
         recordings.push(origin(recording)?);
     }
-    let mut run = Calibrated { unit, setup: setup.clone(), measured, verifications, soaks, checks };
-    let cut_short: Vec<String> = crate::summary::cut_short(&run.measured, &run.setup).collect();
-    run.measured.calibration.warnings.extend(cut_short);
+    let cut_short: Vec<String> = cut_short(&measured, setup).collect();
+    measured.calibration.warnings.extend(cut_short.iter().cloned());
+    let run = Calibrated { unit, setup: setup.clone(), measured, verifications, soaks, checks, cut_short };
     let summary = summary(&run, recordings, started, began.elapsed().as_secs_f64());
     results::write(&run.measured.calibration, &run.measured.record, &summary, &mut output)?;
     let published = output.publish()?;

@@ -47,6 +47,8 @@ pub struct Calibrated {
     pub soaks: Option<Soaks>,
     /// What was checked.
     pub checks: Vec<Check>,
+    /// Where its ramp was not over the temperatures asked for, a sentence each; the calibration's warnings have them too.
+    pub cut_short: Vec<String>,
 }
 
 #[cfg(test)]

@@ -44,8 +44,7 @@ pub fn summary(run: &Calibrated, recordings: Vec<Origin>, started: SystemTime, w
 /// temperatures asked for.
 fn verdict(run: &Calibrated) -> Verdict {
     let mut results = run.verifications.iter().flat_map(|test| &test.results);
-    let warns =
-        results.any(|result| !result.warnings().is_empty()) || cut_short(&run.measured, &run.setup).next().is_some();
+    let warns = results.any(|result| !result.warnings().is_empty()) || !run.cut_short.is_empty();
     match run.checks.iter().all(|check| check.passed) {
         false => Verdict::Rejected,
         true if warns => Verdict::Warning,

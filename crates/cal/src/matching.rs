@@ -129,10 +129,7 @@ struct Role {
 impl Role {
     /// The role that an axis's name and unit tell; `None` where the name tells of no direction.
     fn of(axis: &Known<'_>) -> Option<Self> {
-        let of_unit = || match axis.unit {
-            RateUnit::MetresPerS2 => SensorKind::Accelerometer,
-            RateUnit::RadPerS | RateUnit::Dps | RateUnit::Counts => SensorKind::Gyro,
-        };
+        let of_unit = || if axis.unit.is_of_acceleration() { SensorKind::Accelerometer } else { SensorKind::Gyro };
         let kind = axis.sensor.map_or_else(of_unit, |sensor| sensor.kind);
         Some(Self { kind, direction: direction(axis.name)? })
     }

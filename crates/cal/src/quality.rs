@@ -84,6 +84,8 @@ pub enum ReasonKind {
     WrongSerial,
     /// Rejected: another recording has the same serial.
     DuplicateSerial,
+    /// Warning: another recording of a lot holds the same readings.
+    Copied,
     /// Warning: rows without a number.
     MissingValues,
     /// Warning: rows far from their neighbours.
@@ -152,7 +154,8 @@ impl ReasonKind {
             | Self::WiperMoved
             | Self::WrongSerial
             | Self::DuplicateSerial => Verdict::Rejected,
-            Self::MissingValues
+            Self::Copied
+            | Self::MissingValues
             | Self::Spikes
             | Self::Rotation
             | Self::Step

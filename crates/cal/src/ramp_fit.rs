@@ -5,6 +5,7 @@
 mod judge;
 mod neighbours;
 mod survey;
+mod unit;
 
 use std::time::SystemTime;
 
@@ -20,9 +21,10 @@ use zerorate_fit::series::{NextRun, Series};
 
 pub use judge::judge_survey;
 pub use survey::{AxisSurvey, FoldSurvey, fold_of};
+pub use unit::UnitFit;
 
 use crate::calibration::AxisCalibration;
-use crate::log_fit::{AxisFit, AxisVerdict, FitOptions, LogFit, one_way};
+use crate::log_fit::{AxisFit, FitOptions, LogFit};
 use crate::quality::{Judgement, Reason, ReasonKind, Verdict};
 use crate::recording::{GroupRow, Recording, status};
 use crate::source::Source;
@@ -121,25 +123,12 @@ pub fn fit_recording(recording: &Recording, source: &Source, options: &FitOption
         fit.judgement.add(Reason::new(ReasonKind::TooFewGroups, recording.without_a_ramp()));
         return fit;
     }
-    let expected = expected_groups(recording);
-    let mut passed = Vec::new();
-    for axis in Axis::BOTH {
-        let means = RampMeans::of(recording, axis);
-        let mut judgement = Judgement::default();
-        fit.axes.extend(fit_axis(axis.name(), &means, expected, options, &mut judgement));
-        for reason in &judgement.reasons {
-            fit.judgement.add_as(verdict_of(reason, options.allow_narrow), reason.clone());
-        }
-        fit.verdicts.push(AxisVerdict { name: axis.name().to_owned(), judgement });
-        if !means.temperatures.is_empty() {
-            passed.push(means.temperatures.iter().map(|temperature| (*temperature, true)).collect());
-        }
-    }
-    // Each axis went the same way.
-    one_way::reason(&passed).into_iter().for_each(|reason| fit.judgement.add(reason));
+    let ramps = Axis::BOTH.map(|axis| RampMeans::of(recording, axis));
+    let unit = UnitFit::of(&ramps, expected_groups(recording), options);
+    (fit.judgement, fit.verdicts) = (unit.judgement, unit.verdicts);
     // A board is calibrated as a whole or not at all.
-    if fit.judgement.rejected() {
-        fit.axes.clear();
+    if !fit.judgement.rejected() {
+        fit.axes = unit.axes;
     }
     fit
 }
@@ -161,8 +150,9 @@ pub fn verdict_of(reason: &Reason, allow_narrow: bool) -> Verdict {
     }
 }
 
-/// Judges and fits the ramps of one axis. `expected` is the number of groups that the set-up gives a ramp. An axis that
-/// is rejected for its groups is not fitted; one that is rejected for wild ones is, so that it can be looked at.
+/// Judges and fits the ramps of one axis, whose name each reason begins with. `expected` is the number of groups that the
+/// set-up gives a ramp. An axis that is rejected for its groups is not fitted; one that is rejected for wild ones is, so that
+/// it can be looked at.
 pub fn fit_axis(
     name: &str,
     means: &RampMeans,
@@ -177,7 +167,10 @@ pub fn fit_axis(
         judge::judge_distances(&mut own, name, &Residuals::of(neighbours::distances(residuals)));
     }
     let verdict = own.verdict;
+    let named = format!("{name}: ");
     for reason in own.reasons {
+        let text = if reason.text.starts_with(&named) { reason.text } else { named.clone() + &reason.text };
+        let reason = Reason { text, ..reason };
         judgement.add_as(verdict_of(&reason, options.allow_narrow), reason);
     }
     fitted.map(|(fit, _)| AxisFit { verdict, ..fit })
@@ -238,7 +231,7 @@ fn of_fit(name: &str, means: &RampMeans, fit: DriftFit, residuals: &[f64]) -> Ax
         log: 0,
         time_s: means.times_s[group],
         temperature: means.temperatures[group],
-        rows: (0, 0),
+        rows: None,
         rate: means.readings[group],
         residual: *residual,
     };

@@ -95,12 +95,18 @@ pub struct UnitError {
 }
 
 impl RateUnit {
+    /// Whether it is an accelerometer's.
+    #[must_use]
+    pub fn is_of_acceleration(self) -> bool {
+        match self {
+            Self::MetresPerS2 => true,
+            Self::Dps | Self::RadPerS | Self::Counts => false,
+        }
+    }
+
     /// What is measured in it, in a sentence.
     pub(crate) fn quantity(self) -> &'static str {
-        match self {
-            Self::MetresPerS2 => "acceleration",
-            Self::Dps | Self::RadPerS | Self::Counts => "rate",
-        }
+        if self.is_of_acceleration() { "acceleration" } else { "rate" }
     }
 }
 

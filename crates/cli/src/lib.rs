@@ -3,6 +3,7 @@
 mod clock;
 mod command;
 mod interrupt;
+mod labels;
 mod log_arguments;
 mod looking_on;
 mod notify;

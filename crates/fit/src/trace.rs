@@ -14,8 +14,9 @@ pub struct TracePoint {
     pub time_s: f64,
     /// In the temperature column's unit.
     pub temperature: f64,
-    /// The first of its rows, and the one after the last; of a fit of rows (0, 0).
-    pub rows: (u64, u64),
+    /// The first of its rows, and the one after the last; `None` where it is no group of rows, as in a fit of rows or of a bench's
+    /// groups.
+    pub rows: Option<(u64, u64)>,
     /// Rate less the steps taken out, in the rate column's unit.
     pub rate: f64,
     /// Rate less the fitted curve.
@@ -76,7 +77,7 @@ impl Trace {
                 log: 0,
                 time_s: mean(sums.time_s),
                 temperature: mean(sums.temperature),
-                rows: (0, 0),
+                rows: None,
                 rate: mean(sums.rate),
                 residual: mean(sums.residual),
             }

@@ -15,7 +15,7 @@ use object_store::{ObjectMeta, ObjectStore, ObjectStoreExt};
 use serde::{Deserialize, Serialize};
 use zerorate_bench::setup::{Limits, SetUp};
 use zerorate_cal::quality::Reason;
-use zerorate_cal::recording::RecordingInfo;
+use zerorate_cal::recording::{RECORDED_AT, RecordingInfo};
 
 pub(crate) use footer::columns;
 pub use place::{Place, PlaceError};
@@ -86,7 +86,7 @@ impl Found {
     /// When it was recorded: its label `recorded_at`, else when it was begun, else when the file was written. RFC 3339.
     #[must_use]
     pub fn recorded_at(&self) -> String {
-        match self.label("recorded_at") {
+        match self.label(RECORDED_AT) {
             "" => self.info.started.unwrap_or(self.meta.last_modified).to_rfc3339_opts(SecondsFormat::Secs, true),
             said => said.to_owned(),
         }

@@ -14,6 +14,7 @@ use zerorate_cal::calibration::{Calibration, CalibrationFault};
 use zerorate_cal::device_record::StoredRecord;
 use zerorate_cal::fit::fit;
 use zerorate_cal::log_fit::{FitOptions, LogFit, LogFitError};
+use zerorate_cal::quality::Verdict;
 use zerorate_cal::source::Source;
 use zerorate_fit::model::Model;
 
@@ -35,6 +36,8 @@ pub struct Exported {
     pub calibration: PathBuf,
     /// The device record's file.
     pub record: PathBuf,
+    /// What the lot says there is to look at, a sentence each.
+    pub warnings: Vec<String>,
     /// How far the curves were from their rows' at most, in parts of their range.
     pub disagreement: f64,
 }
@@ -127,7 +130,7 @@ pub async fn export(models: &Path, dataset: Option<&str>, unit: &str, out: &Path
         let Some(row) = rows.first() else {
             return Err(ExportError::NoSuchUnit { models: models.to_owned(), unit: unit.to_owned() });
         };
-        let reasons: Vec<String> = row.reason_list().into_iter().map(|reason| reason.text).collect();
+        let reasons: Vec<String> = row.reasons_of(Verdict::Rejected).into_iter().map(|reason| reason.text).collect();
         return Err(ExportError::Rejected { unit: unit.to_owned(), reasons: reasons.join("; ") });
     };
     let of_unit =
@@ -139,7 +142,8 @@ pub async fn export(models: &Path, dataset: Option<&str>, unit: &str, out: &Path
     let disagreements = sound.iter().map(|row| agrees(row, &fit)).collect::<Result<Vec<f64>, _>>()?;
     let disagreement = disagreements.into_iter().fold(0.0, f64::max);
     let calibration = recorded::calibration(&recording, &fit)?;
-    write(&calibration, out).map(|(calibration, record)| Exported { calibration, record, disagreement })
+    let warnings = first.reasons_of(Verdict::Warning).into_iter().map(|reason| reason.text).collect();
+    write(&calibration, out).map(|(calibration, record)| Exported { calibration, record, warnings, disagreement })
 }
 
 /// The recording of a row and its fit by the row's model.

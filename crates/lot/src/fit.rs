@@ -7,11 +7,12 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use zerorate_cal::calibration::AxisCalibration;
+use zerorate_cal::calibration::{AxisCalibration, sha256};
 use zerorate_cal::log_fit::FitOptions;
-use zerorate_cal::quality::Judgement;
-use zerorate_cal::ramp_fit::{RampMeans, fit_axis};
-use zerorate_core::units::Axis;
+use zerorate_cal::quality::{Judgement, Reason, ReasonKind};
+use zerorate_cal::ramp_fit::{RampMeans, UnitFit};
+use zerorate_cal::recording::RecordingInfo;
+use zerorate_cal::source::Source;
 
 use crate::dataset::{Found, Place};
 use crate::engine::{Engine, EngineError};
@@ -23,7 +24,9 @@ pub struct Fitted {
     /// The verdict on the unit.
     pub judgement: Judgement,
     /// The axes that could be fitted, of a rejected unit too: to be looked at.
-    pub axes: BTreeMap<&'static str, AxisCalibration>,
+    pub axes: BTreeMap<String, AxisCalibration>,
+    /// What the readings are known by, whatever is said about them: SHA-256 of the ramps' means, X first.
+    pub readings_sha256: String,
     /// Groups whose means are not those of their sums: the file is damaged.
     pub inconsistent: u64,
 }
@@ -62,7 +65,7 @@ fn solve(units: &[Unit], files: &[&Found], options: &FitOptions) -> Vec<Fitted> 
                     let Some((unit, found)) = units.get(place).zip(files.get(place)) else {
                         return;
                     };
-                    let own = fit_unit(unit, found.info.ramp_groups(), options);
+                    let own = fit_unit(unit, &found.info, options);
                     if let Ok(mut fitted) = fitted.lock() {
                         fitted[place] = own;
                     }
@@ -73,13 +76,28 @@ fn solve(units: &[Unit], files: &[&Found], options: &FitOptions) -> Vec<Fitted> 
     fitted.into_inner().unwrap_or_default()
 }
 
-fn fit_unit(unit: &Unit, expected: Option<u64>, options: &FitOptions) -> Fitted {
-    let mut fitted = Fitted { inconsistent: unit.inconsistent, ..Fitted::default() };
-    for (axis, groups) in Axis::BOTH.into_iter().zip(&unit.axes) {
+fn fit_unit(unit: &Unit, info: &RecordingInfo, options: &FitOptions) -> Fitted {
+    let ramps = unit.axes.each_ref().map(|groups| {
         let mut means = RampMeans::default();
         groups.iter().for_each(|group| means.push(group));
-        let fit = fit_axis(axis.name(), &means, expected, options, &mut fitted.judgement);
-        fitted.axes.extend(fit.map(|fit| (axis.name(), fit.calibration)));
+        means
+    });
+    let mut fitted = Fitted { inconsistent: unit.inconsistent, readings_sha256: hash_of(&ramps), ..Fitted::default() };
+    if unit.axes.iter().all(Vec::is_empty) {
+        fitted.judgement.add(Reason::new(ReasonKind::TooFewGroups, info.without_a_ramp()));
+        return fitted;
     }
-    fitted
+    // A chamber that nobody could ask goes at its own pace, not at the plan's.
+    let expected = info.ramp_groups().filter(|_| unit.driven);
+    let UnitFit { judgement, axes, .. } = UnitFit::of(&ramps, expected, options);
+    Fitted { judgement, axes: axes.into_iter().map(|axis| (axis.name, axis.calibration)).collect(), ..fitted }
+}
+
+/// What two recordings of the same readings have in common, and no others: to the last bit, for readings of another run never
+/// are the same.
+fn hash_of(ramps: &[RampMeans; 2]) -> String {
+    let numbers = ramps.iter().flat_map(|means| means.temperatures.iter().chain(&means.readings));
+    let bytes: Vec<u8> = numbers.flat_map(|number| number.to_bits().to_le_bytes()).collect();
+    // Bytes in memory can be read.
+    sha256(&Source::bytes("readings", bytes)).unwrap_or_default()
 }

@@ -11,15 +11,20 @@ use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::file::properties::WriterProperties;
+use serde::{Deserialize, Serialize};
 use zerorate_cal::calibration::AxisCalibration;
 use zerorate_cal::quality::{Reason, Verdict};
+use zerorate_cal::ramp_fit::verdict_of;
 use zerorate_cal::recording::key_values;
 use zerorate_core::drift::{Scale, Shape, ValidRange};
 use zerorate_core::units::Axis;
 use zerorate_fit::residual::ResidualStatistics;
 
-use crate::dataset::Found;
+use crate::dataset::{Found, Skipped};
 use crate::fit::Fitted;
+
+/// What follows the model asked for where a narrow span was allowed.
+pub(crate) const NARROW: &str = " narrow";
 
 /// The version of the columns.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -49,6 +54,8 @@ pub struct ModelRow {
     pub file_bytes: f64,
     /// When it was written, RFC 3339.
     pub file_modified: String,
+    /// What its readings are known by: SHA-256 of the ramps' means; empty without a ramp, and in rows of an earlier version.
+    pub readings_sha256: String,
     /// The model asked for.
     pub model_asked: String,
     /// The model fitted, terms beside the curve included; empty without a fit.
@@ -130,15 +137,15 @@ impl ModelRow {
                     file: found.file.clone(),
                     file_bytes: found.meta.size as f64,
                     file_modified: found.meta.last_modified.to_rfc3339(),
+                    readings_sha256: fitted.readings_sha256.clone(),
                     model_asked: model_asked.to_owned(),
-                    verdict: fitted.judgement.verdict.name().to_owned(),
-                    reasons: serde_json::to_string(&fitted.judgement.reasons).unwrap_or_default(),
                     created_by: zerorate_cal::calibration::CREATED_BY.to_owned(),
                     limit_trim_residual_pp: limit(|limits| limits.trim_residual_pp_counts),
                     limit_hybrid_residual_floors: limit(|limits| limits.hybrid_residual_floors),
                     limit_mean_offset: limit(|limits| limits.mean_offset_counts),
                     ..Self::unfitted()
                 };
+                row.judge(&fitted.judgement.reasons);
                 if let Some(own) = fitted.axes.get(axis.name()) {
                     row.take(own);
                 }
@@ -196,15 +203,42 @@ impl ModelRow {
     pub fn reason_list(&self) -> Vec<Reason> {
         serde_json::from_str(&self.reasons).unwrap_or_default()
     }
+
+    /// The reasons of this weight.
+    #[must_use]
+    pub fn reasons_of(&self, verdict: Verdict) -> Vec<Reason> {
+        self.reason_list().into_iter().filter(|reason| self.verdict_of(reason) == verdict).collect()
+    }
+
+    /// Gives the unit its reasons, and with them its verdict.
+    pub(crate) fn judge(&mut self, reasons: &[Reason]) {
+        let verdict = reasons.iter().map(|reason| self.verdict_of(reason)).max().unwrap_or_default();
+        verdict.name().clone_into(&mut self.verdict);
+        self.reasons = serde_json::to_string(reasons).unwrap_or_default();
+    }
+
+    fn verdict_of(&self, reason: &Reason) -> Verdict {
+        verdict_of(reason, self.model_asked.ends_with(NARROW))
+    }
+}
+
+/// What a lot has beside the recordings that were fitted.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Beside {
+    /// Files that were not fitted, and why.
+    pub skipped: Vec<Skipped>,
+    /// Recordings of other procedures.
+    pub other_procedures: u64,
 }
 
 /// Writes rows, whole or not at all.
 ///
 /// # Errors
 /// [`ModelsError`].
-pub fn write(path: &Path, rows: &[ModelRow]) -> Result<(), ModelsError> {
+pub fn write(path: &Path, rows: &[ModelRow], beside: &Beside) -> Result<(), ModelsError> {
     let failed = ModelsError::of(path);
-    let batch = columns::batch(rows).map_err(|error| failed(&error))?;
+    let beside = serde_json::to_string(beside).unwrap_or_default();
+    let batch = columns::batch(rows, &beside).map_err(|error| failed(&error))?;
     let partial = path.with_extension("parquet.partial");
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::default()))
@@ -229,6 +263,14 @@ pub fn are_in(path: &Path) -> bool {
 /// # Errors
 /// [`ModelsError`], when the file cannot be read or is none of ours.
 pub fn read(path: &Path) -> Result<Vec<ModelRow>, ModelsError> {
+    read_whole(path).map(|(rows, _)| rows)
+}
+
+/// Reads rows, and what the lot has beside them; `None` where an earlier version wrote them.
+///
+/// # Errors
+/// [`ModelsError`], when the file cannot be read or is none of ours.
+pub fn read_whole(path: &Path) -> Result<(Vec<ModelRow>, Option<Beside>), ModelsError> {
     let failed = ModelsError::of(path);
     let file = File::open(path).map_err(|error| failed(&error))?;
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| failed(&error))?;
@@ -236,10 +278,11 @@ pub fn read(path: &Path) -> Result<Vec<ModelRow>, ModelsError> {
     if version.as_deref() != Some(SCHEMA_VERSION.to_string().as_str()) {
         return Err(failed(&"these are no models of `zerorate lot fit`, or of another version: fit again"));
     }
+    let beside = builder.schema().metadata().get(columns::BESIDE_KEY).and_then(|told| serde_json::from_str(told).ok());
     let mut rows = Vec::new();
     for batch in builder.build().map_err(|error| failed(&error))? {
         let batch: RecordBatch = batch.map_err(|error| failed(&error))?;
         rows.extend(columns::rows(&Arc::new(batch)).map_err(|error| failed(&error))?);
     }
-    Ok(rows)
+    Ok((rows, beside))
 }

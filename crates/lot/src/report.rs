@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
-use zerorate_report::{LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
+use zerorate_cal::quality::Verdict;
+use zerorate_report::{LotAxis, LotBeside, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
 
 use crate::export::{agrees, refit};
 use crate::models::{self, ModelRow, ModelsError};
@@ -89,7 +90,7 @@ fn bounds(value: &toml::Value) -> Option<(f64, f64)> {
 /// # Errors
 /// [`ReportError`]; a recording that is gone is said in the report.
 pub async fn report(models: &Path, dataset: Option<&str>, limits: Vec<LotLimit>) -> Result<LotReport, ReportError> {
-    let rows = models::read(models)?;
+    let (rows, beside) = models::read_whole(models)?;
     let mut units = units(&rows);
     units.sort_by(|a, b| a.day.total_cmp(&b.day).then_with(|| a.serial.cmp(&b.serial)));
     let (worst, undrawn) = worst(&rows, dataset).await;
@@ -100,6 +101,10 @@ pub async fn report(models: &Path, dataset: Option<&str>, limits: Vec<LotLimit>)
         limits,
         worst,
         undrawn,
+        beside: beside.map(|beside| LotBeside {
+            skipped: beside.skipped.into_iter().map(|skipped| (skipped.file, skipped.reason)).collect(),
+            other_procedures: beside.other_procedures,
+        }),
     })
 }
 
@@ -111,13 +116,14 @@ fn units(rows: &[ModelRow]) -> Vec<LotUnit> {
     for (row, seconds) in rows.iter().zip(seconds) {
         if last != Some(&row.file) {
             last = Some(&row.file);
-            let reasons = row.reason_list().into_iter().map(|reason| reason.text);
+            let reasons = |of| row.reasons_of(of).into_iter().map(|reason| reason.text).collect();
             units.push(LotUnit {
                 serial: row.unit_serial.clone(),
                 file: row.file.clone(),
                 station: row.station.clone(),
                 day: (seconds - first) / 86_400.0,
-                rejected: if row.rejected() { reasons.collect() } else { Vec::new() },
+                rejected: reasons(Verdict::Rejected),
+                warned: reasons(Verdict::Warning),
                 axes: Vec::new(),
             });
         }

@@ -1,5 +1,6 @@
 //! `lot fit`: every recording of a dataset, in batches; what is done stays done.
 
+mod copies;
 mod earlier;
 
 use std::collections::BTreeSet;
@@ -15,7 +16,7 @@ use zerorate_fit::robust::median;
 use crate::dataset::{Dataset, Found, Place, PlaceError, Skipped};
 use crate::engine::{Engine, EngineError};
 use crate::fit::{self, Fitted};
-use crate::models::{self, ModelRow, ModelsError};
+use crate::models::{self, Beside, ModelRow, ModelsError, NARROW};
 use crate::out::{self, OutError};
 use earlier::Earlier;
 
@@ -190,15 +191,17 @@ impl FitRun {
             progress(done, found.len());
         }
         rows.sort_by(|a, b| (&a.unit_serial, &a.file, &a.axis).cmp(&(&b.unit_serial, &b.file, &b.axis)));
+        copies::judge(&mut rows);
         skipped.sort_by(|a, b| a.file.cmp(&b.file));
-        models::write(&self.out, &rows)?;
+        let beside = Beside { skipped, other_procedures: others };
+        models::write(&self.out, &rows, &beside)?;
         earlier.finish();
-        Ok(self.summary(&rows, skipped, reused, others, began.elapsed().as_secs_f64()))
+        Ok(self.summary(&rows, beside, reused, began.elapsed().as_secs_f64()))
     }
 
     /// The model and how it is fitted, as rows name it.
     fn asked(&self) -> String {
-        if self.allow_narrow { format!("{} narrow", self.model) } else { self.model.to_string() }
+        if self.allow_narrow { format!("{}{NARROW}", self.model) } else { self.model.to_string() }
     }
 
     /// Fits some recordings. Where the engine fails, those that cannot be read are found and left out.
@@ -239,7 +242,7 @@ impl FitRun {
         Ok(kept)
     }
 
-    fn summary(&self, rows: &[ModelRow], skipped: Vec<Skipped>, reused: usize, others: u64, seconds: f64) -> Summary {
+    fn summary(&self, rows: &[ModelRow], beside: Beside, reused: usize, seconds: f64) -> Summary {
         let units = || rows.iter().step_by(2);
         let judged = |row: &ModelRow| JudgedUnit {
             serial: row.unit_serial.clone(),
@@ -261,8 +264,8 @@ impl FitRun {
             warnings: warned.len(),
             warned,
             rejected: units().filter(|row| row.rejected()).map(judged).collect(),
-            skipped,
-            other_procedures: others,
+            skipped: beside.skipped,
+            other_procedures: beside.other_procedures,
             median_held_out_rms_counts: Some(middle).filter(|middle| middle.is_finite()),
             worst: held_out.last().map(|row| WorstFit {
                 serial: row.unit_serial.clone(),

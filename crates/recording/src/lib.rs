@@ -4,6 +4,7 @@ mod chamber;
 mod columns;
 mod error;
 mod header;
+mod label;
 pub mod named;
 pub mod parquet_source;
 mod phase;
@@ -24,6 +25,7 @@ use zerorate_core::units::Axis;
 pub use chamber::{ChamberInfo, ChamberMoment, ChamberRecording, ChamberWriter};
 pub use columns::name_in_version_1;
 pub use error::{RecordingError, RecordingFault, WriteError};
+pub use label::{CALIBRATED, RECORDED_AT, label_doubts};
 pub use phase::Phase;
 pub use reader::Recording;
 pub use schema::{COLUMNS_KEY, SCHEMA_VERSION, columns_told, described, described_as_a_recordings, key_values};
@@ -61,6 +63,21 @@ impl RecordingInfo {
         let ramps = if cooling && self.procedure == "full-temperature" { 2 } else { 1 };
         let groups: u64 = chamber.get("ramp_groups")?.as_integer()?.try_into().ok()?;
         groups.checked_mul(ramps)
+    }
+
+    /// What there is to say of a recording that holds groups, and none of a ramp.
+    #[must_use]
+    pub fn without_a_ramp(&self) -> String {
+        format!(
+            "the recording{} holds no ramp, and only a ramp shows the drift: take that of a whole full-temperature test",
+            self.of_procedure()
+        )
+    }
+
+    /// The procedure in words that follow a noun; nothing where it is not told.
+    fn of_procedure(&self) -> String {
+        let named = Some(self.procedure.as_str()).filter(|name| !name.is_empty());
+        named.map(|name| format!(" of the procedure {name}")).unwrap_or_default()
     }
 }
 

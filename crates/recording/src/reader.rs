@@ -24,13 +24,9 @@ impl Recording {
     /// What there is to say of a recording that holds no ramp.
     #[must_use]
     pub fn without_a_ramp(&self) -> String {
-        let procedure = Some(self.info.procedure.as_str()).filter(|name| !name.is_empty());
-        let of = procedure.map(|name| format!(" of the procedure {name}")).unwrap_or_default();
         match self.rows.is_empty() {
-            true => format!("the recording{of} is empty: it has no group"),
-            false => format!(
-                "the recording{of} holds no ramp, and only a ramp shows the drift: take that of the full-temperature test"
-            ),
+            true => format!("the recording{} is empty: it has no group", self.info.of_procedure()),
+            false => self.info.without_a_ramp(),
         }
     }
 

@@ -41,6 +41,7 @@ fn on(kind: ReasonKind) -> &'static str {
         ReasonKind::WrongSerial | ReasonKind::DuplicateSerial => {
             "Find out which unit was recorded, and record it again."
         }
+        ReasonKind::Copied => "Take the copy away, and record the unit that it stands for.",
         ReasonKind::Saturated => "Adjust the circuit’s centre or gain so that the reading stays inside the converter.",
         ReasonKind::MissingValues => {
             "Look for lost messages: a slower card or link drops rows when the log rate is too high."

@@ -15,8 +15,19 @@ pub struct LotReport {
     pub limits: Vec<LotLimit>,
     /// The worst units with their fits, the worst first.
     pub worst: Vec<WorstUnit>,
+    /// What the lot has beside its units; `None` where the rows do not tell.
+    pub beside: Option<LotBeside>,
     /// How many worst units could not be drawn, and why; empty where all could.
     pub undrawn: Vec<String>,
+}
+
+/// What a lot has beside the recordings that were fitted.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct LotBeside {
+    /// Files that were skipped: the name of each, and why.
+    pub skipped: Vec<(String, String)>,
+    /// Recordings of other procedures.
+    pub other_procedures: u64,
 }
 
 /// One unit.
@@ -32,6 +43,8 @@ pub struct LotUnit {
     pub day: f64,
     /// Why it was rejected, a sentence each; empty for a unit that was not.
     pub rejected: Vec<String>,
+    /// What else there is to look at, a sentence each.
+    pub warned: Vec<String>,
     /// Its fits, X first; none where it could not be fitted.
     pub axes: Vec<LotAxis>,
 }
@@ -137,6 +150,24 @@ impl LotReport {
     #[must_use]
     pub fn rejected(&self) -> usize {
         self.units.iter().filter(|unit| !unit.rejected.is_empty()).count()
+    }
+
+    /// Units that were not rejected and miss a limit.
+    #[must_use]
+    pub fn outside(&self) -> usize {
+        self.units.len() - self.passed() - self.rejected()
+    }
+
+    /// Units that were not rejected and have something to look at.
+    #[must_use]
+    pub fn warned(&self) -> usize {
+        self.units.iter().filter(|unit| unit.rejected.is_empty() && !unit.warned.is_empty()).count()
+    }
+
+    /// The files that were skipped, with the reasons; none where the rows do not tell.
+    #[must_use]
+    pub fn skipped(&self) -> &[(String, String)] {
+        self.beside.as_ref().map_or(&[], |beside| &beside.skipped)
     }
 
     /// [`LotReport::undrawn`] with what many units share said once: sentences that differ in nothing but the unit and its

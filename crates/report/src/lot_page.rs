@@ -1,6 +1,7 @@
 //! The report of a lot as a page.
 
 mod charts;
+mod lists;
 mod outside;
 
 use maud::{Markup, html};
@@ -9,9 +10,6 @@ use super::lot::{LotReport, Quantity};
 use super::number::{counted, exact, fixed, significant, whole};
 use super::page::{self, Chapter, Table, told};
 use super::{figure, log_page};
-
-/// Rejected units listed, at most: the rows have all.
-const LISTED: usize = 200;
 
 fn title(source: &str) -> String {
     format!("Lot {source}")
@@ -38,7 +36,13 @@ impl LotReport {
             chapters.push(("outside", "Outside the limits", outside::table(&outside)));
         }
         if self.rejected() > 0 {
-            chapters.push(("rejected", "Rejected", self.rejected_units()));
+            chapters.push(("rejected", "Rejected", lists::rejected(self)));
+        }
+        if self.units.iter().any(|unit| !unit.warned.is_empty()) {
+            chapters.push(("warnings", "Warnings", lists::warnings(self)));
+        }
+        if !self.skipped().is_empty() {
+            chapters.push(("skipped", "Skipped files", lists::skipped(self)));
         }
         chapters.push(("reading", "How to read the numbers", definitions()));
         page::page(&title(&self.source), &self.headline(), &chapters)
@@ -56,9 +60,12 @@ impl LotReport {
             h1 { "Lot of " (counted(self.units.len(), "unit")) }
             p.lead {
                 (self.share(passed)) @if passed == 1 { " passes, " } @else { " pass, " }
-                (whole(rejected as u64)) @if rejected == 1 { " was" } @else { " were" } " rejected. Model: " (self.model) "."
+                (whole(rejected as u64)) @if rejected == 1 { " was" } @else { " were" } " rejected"
+                @if self.outside() > 0 { ", " (whole(self.outside() as u64)) @if self.outside() == 1 { " is" } @else { " are" } " outside the limits" }
+                @if self.warned() > 0 { ", " (whole(self.warned() as u64)) @if self.warned() == 1 { " has" } @else { " have" } " warnings" }
+                ". Model: " (self.model) "."
             }
-            p { "From " code { (self.source) } "." }
+            p { "From " code { (self.source) } ". " (lists::beside(self)) }
         }
     }
 
@@ -126,23 +133,6 @@ impl LotReport {
             @for sentence in self.undrawn_notes() { p { (told(&sentence)) } }
         }
     }
-
-    fn rejected_units(&self) -> Markup {
-        let rejected = self.units.iter().filter(|unit| !unit.rejected.is_empty());
-        let rows = rejected.take(LISTED).map(|unit| {
-            vec![
-                html! { (unit.serial) },
-                html! { span.nobr { (unit.file) } },
-                html! { span.nobr { (unit.station) } },
-                html! { div.sentence { (unit.rejected.join("; ")) } },
-            ]
-        });
-        let caption = html! {
-            "Units rejected, with the reasons" @if self.rejected() > LISTED { ", the first " (LISTED) " of " (whole(self.rejected() as u64)) } "."
-        };
-        Table { caption, heads: &["Unit", "Recording", "Station", "Why"], rows: rows.collect(), numbers_from: 9 }
-            .markup()
-    }
 }
 
 fn definitions() -> Markup {
@@ -158,5 +148,7 @@ fn definitions() -> Markup {
             html! { "Blocked cross-validation: what is left of each of eight folds of the ramp, predicted by a fit of the other seven. It tells how far to trust the curve." },
         ),
         ("rejected", html! { "A unit whose recording speaks against it: no calibration comes of it." }),
+        ("warning", html! { "Something to look at, which by itself rejects no unit." }),
+        ("skipped", html! { "A file that is no recording of a ramp, or cannot be read: it is none of the units." }),
     ])
 }

@@ -227,6 +227,9 @@ fn a_lot_names_the_units_outside_its_limits_the_furthest_first_and_draws_the_lim
     for label in ["at most 1500", "at most 5", "at least 8050", "at most 8350"] {
         assert!(page.contains(&format!(">{label}</text>")), "{label}");
     }
+    // Those of the list, each once.
+    let units: std::collections::BTreeSet<&&str> = serials.iter().collect();
+    assert!(page.contains(&format!(", {} are outside the limits", units.len())), "{units:?}");
     // It would leave no room for the units.
     assert!(page.contains("in-sample residual, rms at most 400"));
     assert!(page.contains("<td class=\"n\">0.5</td><td class=\"n\">400</td>"));
@@ -246,11 +249,38 @@ fn a_lot_says_once_what_many_of_its_units_share() {
 }
 
 #[test]
+fn a_lot_tells_what_was_skipped_and_says_once_what_several_units_are_warned_of() {
+    let mut lot = sample::lot(204, 0.37);
+    let page = lot.to_html();
+    let section = |page: &str, id: &str| between(page, &format!("<section id=\"{id}\">"), "</section>")[0].to_owned();
+    assert!(
+        section(&page, "skipped").contains("notes.txt") && page.contains("1 file was skipped. 2 recordings of other")
+    );
+    // Units 3, 43, 83, 123, 163 and 203; none of them is one of the rejected.
+    let warnings = section(&page, "warnings");
+    assert_eq!(warnings.matches("the temperature only rises").count(), 1);
+    assert!(warnings.contains("ZR-2026-0003, ZR-2026-0043, ZR-2026-0083 and 3 more") && warnings.contains(">6</td>"));
+    assert!(page.contains("6 have warnings") && lot.warned() == 6);
+    lot.units[3].rejected = vec!["the run ended before its ramp did".into()];
+    assert!(lot.warned() == 5 && section(&lot.to_html(), "warnings").contains(">6</td>"));
+    lot.beside = None;
+    let untold = lot.to_html();
+    assert!(untold.contains("Which files were skipped is not told") && !untold.contains("id=\"skipped\""));
+}
+
+#[test]
 fn a_small_lot_is_not_drawn_as_if_it_were_a_large_one() {
     let one = sample::lot(1, 0.0).to_html();
     assert!(one.contains("Lot of 1 unit<") && !one.contains("1 units"));
     assert!(one.contains("no two have times that differ") && !one.contains("time-figure"));
     let three = sample::lot(3, 0.05).to_html();
+    // The key shows what is drawn: points, and lines where there is a median.
+    let key = |page: &str| {
+        let figure = between(page, "<figure id=\"time-figure\">", "</ul>")[0].to_owned();
+        between(&figure, "<svg class=\"swatch\"", "</svg>")[0].to_owned()
+    };
+    assert!(key(&three).contains("class=\"d big x\""), "{}", key(&three));
+    assert!(key(&sample::lot(204, 0.37).to_html()).contains("class=\"l x\""));
     assert!(three.contains("hours since the first unit") && three.contains("With fewer than 20 units"));
     let mut none = sample::lot(1, 0.0);
     none.units[0].axes.clear();

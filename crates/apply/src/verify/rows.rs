@@ -64,10 +64,11 @@ impl Sink for Taking<'_> {
             let times = rows.time_s.iter().zip(rows.temperature).zip(&rows.values[taken.column]);
             for (row, ((time_s, temperature), rate)) in (rows.first_row..).zip(times) {
                 let bias = taken.predictor.predict(*time_s, *temperature).bias;
-                while points.get(taken.point).is_some_and(|point| row >= point.rows.1) {
+                let rows_of = |point: usize| points.get(point).and_then(|point| point.rows);
+                while rows_of(taken.point).is_some_and(|(_, end)| row >= end) {
                     taken.point += 1;
                 }
-                let is_in = points.get(taken.point).is_some_and(|point| row >= point.rows.0);
+                let is_in = rows_of(taken.point).is_some_and(|(first, _)| row >= first);
                 if is_in && rate.is_finite() && bias.is_finite() {
                     let (sum, count) = &mut self.means[taken.axis][taken.point];
                     *sum += bias;

@@ -188,7 +188,7 @@ fn fit_axis(sensor: &Gathered, options: &FitOptions, axis: usize, judgement: &mu
         log: group.log,
         time_s: group.time_s,
         temperature: group.temperature,
-        rows: (group.first_row, group.end_row),
+        rows: Some((group.first_row, group.end_row)),
         rate: group.axes[axis].rate,
         residual: *residual,
     };

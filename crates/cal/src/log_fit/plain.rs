@@ -172,10 +172,8 @@ fn judge(residuals: &mut FoldResiduals<'_>, trace: &mut Trace, rows: &Rows<'_>, 
         if temperature.is_finite() && rate.is_finite() {
             let row = rows.first_row + place as u64;
             let residual = residuals.push(row, temperature, rate);
-            trace.push(
-                row,
-                &TracePoint { log: 0, time_s: rows.time_s[place], temperature, rows: (0, 0), rate, residual },
-            );
+            trace
+                .push(row, &TracePoint { log: 0, time_s: rows.time_s[place], temperature, rows: None, rate, residual });
         }
     }
 }

@@ -193,11 +193,39 @@ fn recording(groups: u32, back: bool, chamber_c: f64) -> Recording {
     Recording { info, rows, cut: false }
 }
 
-fn kinds_of(recording: &Recording) -> Vec<ReasonKind> {
+fn reasons_of(recording: &Recording) -> Vec<Reason> {
     let options = FitOptions { model: Model::Poly(2), ..FitOptions::default() };
     let source = Source::bytes("full-temperature.parquet", Vec::new());
-    let fit = fit_recording(recording, &source, &options);
-    fit.judgement.reasons.iter().map(|reason| reason.kind).collect()
+    fit_recording(recording, &source, &options).judgement.reasons
+}
+
+fn kinds_of(recording: &Recording) -> Vec<ReasonKind> {
+    reasons_of(recording).iter().map(|reason| reason.kind).collect()
+}
+
+fn texts_of(recording: &Recording) -> Vec<String> {
+    reasons_of(recording).into_iter().map(|reason| reason.text).collect()
+}
+
+/// What befell one axis is told of that one, whichever words tell it; of both, once, of both.
+#[test]
+fn every_reason_of_a_recording_names_its_axis_or_both() {
+    let without = |lost: &dyn Fn(&GroupRow) -> bool| {
+        let mut recording = recording(2400, true, 25.0);
+        recording.rows.retain(|row| !lost(row));
+        texts_of(&recording)
+    };
+    let ends = |from: u32| format!("the recording ends after {from} of its ramp's 4800 groups: the run was cut");
+    assert_eq!(without(&|row| row.axis == Axis::Y && row.group >= 4000), [format!("y: {}", ends(4000))]);
+    assert_eq!(without(&|row| row.group >= 4000), [format!("x, y: {}", ends(4000))]);
+    let each = without(&|row| row.group >= if row.axis == Axis::X { 4100 } else { 4000 });
+    assert_eq!(each, [format!("x: {}", ends(4100)), format!("y: {}", ends(4000))]);
+    let mut still = recording(2400, true, 25.0);
+    for row in still.rows.iter_mut().filter(|row| row.axis == Axis::X) {
+        (row.sums.temperature, row.sums.temperature_sq) = (9000, 9000 * 9000);
+    }
+    let told = texts_of(&still);
+    assert!(told.len() == 1 && told[0].starts_with("x: the temperature stays at 9000.00 counts"), "{told:?}");
 }
 
 #[test]
@@ -219,11 +247,11 @@ fn groups_in_any_order_are_one_ramp_and_those_that_repeat_or_miss_are_told() {
     assert_eq!(RampMeans::of(&backwards, Axis::X), RampMeans::of(&whole, Axis::X));
     let mut twice = whole.clone();
     twice.rows.extend_from_slice(&whole.rows[..2]);
-    assert_eq!(kinds_of(&twice), [ReasonKind::LostGroups; 2]);
+    assert_eq!(kinds_of(&twice), [ReasonKind::LostGroups]);
+    assert!(texts_of(&twice)[0].starts_with("x, y: 1 of 4801 groups have a number that another has"));
     let mut holed = whole;
     holed.rows.drain(1000..1200);
-    let fit = fit_recording(&holed, &Source::bytes("full-temperature.parquet", Vec::new()), &FitOptions::default());
-    let told: Vec<&str> = fit.reasons().collect();
+    let told = texts_of(&holed);
     assert!(told[0].contains("4700 of its ramps' 4800 groups are there: the others were lost"), "{told:?}");
 }
 

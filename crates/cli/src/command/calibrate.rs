@@ -40,12 +40,12 @@ use self::looked_on::LookedOn;
 use self::operator::AtTerminal;
 use self::real::Instruments;
 use super::{Outcome, unless_gone};
-use crate::interrupt;
 use crate::looking_on::{self, LookingOn};
 use crate::notify::Notice;
 use crate::plant::Plant;
 use crate::progress;
 use crate::screen;
+use crate::{interrupt, labels};
 
 /// Run the whole experiment, simulated or on a real board: ramp, fit, trim, compensate, verify, report
 ///
@@ -208,6 +208,7 @@ impl Calibrate {
             Some(file) => SetUp::read(file)?,
             None => kind.setup(),
         };
+        labels::tell_doubts(&setup.labels);
         ensure!(
             !self.resume || self.out.exists(),
             "--resume: there is no {}, and so no run to go on with: give its folder (--out), or leave --resume out to begin one",

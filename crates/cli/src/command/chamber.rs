@@ -19,7 +19,7 @@ use self::progress::{Told, plan};
 use super::Outcome;
 use crate::notify::Notice;
 use crate::screen::Page;
-use crate::{interrupt, output, screen};
+use crate::{interrupt, labels, output, screen};
 
 /// Run a chamber through a profile, beside boards that log by themselves, and record where its air was
 ///
@@ -102,6 +102,7 @@ impl Chamber {
 
     fn carry_through(&self, profile: &Path, address: &Address, setup: &Path, out: &Path) -> Result<Outcome> {
         let setup = SetUp::read(setup)?;
+        labels::tell_doubts(&setup.labels);
         let profile_file = profile;
         let profile = Profile::read(profile, setup.chamber.limits_c)?;
         output::check("--out", out, &[profile_file])?;

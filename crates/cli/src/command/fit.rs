@@ -24,7 +24,7 @@ use self::beside::Beside;
 use super::{Outcome, Typed};
 use crate::log_arguments::{LogArguments, ShownUnits};
 use crate::progress::Busy;
-use crate::{output, screen};
+use crate::{labels, output, screen};
 
 /// Fit the drift of a log: rate over temperature, recorded at rest
 ///
@@ -111,6 +111,7 @@ impl Fit {
         let places = self.places();
         let files = [("--out", &places.out), ("--record", &self.record), ("--report", &places.report)];
         output::check_all(&files.map(|(option, path)| (option, path.as_deref())), &logs)?;
+        labels::tell_doubts(&self.labels());
         let busy = Busy::reading(logs[0]);
         let options = FitOptions { told_in: self.units.asked(), ..self.log.options() };
         let fit = fitted(&self.log.sources(), &options)?;

@@ -10,9 +10,9 @@ use serde::Serialize;
 use zerorate_bench::setup::{ControllerTable, SetUp, SupplyTable};
 
 use super::Outcome;
+use crate::labels;
 use crate::plant::Plant;
-use crate::screen;
-use crate::screen::Page;
+use crate::screen::{self, Page};
 
 /// Print a set-up file, or check one
 ///
@@ -53,6 +53,7 @@ struct Checked<'a> {
     file: &'a std::path::Path,
     sound: bool,
     unreachable: Vec<String>,
+    doubtful_labels: Vec<String>,
     differences: Vec<fields::Difference>,
 }
 
@@ -78,8 +79,10 @@ impl Setup {
     fn check(&self, file: &std::path::Path) -> Result<()> {
         let setup = SetUp::read(file)?;
         let (differences, unreachable) = (fields::differences(&setup)?, setup.unreachable());
+        let doubtful_labels = labels::doubts(&setup.labels);
         if self.json {
-            return screen::print_json(&Checked { schema: 1, file, sound: true, unreachable, differences });
+            let checked = Checked { schema: 1, file, sound: true, unreachable, doubtful_labels, differences };
+            return screen::print_json(&checked);
         }
         let mut page = Page::default();
         let found = if unreachable.is_empty() {
@@ -101,6 +104,10 @@ impl Setup {
         if !unreachable.is_empty() {
             page.heading("Few can do, if any");
             unreachable.iter().for_each(|sentence| page.sentence("  - ", sentence));
+        }
+        if !doubtful_labels.is_empty() {
+            page.heading("To look at");
+            doubtful_labels.iter().for_each(|sentence| page.sentence("  - ", sentence));
         }
         page.print()
     }

@@ -91,3 +91,25 @@ fn what_is_no_set_up_is_named_by_line() {
     zerorate(folder.path(), &check).is_error(&["bench.toml, line 2: invalid type: string \"cold\", expected f64"]);
     zerorate(folder.path(), &["setup", "--check", "nothing.toml"]).is_error(&["nothing.toml", "No such file"]);
 }
+
+#[test]
+fn a_label_that_should_be_a_date_and_can_be_none_is_told_where_it_is_typed() {
+    let labels =
+        "[labels]\noperator = \"A. N.\"\nchamber_calibrated = \"last spring\"\nsupply_calibrated = \"9999-12-31\"\n";
+    let folder = folder_with("bench.toml", labels);
+    let doubts = [
+        "label chamber_calibrated = \"last spring\": this is no date, as 2026-02-01",
+        "label supply_calibrated = \"9999-12-31\": this is in the future",
+    ];
+    let checked = zerorate(folder.path(), &["setup", "--check", "bench.toml"]);
+    assert_eq!(checked.code, 0);
+    checked.says(&doubts);
+    let json = zerorate(folder.path(), &["setup", "--check", "bench.toml", "--json"]).json();
+    assert_eq!(json["doubtful_labels"], serde_json::json!(doubts));
+    let run = zerorate(folder.path(), &["calibrate", "--setup", "bench.toml"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    assert!(doubts.iter().all(|doubt| run.err.contains(doubt)), "{}", run.err);
+    let sound = folder_with("bench.toml", "[labels]\nchamber_calibrated = \"2025-02-01\"\n");
+    let checked = zerorate(sound.path(), &["setup", "--check", "bench.toml"]);
+    assert!(!checked.out.contains("label chamber_calibrated ="), "{}", checked.out);
+}

@@ -34,7 +34,12 @@ impl Export {
             Ok(exported) => {
                 say!("Calibration:   {}", exported.calibration.display());
                 say!("Device record: {}", exported.record.display());
-                say!("The fit agrees with its row to {:.0e} of its range", exported.disagreement);
+                if exported.disagreement > 0.0 {
+                    say!("The fit agrees with its row to {:.0e} of its range", exported.disagreement);
+                } else {
+                    say!("The fit is its row's");
+                }
+                exported.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
                 Ok(Outcome::Done)
             }
             Err(error @ ExportError::Rejected { .. }) => {

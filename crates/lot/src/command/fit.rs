@@ -6,13 +6,17 @@ use std::time::Duration;
 
 use anyhow::Result;
 use clap::Args;
+use zerorate_cal::quality::{Reason, Verdict};
+use zerorate_cal::ramp_fit::verdict_of;
 use zerorate_fit::model::Model;
 use zerorate_lot::engine::{Address, Cluster, Engine};
 use zerorate_lot::run::{FitRun, JudgedUnit, Summary};
+use zerorate_report::number::counted;
+use zerorate_report::{alike, few};
 
 use super::{Outcome, bar, wait};
 
-/// Rejected units and skipped files shown at most; --json has all.
+/// Lines of a list shown at most; --json has all.
 const SHOWN: usize = 40;
 
 /// Fit every recording of a lot: one row a unit and axis
@@ -87,19 +91,21 @@ impl Fit {
             // Programs read parameters' own names.
             _ = writeln!(io::stdout(), "{}", serde_json::to_string_pretty(&summary)?);
         } else {
-            print(&summary);
+            print(&summary, self.allow_narrow);
         }
         let clean = summary.rejected.is_empty() && summary.skipped.is_empty();
         Ok(if clean { Outcome::Done } else { Outcome::Rejected })
     }
 }
 
-fn print(summary: &Summary) {
+fn print(summary: &Summary, narrow: bool) {
     let Summary { units, fits, reused, warnings, warned, rejected, skipped, .. } = summary;
-    say!("{units} units, {fits} fits in {:.1} s ({reused} units were done before)", summary.seconds);
-    say!("{warnings} with warnings, {} rejected, {} files skipped", rejected.len(), skipped.len());
+    let (seconds, files) = (summary.seconds, counted(skipped.len(), "file"));
+    say!("{}, {} in {seconds:.1} s ({reused} done before)", counted(*units, "unit"), counted(*fits, "fit"));
+    say!("{warnings} with warnings, {} rejected, {files} skipped", rejected.len());
     if summary.other_procedures > 0 {
-        say!("{} recordings of other procedures passed over", summary.other_procedures);
+        let others = usize::try_from(summary.other_procedures).unwrap_or(usize::MAX);
+        say!("{} of other procedures passed over", counted(others, "recording"));
     }
     if let (Some(median), Some(worst)) = (summary.median_held_out_rms_counts, &summary.worst) {
         say!(
@@ -109,29 +115,42 @@ fn print(summary: &Summary) {
             worst.axis
         );
     }
-    judged("Rejected", rejected);
-    judged("With warnings", warned);
-    if !skipped.is_empty() {
-        say!("\nSkipped");
-    }
-    for file in skipped.iter().take(SHOWN) {
-        say!("  {}: {}", file.file, file.reason);
-    }
-    let left: usize =
-        [rejected.len(), warned.len(), skipped.len()].iter().map(|count| count.saturating_sub(SHOWN)).sum();
-    if left > 0 {
-        say!("\nand {left} more: --json has all");
+    let mut looked_at: Vec<&JudgedUnit> = rejected.iter().chain(warned).collect();
+    looked_at.sort_by_key(|unit| (&unit.serial, &unit.file));
+    let reject = |reason: &Reason| verdict_of(reason, narrow) == Verdict::Rejected;
+    let why = rejected.iter().map(|unit| {
+        let reasons = unit.reasons.iter().filter(|reason| reject(reason)).map(|reason| reason.text.as_str());
+        format!("{} ({}): {}", unit.serial, unit.file, reasons.collect::<Vec<_>>().join("; "))
+    });
+    let lists = [
+        ("Rejected", why.collect()),
+        ("Warnings", told(&looked_at, *units, &|reason| verdict_of(reason, narrow) == Verdict::Warning)),
+        ("Skipped", skipped.iter().map(|file| format!("{}: {}", file.file, file.reason)).collect::<Vec<_>>()),
+    ];
+    for (heading, lines) in lists.iter().filter(|(_, lines)| !lines.is_empty()) {
+        say!("\n{heading}");
+        lines.iter().take(SHOWN).for_each(|line| say!("  {line}"));
+        if lines.len() > SHOWN {
+            say!("  and {} more: `json` has all", lines.len() - SHOWN);
+        }
     }
     say!("\nWritten: {}", summary.models.display());
     say!("To look at it: zerorate lot report {}", summary.models.display());
 }
 
-fn judged(heading: &str, units: &[JudgedUnit]) {
-    if !units.is_empty() {
-        say!("\n{heading}");
-    }
-    for unit in units.iter().take(SHOWN) {
-        let reasons: Vec<&str> = unit.reasons.iter().map(|reason| reason.text.as_str()).collect();
-        say!("  {} ({}): {}", unit.serial, unit.file, reasons.join("; "));
-    }
+/// What there is to look at; what several units are told in the same words is said once.
+fn told(units: &[&JudgedUnit], all: usize, of: &dyn Fn(&Reason) -> bool) -> Vec<String> {
+    let each = units.iter().flat_map(|&unit| {
+        let reasons = unit.reasons.iter().filter(|reason| of(reason));
+        reasons.map(move |reason| (unit, reason.text.clone()))
+    });
+    let line = |(text, units): (String, Vec<&JudgedUnit>)| match units.as_slice() {
+        [unit] => format!("{} ({}): {text}", unit.serial, unit.file),
+        several if several.len() == all => format!("all {all} units: {text}"),
+        several => {
+            let serials: Vec<&str> = several.iter().map(|unit| unit.serial.as_str()).collect();
+            format!("{} units ({}): {text}", several.len(), few(&serials))
+        }
+    };
+    alike(each).into_iter().map(line).collect()
 }

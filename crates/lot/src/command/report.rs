@@ -8,6 +8,7 @@ use clap::Args;
 use zerorate_bench::whole_file::write_whole;
 use zerorate_lot::{out, report};
 use zerorate_report::LotReport;
+use zerorate_report::number::counted;
 
 use super::{Outcome, tell, wait};
 
@@ -45,11 +46,17 @@ impl Report {
         write_whole(&self.out, report.to_html().as_bytes())
             .with_context(|| format!("{}: cannot be written", self.out.display()))?;
         report.undrawn_notes().iter().for_each(|sentence| tell(&format!("note: {sentence}")));
-        let units = report.units.len();
-        let noun = if units == 1 { "unit" } else { "units" };
-        say!("{units} {noun}, {} pass, {} rejected", report.passed(), report.rejected());
+        let outside = Some(report.outside()).filter(|_| !report.limits.is_empty());
+        let outside = outside.map(|units| format!(", {units} outside the limits")).unwrap_or_default();
+        let (units, warned) = (counted(report.units.len(), "unit"), report.warned());
+        say!("{units}, {} pass, {} rejected{outside}, {warned} with warnings", report.passed(), report.rejected());
+        match &report.beside {
+            Some(beside) if beside.skipped.is_empty() => {}
+            Some(beside) => say!("{} skipped: the page says why", counted(beside.skipped.len(), "file")),
+            None => tell("note: which files were skipped is not told: an earlier version fitted them"),
+        }
         say!("Written: {}", self.out.display());
-        let all = report.passed() == report.units.len();
+        let all = report.passed() == report.units.len() && report.skipped().is_empty();
         Ok(if all { Outcome::Done } else { Outcome::Rejected })
     }
 }

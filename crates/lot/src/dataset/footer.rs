@@ -68,7 +68,7 @@ fn damaged(error: &ParquetError) -> String {
 }
 
 /// What is read of a recording, with its types.
-static COLUMNS: [(&str, DataType); 11] = [
+static COLUMNS: [(&str, DataType); 12] = [
     ("group_number", DataType::UInt32),
     ("t_s", DataType::Float64),
     ("phase", DataType::Utf8),
@@ -79,6 +79,7 @@ static COLUMNS: [(&str, DataType); 11] = [
     ("temperature_counts", DataType::Float64),
     ("zro_counts", DataType::Float64),
     ("tap", DataType::UInt16),
+    ("chamber_c", DataType::Float64),
     ("status_bits", DataType::UInt16),
 ];
 

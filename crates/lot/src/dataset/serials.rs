@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use zerorate_cal::quality::{Reason, ReasonKind};
+use zerorate_report::few;
 
 use super::Found;
 
@@ -17,8 +18,8 @@ pub(super) fn judge(found: &mut [Found]) {
     }
     for (serial, places) in &of_serial {
         let others = |own: usize| -> String {
-            let files = places.iter().filter(|place| **place != own).map(|place| found[*place].file.clone());
-            files.collect::<Vec<_>>().join(", ")
+            let files = places.iter().filter(|place| **place != own).map(|place| found[*place].file.as_str());
+            few(&files.collect::<Vec<_>>())
         };
         let reasons: Vec<(usize, Option<Reason>)> =
             places.iter().map(|&own| (own, reason(serial, own, places, &named, by_name, &others))).collect();

@@ -10,7 +10,7 @@ use crate::table::Files;
 const SQL: &str = "
 SELECT file, axis = 'y' AS y, coalesce(group_number, \"group\") AS group_number, t_s, temperature_counts, zro_counts, n,
        coalesce(status_bits, flags) AS status_bits, tap,
-       phase IN ('heating', 'cooling') AND n > 0 AS used,
+       phase IN ('heating', 'cooling') AND n > 0 AS used, NOT isnan(chamber_c) AS driven,
        n > 0 AND coalesce(temperature_counts <> CAST(temperature_sum AS DOUBLE) / n
                           OR zro_counts <> CAST(zro_sum AS DOUBLE) / n, true) AS inconsistent
 FROM files";
@@ -20,6 +20,8 @@ FROM files";
 pub(super) struct Unit {
     /// The ramps of X and Y, in order.
     pub axes: [Vec<RampGroup>; 2],
+    /// Whether the bench drove the chamber: then a row tells its air.
+    pub driven: bool,
     /// Groups, of soaks too, whose means are not those of their sums.
     pub inconsistent: u64,
 }
@@ -36,10 +38,11 @@ pub(super) async fn gather(engine: &Engine, place: &Place, files: &[&Found]) -> 
         let (file, y, group, t_s) = (get("file")?, get("y")?, get("group_number")?, get("t_s")?);
         let (temperature, reading) = (get("temperature_counts")?, get("zro_counts")?);
         let (n, status_bits, tap) = (get("n")?, get("status_bits")?, get("tap")?);
-        let (used, inconsistent) = (get("used")?, get("inconsistent")?);
+        let (used, driven, inconsistent) = (get("used")?, get("driven")?, get("inconsistent")?);
         for row in 0..batch.num_rows() {
             let own = file[row] as usize;
             rows[own] += 1;
+            units[own].driven |= driven[row] > 0.5;
             units[own].inconsistent += count(inconsistent[row]);
             if used[row] > 0.5 {
                 units[own].axes[usize::from(y[row] > 0.5)].push(RampGroup {

@@ -15,6 +15,9 @@ use super::{ModelRow, SCHEMA_VERSION};
 /// Where the schema's version stands in the file's metadata.
 pub(super) const VERSION_KEY: &str = "zerorate.models_version";
 
+/// Where what is in no row stands there.
+pub(super) const BESIDE_KEY: &str = "zerorate.beside";
+
 /// A column of texts.
 struct Text {
     name: &'static str,
@@ -56,7 +59,7 @@ macro_rules! numbers {
     };
 }
 
-static TEXTS: [Text; 16] = texts! {
+static TEXTS: [Text; 17] = texts! {
     /// The unit's serial, as its recording has it.
     unit_serial;
     /// The axis: x or y.
@@ -77,6 +80,8 @@ static TEXTS: [Text; 16] = texts! {
     file;
     /// When the recording was written, RFC 3339.
     file_modified;
+    /// What its readings are known by: SHA-256 of the ramps' means; empty without a ramp.
+    readings_sha256;
     /// The model asked for.
     model_asked;
     /// The model fitted; empty without a fit.
@@ -128,8 +133,11 @@ pub(super) static NUMBERS: [Number; 16] = numbers! {
 
 const COEFFICIENTS: &str = "coefficients";
 
-/// Rows as a batch.
-pub(super) fn batch(rows: &[ModelRow]) -> Result<RecordBatch, ArrowError> {
+/// Columns that came later: in rows of before they are empty.
+const LATER: [&str; 1] = ["readings_sha256"];
+
+/// Rows as a batch, with what else there is to know of the lot.
+pub(super) fn batch(rows: &[ModelRow], beside: &str) -> Result<RecordBatch, ArrowError> {
     let mut fields = Vec::new();
     let mut arrays: Vec<ArrayRef> = Vec::new();
     for text in &TEXTS {
@@ -156,6 +164,7 @@ pub(super) fn batch(rows: &[ModelRow]) -> Result<RecordBatch, ArrowError> {
     let metadata = HashMap::from([
         (VERSION_KEY.to_owned(), SCHEMA_VERSION.to_string()),
         (COLUMNS_KEY.to_owned(), columns_told(&fields)),
+        (BESIDE_KEY.to_owned(), beside.to_owned()),
     ]);
     RecordBatch::try_new(Arc::new(Schema::new_with_metadata(fields, metadata)), arrays)
 }
@@ -165,7 +174,8 @@ pub(super) fn rows(batch: &RecordBatch) -> Result<Vec<ModelRow>, String> {
     let missing = |name: &str| format!("there is no column '{name}' of the right type");
     let column = |name: &str| batch.column_by_name(name).ok_or_else(|| missing(name));
     let mut rows = vec![ModelRow::default(); batch.num_rows()];
-    for text in &TEXTS {
+    let there = |text: &&Text| !LATER.contains(&text.name) || column(text.name).is_ok();
+    for text in TEXTS.iter().filter(there) {
         let values = column(text.name)?.as_string_opt::<i32>().ok_or_else(|| missing(text.name))?;
         rows.iter_mut().zip(values).for_each(|(row, value)| *(text.of_mut)(row) = value.unwrap_or_default().to_owned());
     }
@@ -190,8 +200,19 @@ mod tests {
     fn rows_read_back_as_they_were_written() {
         let mut row = ModelRow { unit_serial: "ZR-1".into(), coefficients: vec![1.0, -2.5], ..ModelRow::unfitted() };
         row.held_out_rms = 0.25;
-        let read = rows(&batch(&[row.clone()]).unwrap()).unwrap().remove(0);
+        let read = rows(&batch(&[row.clone()], "").unwrap()).unwrap().remove(0);
         assert_eq!((&read.unit_serial, &read.coefficients), (&row.unit_serial, &row.coefficients));
         assert!((read.held_out_rms - 0.25).abs() < 1e-15 && read.in_sample_rms.is_nan());
+    }
+
+    #[test]
+    fn rows_of_before_a_column_are_read_without_it() {
+        let row = ModelRow { unit_serial: "ZR-1".into(), readings_sha256: "ab".into(), ..ModelRow::unfitted() };
+        let mut batch = batch(&[row], "").unwrap();
+        batch.remove_column(batch.schema().index_of("readings_sha256").unwrap());
+        let read = rows(&batch).unwrap().remove(0);
+        assert_eq!((read.unit_serial.as_str(), read.readings_sha256.as_str()), ("ZR-1", ""));
+        batch.remove_column(batch.schema().index_of("axis").unwrap());
+        assert!(rows(&batch).unwrap_err().contains("'axis'"));
     }
 }

@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
-use zerorate_cal::quality::{Reason, ReasonKind, Verdict};
+use zerorate_cal::quality::{Reason, ReasonKind};
 
 use super::{RunError, parts};
 use crate::dataset::Found;
-use crate::models::{self, ModelRow};
+use crate::models::{self, Beside, ModelRow};
 
 /// Rows of earlier runs by their recording, and the place for this one's.
 pub(super) struct Earlier {
@@ -70,7 +70,8 @@ impl Earlier {
     /// The rows of a recording that was fitted as it is now.
     pub(super) fn take(&mut self, found: &Found) -> Option<Vec<ModelRow>> {
         let now = state(found);
-        let same = |row: &ModelRow| state_of(row) == now;
+        // Of rows of an earlier version nobody knows whether they are of a copy.
+        let same = |row: &ModelRow| state_of(row) == now && !row.readings_sha256.is_empty();
         let mut rows = self.rows.remove(&found.file).filter(|rows| rows.len() == 2 && rows.iter().all(same))?;
         rows.iter_mut().for_each(|row| rejudge(row, found.serial_reason.as_ref()));
         rows.sort_by(|a, b| a.axis.cmp(&b.axis));
@@ -79,7 +80,7 @@ impl Earlier {
 
     /// Keeps a batch of this run.
     pub(super) fn keep(&mut self, rows: &[ModelRow]) -> Result<(), RunError> {
-        models::write(&self.folder.join(format!("part-{:06}.parquet", self.next)), rows)?;
+        models::write(&self.folder.join(format!("part-{:06}.parquet", self.next)), rows, &Beside::default())?;
         self.next += 1;
         Ok(())
     }
@@ -101,22 +102,12 @@ pub(super) fn state_of(row: &ModelRow) -> (String, u64) {
     (row.file_modified.clone(), row.file_bytes.to_bits())
 }
 
-/// What a serial is judged by are the other files, which may have changed since.
+/// What is judged by the other files, which may have changed since: a serial anew, copies when all rows are there.
 fn rejudge(row: &mut ModelRow, serial: Option<&Reason>) {
-    let of_serial = |reason: &Reason| matches!(reason.kind, ReasonKind::WrongSerial | ReasonKind::DuplicateSerial);
-    let earlier = row.reason_list();
-    if earlier.iter().find(|reason| of_serial(reason)) == serial {
-        return;
-    }
-    let narrow = row.model_asked.ends_with(" narrow");
-    let mut reasons: Vec<Reason> = earlier.into_iter().filter(|reason| !of_serial(reason)).collect();
-    reasons.extend(serial.cloned());
-    let verdict = reasons.iter().map(|reason| match reason.kind {
-        ReasonKind::NarrowSpan if narrow => Verdict::Warning,
-        kind => kind.verdict(),
-    });
-    row.verdict = verdict.max().unwrap_or(Verdict::Good).name().to_owned();
-    row.reasons = serde_json::to_string(&reasons).unwrap_or_default();
+    let by_others = [ReasonKind::WrongSerial, ReasonKind::DuplicateSerial, ReasonKind::Copied];
+    let own = row.reason_list().into_iter().filter(|reason| !by_others.contains(&reason.kind));
+    let reasons: Vec<Reason> = own.chain(serial.cloned()).collect();
+    row.judge(&reasons);
 }
 
 #[cfg(test)]
@@ -130,7 +121,8 @@ mod tests {
         let mut row = ModelRow { reasons: serde_json::to_string(&[&twice]).unwrap(), ..ModelRow::default() };
         rejudge(&mut row, None);
         assert_eq!((row.verdict.as_str(), row.reason_list().len()), ("good", 0));
-        row.reasons = serde_json::to_string(&[&cut]).unwrap();
+        let copied = Reason::new(ReasonKind::Copied, "copied");
+        row.reasons = serde_json::to_string(&[&cut, &copied]).unwrap();
         rejudge(&mut row, Some(&twice));
         assert_eq!((row.verdict.as_str(), row.reason_list()), ("rejected", vec![cut, twice]));
     }

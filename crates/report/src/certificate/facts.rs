@@ -2,14 +2,11 @@
 
 use maud::{Markup, html};
 use zerorate_board_run::folder::{BoardRun, POWER};
-use zerorate_cal::recording::{GroupRow, Phase};
+use zerorate_cal::recording::{CALIBRATED, GroupRow, Phase};
 use zerorate_core::units::Axis;
 
 use crate::number::{fixed, significant};
 use crate::page;
-
-/// What a label is called that says when an instrument was calibrated, behind the instrument's own label.
-const CALIBRATED: &str = "_calibrated";
 
 /// The labels by which a bench names its instruments.
 const INSTRUMENTS: [&str; 2] = ["chamber", "supply"];

@@ -145,8 +145,8 @@ impl Drawn {
         let has = |wanted: fn(&Mark) -> bool| self.panels.iter().flat_map(|panel| &panel.marks).any(wanted);
         let name = |place: usize| sound(report).find_map(|unit| unit.axes.get(place)).map(|axis| axis.name.clone());
         let axes = [Ink::X, Ink::Y].into_iter().enumerate();
-        let mut key: Vec<_> =
-            axes.filter_map(|(place, ink)| name(place).map(|name| (ink, Sample::Line, name))).collect();
+        let sample = if has(|mark| matches!(mark, Mark::Line(..))) { Sample::Line } else { Sample::Dot };
+        let mut key: Vec<_> = axes.filter_map(|(place, ink)| name(place).map(|name| (ink, sample, name))).collect();
         if has(|mark| matches!(mark, Mark::Limit(..))) {
             key.push((Ink::Limit, Sample::Line, "limit".into()));
         }

@@ -118,6 +118,7 @@ mod tests {
             station: "chamber-1".into(),
             day: 0.0,
             rejected: Vec::new(),
+            warned: Vec::new(),
             axes: vec![LotAxis { name: "X".into(), values: [value; 5] }],
         };
         LotReport {
@@ -127,6 +128,7 @@ mod tests {
             limits: vec![READING],
             worst: Vec::new(),
             undrawn: Vec::new(),
+            beside: None,
         }
     }
 

@@ -1,6 +1,6 @@
 //! An invented lot: most units alike, a few outside their limits, a few rejected.
 
-use zerorate_report::{LotAxis, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
+use zerorate_report::{LotAxis, LotBeside, LotLimit, LotReport, LotUnit, Quantity, WorstUnit};
 
 use super::{log, noise};
 
@@ -27,6 +27,7 @@ fn unit(number: u32, days: f64) -> LotUnit {
         station: format!("chamber-{}", number % 3 + 1),
         day: days * f64::from(number),
         rejected: if number % 50 == 17 { vec!["the run ended before its ramp did".into()] } else { Vec::new() },
+        warned: if number % 40 == 3 { vec!["the temperature only rises".into()] } else { Vec::new() },
         axes: [(0, "X"), (1, "Y")].map(axis).into(),
     }
 }
@@ -53,6 +54,10 @@ pub fn lot(units: u32, days: f64) -> LotReport {
     LotReport {
         source: "models.parquet".into(),
         model: "poly:2".into(),
+        beside: Some(LotBeside {
+            skipped: vec![("notes.txt".into(), "not a recording: not a Parquet file".into())],
+            other_procedures: 2,
+        }),
         undrawn: units.iter().filter(|unit| unit.rejected.is_empty()).skip(1).take(9).map(gone).collect(),
         worst: worst.into_iter().collect(),
         units,
