@@ -197,7 +197,7 @@ pub struct LogLeft {
 /// Which of the candidates `auto` takes, for people: the last, or a cubic.
 pub const HOW_AUTO_CHOOSES: &str = "the last one, whose curve and memories are as strong as the data say, if it leaves, zeroed, \
     at most 5 % more than poly:3 and than the cubic that autopilots get of it. Else a cubic is taken: poly:3 + time \
-    where a drift in time was found, or poly:3. Held out, cold end and hot end decide nothing. On a board's ramp only temperatures \
+    where a drift in time was found, or poly:3. No other figure decides. On a board's ramp only temperatures \
     between those of the other folds count";
 
 /// Which of the candidates is taken where every row counts once, for people.
