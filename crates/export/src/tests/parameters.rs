@@ -237,8 +237,13 @@ fn a_model_is_named_as_its_fit_names_it_and_what_no_format_holds_is_told() {
 fn a_cubic_that_is_better_than_the_model_is_not_told_as_a_loss() {
     let (model, cubic) = ("table:16".to_owned(), Cubic { reference: 0.0, coefficients: [0.0; 4], range: [0.0, 1.0] });
     let cost = |chosen_rms, cubic_rms| {
-        let loss =
-            Loss { chosen_rms: Some(chosen_rms), cubic_rms: Some(cubic_rms), furthest: 0.0, over_whole_log: true };
+        let loss = Loss {
+            chosen_rms: Some(chosen_rms),
+            cubic_rms: Some(cubic_rms),
+            furthest: 0.0,
+            over_whole_log: true,
+            chosen_by: None,
+        };
         let (name, measured) = ("x".to_owned(), cubic.range);
         ExportedAxis { name, model: model.clone(), cubic: cubic.clone(), loss, has_history: false, measured }
             .cost(RateScale::own(RateUnit::RadPerS))
