@@ -10,7 +10,7 @@
 use std::fmt::Write as _;
 
 use super::sensors::{LETTERS, of_another_autopilot, remarks, sensors};
-use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, origin, to_know};
+use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, origin, to_know_of_cubics};
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::log::SensorKind;
 
@@ -38,7 +38,7 @@ pub(super) fn write(
         "the format holds no constant: what is exported is the drift from one temperature to another".to_owned(),
     ];
     notes.extend(of_another_autopilot(calibration, imu_logs::Format::DataFlash));
-    notes.extend(to_know(calibration));
+    notes.extend(to_know_of_cubics(calibration, &sensors));
     let mut text = String::new();
     let mut imus: Vec<u8> = sensors.iter().map(|sensor| sensor.instance).collect();
     imus.sort_unstable();

@@ -28,6 +28,22 @@ fn notes(calibration: &Calibration, format: Format) -> String {
     export(calibration, format, &options).unwrap().notes.join("\n")
 }
 
+#[test]
+fn that_something_does_not_help_is_said_of_what_is_exported() {
+    let cubics = [Format::Px4, Format::ArduPilot, Format::MethodicConfigurator, Format::Json];
+    let (by_model, by_cubic) = (left(2e-3, 0.5e-3), left(0.5e-3, 2e-3));
+    for format in cubics {
+        let (helps, harms) = (notes(&by_model, format), notes(&by_cubic, format));
+        assert!(!helps.contains("do not use it"), "{format}: {helps}");
+        let told = "a device that takes this cubic off has 2.000 mrad/s rms left of data that were not fitted, and 1.000 without it: do not use it";
+        assert!(harms.contains(told), "{format}: {harms}");
+    }
+    for format in [Format::C, Format::Csv] {
+        assert!(notes(&by_model, format).contains("takes table:16 off"), "{format}: {}", notes(&by_model, format));
+        assert!(!notes(&by_cubic, format).contains("do not use it"), "{format}: {}", notes(&by_cubic, format));
+    }
+}
+
 /// Of the whole log the cubic leaves 30 % less, of folds the model 10 %: the model is chosen, and the text says why.
 #[test]
 fn a_model_that_was_chosen_by_another_figure_than_is_told_says_so() {
@@ -53,4 +69,17 @@ fn a_model_that_was_chosen_by_another_figure_than_is_told_says_so() {
     assert!(told.contains("of these it leaves 0.09000 mrad/s and the cubic 0.1000. Another run"), "{told}");
     // By the same figures nothing is to be explained.
     assert!(!with(folds(2e-4, 1e-4)).contains("was chosen all the same"));
+}
+
+#[test]
+fn after_a_log_of_one_direction_what_a_cubic_costs_is_told_of_that_direction() {
+    let one_way = |mut own: Calibration| {
+        own.warnings = vec!["the temperature only rises: the log says nothing of hysteresis, and more".to_owned()];
+        own
+    };
+    let words = "told of runs that go the way of this log";
+    assert!(notes(&one_way(left(0.2e-3, 0.5e-3)), Format::Px4).contains(words));
+    // A cubic that costs nothing, and a log of both directions.
+    assert!(!notes(&one_way(left(0.5e-3, 0.2e-3)), Format::Px4).contains(words));
+    assert!(!notes(&left(0.2e-3, 0.5e-3), Format::Px4).contains(words));
 }
