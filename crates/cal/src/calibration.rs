@@ -191,6 +191,11 @@ impl Calibration {
         self.axes.iter().filter_map(|(name, axis)| axis.no_gain(name, self.told_in))
     }
 
+    /// The same of what autopilots are given: of the cubics.
+    pub fn no_gains_of_cubics(&self) -> impl Iterator<Item = String> {
+        self.axes.iter().filter_map(|(name, axis)| axis.no_gain_of_cubic(name, self.told_in))
+    }
+
     /// The file's text.
     ///
     /// # Errors

@@ -114,7 +114,7 @@ fn level(points: &[TracePoint]) -> Vec<TracePoint> {
 }
 
 /// What the log does not hold, and why, a sentence each: `x, y: thermal hysteresis cannot be told: the log holds one direction ...`.
-pub fn missing<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Characteristics)>) -> Vec<String> {
+fn missing<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Characteristics)>) -> Vec<String> {
     together(axes.into_iter().flat_map(|(name, found)| {
         let [hysteresis, ramp] = [found.hysteresis.as_ref().err(), found.ramp_sensitivity.as_ref().err()];
         let of_each = [("thermal hysteresis", hysteresis), ("ramp sensitivity", ramp)].into_iter();
@@ -135,7 +135,7 @@ fn together<'a>(told: impl IntoIterator<Item = (&'a str, String)>) -> Vec<String
 }
 
 /// Where an Allan curve is a filter's at its short end, a sentence for all axes of one averaging time.
-pub fn filtered<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Allan)>) -> Vec<String> {
+fn filtered<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Allan)>) -> Vec<String> {
     together(axes.into_iter().filter_map(|(name, allan)| {
         let sentence = format!(
             "at averaging times below {:.1} s samples resemble their neighbours, as behind a filter; N, B and K are read from there on",
@@ -146,8 +146,7 @@ pub fn filtered<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Allan)>) -> Vec
 }
 
 /// How many samples were left out of each axis's noise, a sentence for all axes of as many.
-#[must_use]
-pub fn left_out(axes: &[AxisNoise]) -> Vec<String> {
+fn left_out(axes: &[AxisNoise]) -> Vec<String> {
     together(axes.iter().filter(|axis| axis.left_out > 0).map(|axis| {
         let of = match axis.left_out {
             1 => "1 row was left out, its rate far from its neighbours".to_owned(),
@@ -162,8 +161,7 @@ pub fn left_out(axes: &[AxisNoise]) -> Vec<String> {
 const LEAST_OF_STEP: f64 = 0.66;
 
 /// Where rates come in steps as large as their noise, a sentence for all axes.
-#[must_use]
-pub fn coarse(axes: &[AxisNoise]) -> Vec<String> {
+fn coarse(axes: &[AxisNoise]) -> Vec<String> {
     together(axes.iter().filter_map(|axis| {
         let allan = axis.noise.as_ref().ok()?;
         let of_a_row = allan.coefficients.angle_random_walk.value()? / allan.period_s.sqrt();
@@ -178,8 +176,32 @@ pub fn coarse(axes: &[AxisNoise]) -> Vec<String> {
     }))
 }
 
+/// What is to be known of some axes' noise, a sentence each, and why an axis has none.
+#[must_use]
+pub fn told_of_noise(axes: &[AxisNoise]) -> Vec<String> {
+    let allans = axes.iter().filter_map(|axis| Some((axis.name.as_str(), axis.noise.as_ref().ok()?)));
+    let told = filtered(allans.clone()).into_iter().chain(trended(allans)).chain(left_out(axes)).chain(coarse(axes));
+    let mut reasons: Vec<&str> = Vec::new();
+    let none = axes.iter().filter_map(|axis| {
+        let why = axis.noise.as_ref().err()?;
+        let is_new = !reasons.contains(&why.as_str());
+        reasons.push(why);
+        is_new.then(|| format!("{}: {why}", axis.name))
+    });
+    told.chain(none).collect()
+}
+
+/// What is to be known of some axes' sensitivities, a sentence each.
+pub fn told_of_sensitivities<'a>(
+    axes: impl IntoIterator<Item = (&'a AxisFit, &'a Characteristics)> + Clone,
+    asked: Option<WrittenRate>,
+) -> Vec<String> {
+    let missing = missing(axes.clone().into_iter().map(|(axis, found)| (axis.name.as_str(), found)));
+    doubtful(axes, asked).into_iter().chain(missing).collect()
+}
+
 /// Where an Allan curve rises by a smooth trend, a sentence for all axes.
-pub fn trended<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Allan)>) -> Vec<String> {
+fn trended<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Allan)>) -> Vec<String> {
     let told = axes.into_iter().filter(|(_, allan)| allan.smooth_trend);
     together(told.map(|(name, _)| {
         let sentence = "the rate has a smooth trend in time or with the temperature, as while a gyro warms up; B and K are of what it \
@@ -189,7 +211,7 @@ pub fn trended<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Allan)>) -> Vec<
 }
 
 /// Where hysteresis may be a drift in time, a sentence each; and of one cycle in any case.
-pub fn doubtful<'a>(
+fn doubtful<'a>(
     axes: impl IntoIterator<Item = (&'a AxisFit, &'a Characteristics)>,
     asked: Option<WrittenRate>,
 ) -> Vec<String> {

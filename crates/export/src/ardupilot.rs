@@ -2,18 +2,23 @@
 //!
 //! ardupilot, `libraries/AP_InertialSensor/AP_InertialSensor_tempcal.cpp`: with `x` the temperature clamped to TMIN..TMAX
 //! less 35 degrees, `P(x) = (c1 + (c2 + c3 x) x) x 1e-6`, rad/s or m/s^2; a reading becomes `reading - P(T) + P(CALTEMP)`,
-//! so a constant has no place in it: the gyros' offsets are found at every start. The file: a name and a value a line, with
-//! a space between, or a comma for the MethodicConfigurator; comments with #.
+//! so a constant has no place in it: the gyros' offsets are found at every start. The first three IMUs' parameters are
+//! `INS_TCAL1_` to `INS_TCAL3_`, those of the fourth and the fifth `INS4_TCAL_` and `INS5_TCAL_`
+//! (`AP_InertialSensor_Params.cpp`, at commit 2326212). The file: a name and a value a line, with a space between, or a comma for the
+//! MethodicConfigurator; comments with #.
 
 use std::fmt::Write as _;
 
 use super::sensors::{LETTERS, of_another_autopilot, remarks, sensors};
-use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, origin, to_know};
+use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, origin, to_know_of_cubics};
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::log::SensorKind;
 
 /// IMUs that ArduPilot has parameters for.
-const PLACES: u8 = 3;
+const PLACES: u8 = 5;
+
+/// Those whose parameters are counted within one group; the others have a group each.
+const TOGETHER: u8 = 3;
 
 /// `TEMP_REFERENCE`, degrees C.
 const REFERENCE_C: f64 = 35.0;
@@ -33,7 +38,7 @@ pub(super) fn write(
         "the format holds no constant: what is exported is the drift from one temperature to another".to_owned(),
     ];
     notes.extend(of_another_autopilot(calibration, imu_logs::Format::DataFlash));
-    notes.extend(to_know(calibration));
+    notes.extend(to_know_of_cubics(calibration, &sensors));
     let mut text = String::new();
     let mut imus: Vec<u8> = sensors.iter().map(|sensor| sensor.instance).collect();
     imus.sort_unstable();
@@ -46,8 +51,9 @@ pub(super) fn write(
     let has = |imu: u8, kind: SensorKind| sensors.iter().any(|sensor| (sensor.instance, sensor.kind) == (imu, kind));
     for sensor in sensors.iter().filter(|sensor| !has(sensor.instance, SensorKind::Accelerometer)) {
         notes.push(format!(
-            "no accelerometer of IMU {0} was calibrated: INS_TCAL{0}_ACC1_X to ACC3_Z stay as they are; set them to 0 unless they hold for the same range",
-            sensor.instance + 1
+            "no accelerometer of IMU {} was calibrated: {}_ACC1_X to ACC3_Z stay as they are; set them to 0 unless they hold for the same range",
+            sensor.instance + 1,
+            prefix(sensor.instance)
         ));
     }
     for sensor in &sensors {
@@ -59,6 +65,12 @@ pub(super) fn write(
     }
     text.push_str(&lines);
     Ok(Exported { text, sensors, notes })
+}
+
+/// What an IMU's parameters begin with.
+fn prefix(imu: u8) -> String {
+    let number = imu + 1;
+    if imu < TOGETHER { format!("INS_TCAL{number}") } else { format!("INS{number}_TCAL") }
 }
 
 /// Writes one IMU, and turns its cubics to the reference and range as they are written.
@@ -74,7 +86,7 @@ fn write_imu(
     if let Some(sensor) = sensors.first().filter(|sensor| sensor.instance >= PLACES) {
         return Err(ExportError::NoPlace { sensor: sensor.to_string(), format, places: PLACES });
     }
-    let prefix = format!("INS_TCAL{}", imu + 1);
+    let prefix = prefix(imu);
     let mut line = |name: String, value: String| {
         // Writing to a string cannot fail.
         let _ = writeln!(lines, "{prefix}_{name}{between}{value}");

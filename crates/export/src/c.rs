@@ -17,7 +17,7 @@ pub(super) fn write(calibration: &Calibration) -> Result<Exported, ExportError> 
         "bias = zr_bias(&ZR_AXES[i], temperature), or for an axis with terms zr_advance at every step and zr_bias_with_history; subtract it from the reading".to_owned(),
         "the same in integers, for processors without floating point: zr_int_bias, zr_int_advance, zr_int_bias_with_history".to_owned(),
     ];
-    notes.extend(to_know(calibration));
+    notes.extend(to_know(calibration, calibration.no_gains()));
     let mut text =
         "/* The drift of a gyroscope over temperature, for a microcontroller. C99, header only.\n".to_owned();
     for line in origin(calibration).iter().chain(&remarks(&axes)).chain(&notes) {

@@ -37,6 +37,10 @@ pub struct Loss {
     /// Whether both are of a whole log, as a device has it that takes its zero once; else of each held-out fold by itself, which is
     /// less.
     pub over_whole_log: bool,
+    /// The two of held-out folds, each with a zero of its own, by which the model was chosen; `None` where it was not, or where the
+    /// others are these.
+    #[serde(skip)]
+    pub chosen_by: Option<(f64, f64)>,
 }
 
 impl Cubic {
@@ -122,7 +126,9 @@ impl Loss {
         // What is deployed is compared, where a choice was nested: the history known, no drift in time.
         let whole = axis.fit.static_cubic.as_ref().and_then(|cubic| fit.deployed.zip(cubic.deployed));
         let whole = whole.map(|(chosen, cubic)| (chosen.rms, cubic.rms));
-        let deployed = whole.or_else(|| fit.nested.and_then(|nested| nested.deployed_warm.zip(nested.cubic_deployed)));
+        let by_folds = fit.nested.and_then(|nested| nested.deployed_warm.zip(nested.cubic_deployed));
+        let chosen_by = by_folds.filter(|_| whole.is_some() && fit.candidates.len() > 1);
+        let deployed = whole.or(by_folds);
         let held_out = || fit.held_out.map(|residual| residual.rms);
         let own = || axis.fit.static_cubic.as_ref()?.held_out.map(|residual| residual.rms);
         // A curve that is a cubic or less loses nothing; of the others the candidates tell.
@@ -136,7 +142,7 @@ impl Loss {
         let furthest = temperatures(min, max)
             .map(|temperature| (cubic.evaluate(temperature) - axis.drift().evaluate(temperature).0).abs())
             .fold(0.0, f64::max);
-        Self { chosen_rms, cubic_rms, furthest, over_whole_log: whole.is_some() }
+        Self { chosen_rms, cubic_rms, furthest, over_whole_log: whole.is_some(), chosen_by }
     }
 
     /// The same in another unit.
@@ -146,6 +152,7 @@ impl Loss {
             chosen_rms: scaled(self.chosen_rms),
             cubic_rms: scaled(self.cubic_rms),
             furthest: self.furthest * factor,
+            chosen_by: self.chosen_by.map(|(chosen, cubic)| (chosen * factor, cubic * factor)),
             ..self
         }
     }

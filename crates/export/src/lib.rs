@@ -223,9 +223,9 @@ fn origin(calibration: &Calibration) -> Vec<String> {
     lines
 }
 
-/// What to know of a calibration in whatever format: the axes that it does not help, and what a model may have and no format
-/// holds, and what was guessed of its log or is not in it.
-fn to_know(calibration: &Calibration) -> Vec<String> {
+/// What to know of a calibration in whatever format: the axes that what is exported does not help (`no_gains`), and what a model
+/// may have and no format holds, and what was guessed of its log or is not in it.
+fn to_know(calibration: &Calibration, no_gains: impl Iterator<Item = String>) -> Vec<String> {
     let drifts = calibration.axes.iter().filter(|(_, axis)| axis.fit.model.time_drift.is_some());
     let names: Vec<String> = drifts.map(|(name, _)| one_line(name)).collect();
     let left_out = (!names.is_empty()).then(|| {
@@ -238,8 +238,24 @@ fn to_know(calibration: &Calibration) -> Vec<String> {
     let of_the_log =
         calibration.warnings.iter().filter(|text| [TAKEN_AS, NO_HYSTERESIS].iter().any(|said| text.contains(said)));
     let of_the_log = of_the_log.map(|text| format!("of the log that was fitted: {}", one_line(text)));
-    calibration.no_gains().map(|text| one_line(&text)).chain(left_out).chain(of_the_log).collect()
+    no_gains.map(|text| one_line(&text)).chain(left_out).chain(of_the_log).collect()
 }
+
+/// The same of the cubics of its sensors. A log of one direction says nothing of a hysteresis: of a run that goes the other way too
+/// the model leaves it as the cubic does.
+fn to_know_of_cubics(calibration: &Calibration, sensors: &[ExportedSensor]) -> Vec<String> {
+    let mut notes = to_know(calibration, calibration.no_gains_of_cubics());
+    let cost = |axis: &ExportedAxis| axis.loss.cubic_rms > axis.loss.chosen_rms && axis.loss.chosen_rms.is_some();
+    let is_one_way = calibration.warnings.iter().any(|text| text.contains(NO_HYSTERESIS));
+    if is_one_way && sensors.iter().flat_map(|sensor| sensor.axes.iter().flatten()).any(cost) {
+        notes.push(ONE_WAY.to_owned());
+    }
+    notes
+}
+
+/// How far what a cubic costs holds after a log of one direction, for people.
+const ONE_WAY: &str = "how much more a cubic leaves than the model is told of runs that go the way of this log: of one that goes back as \
+    well both leave what differs between the ways, and the cubic is nearer to the model than is told";
 
 /// A text from outside as it may stand in a comment: nothing in it ends the comment or the line.
 fn one_line(text: &str) -> String {

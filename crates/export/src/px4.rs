@@ -8,7 +8,7 @@
 use std::fmt::Write as _;
 
 use super::sensors::{of_another_autopilot, remarks, sensors};
-use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, origin, to_know};
+use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, origin, to_know_of_cubics};
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::log::SensorKind;
 
@@ -25,7 +25,7 @@ pub(super) fn write(calibration: &Calibration, options: &ExportOptions) -> Resul
         "load it in QGroundControl (Vehicle Setup, Parameters, Tools, Load from file), reboot, then calibrate the gyros again: offsets that were found without the compensation would be counted twice".to_owned(),
     ];
     notes.extend(of_another_autopilot(calibration, imu_logs::Format::ULog));
-    notes.extend(to_know(calibration));
+    notes.extend(to_know_of_cubics(calibration, &sensors));
     let mut lines = String::new();
     for kind in [SensorKind::Gyro, SensorKind::Accelerometer] {
         if sensors.iter().any(|sensor| sensor.kind == kind) {

@@ -10,6 +10,7 @@ use zerorate_cal::calibration::{AxisCalibration, Calibration};
 use zerorate_cal::log::{Sensor, SensorKind};
 use zerorate_cal::matching::direction;
 use zerorate_cal::units::{RateScale, RateUnit, TemperatureUnit};
+use zerorate_fit::folds::TELLING;
 
 /// One sensor with up to three axes, in the autopilots' units: rad/s or m/s^2, degrees C.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -217,10 +218,26 @@ impl ExportedAxis {
         if self.has_history { " less its history (plays, lags)" } else { "" }
     }
 
+    /// Why a model was chosen of which this cubic leaves less of a whole log, a sentence: the choice is by one figure, and that is
+    /// another. `None` where the two say the same.
+    #[must_use]
+    pub fn why_it_was_chosen(&self, scale: RateScale) -> Option<String> {
+        let Loss { chosen_rms, cubic_rms, chosen_by, .. } = self.loss;
+        let ((model, cubic), chosen_rms, cubic_rms) = (chosen_by?, chosen_rms?, cubic_rms?);
+        (TELLING * cubic_rms < chosen_rms && model <= TELLING * cubic).then(|| {
+            format!(
+                "The model was chosen all the same, by held-out eighths of the log, each with a zero of its own: of these it leaves \
+                 {} and the cubic {}. Another run tells which of the figures is right (verify)",
+                scale.told(model),
+                scale.number(cubic)
+            )
+        })
+    }
+
     /// What the cubic costs, as a phrase.
     #[must_use]
     pub fn cost(&self, scale: RateScale) -> String {
-        let Loss { chosen_rms, cubic_rms, furthest, over_whole_log } = self.loss;
+        let Loss { chosen_rms, cubic_rms, furthest, over_whole_log, .. } = self.loss;
         let left = match over_whole_log {
             true => "rms of a whole log, held out, its zero taken at the start",
             false => "rms of held-out eighths of the log, zeroed",
@@ -247,9 +264,10 @@ impl ExportedAxis {
                     return costs;
                 }
                 format!(
-                    "{costs}; it is {} from the chosen curve{} at most",
+                    "{costs}; it is {} from the chosen curve{} at most{}",
                     scale.told(furthest),
-                    self.without_history()
+                    self.without_history(),
+                    self.why_it_was_chosen(scale).map(|why| format!(". {why}")).unwrap_or_default()
                 )
             }
             _ => format!(

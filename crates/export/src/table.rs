@@ -4,7 +4,7 @@ use serde::Serialize;
 use zerorate_core::drift::{Coverage, Drift};
 
 use super::sensors::sensors;
-use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, one_line, to_know};
+use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, one_line, to_know, to_know_of_cubics};
 use zerorate_cal::calibration::{AxisCalibration, CREATED_BY, Calibration, Origin};
 use zerorate_cal::units::TemperatureUnit;
 
@@ -30,7 +30,7 @@ struct Form<'a> {
 
 pub(super) fn write_json(calibration: &Calibration, options: &ExportOptions) -> Result<Exported, ExportError> {
     let sensors = sensors(calibration, options, Format::Json)?;
-    let notes = to_know(calibration);
+    let notes = to_know_of_cubics(calibration, &sensors);
     let form = Form {
         schema: SCHEMA,
         created_by: CREATED_BY,
@@ -46,6 +46,15 @@ pub(super) fn write_json(calibration: &Calibration, options: &ExportOptions) -> 
     Ok(Exported { text, sensors, notes })
 }
 
+/// What a column of the table is.
+fn what(axis: &AxisCalibration) -> &'static str {
+    match axis.fit.model.history {
+        None => "bias",
+        Some(_) if axis.fit.cubic_between_ways().is_some() => "bias by the cubic without its history",
+        Some(_) => "bias by the curve without its history",
+    }
+}
+
 /// The curves without a history at equal steps of temperature over all that was measured; a cell is empty where an axis was not.
 pub(super) fn write_csv(calibration: &Calibration) -> Exported {
     let axes = || calibration.axes.values();
@@ -57,7 +66,7 @@ pub(super) fn write_csv(calibration: &Calibration) -> Exported {
     };
     let mut rows: Vec<Vec<String>> = vec![
         std::iter::once(unit.to_owned())
-            .chain(calibration.axes.iter().map(|(name, axis)| format!("{name} bias, {}", axis.rate_unit)))
+            .chain(calibration.axes.iter().map(|(name, axis)| format!("{name} {}, {}", what(axis), axis.rate_unit)))
             .collect(),
     ];
     let drifts: Vec<Drift> = axes().map(AxisCalibration::measured_drift).collect();
@@ -76,13 +85,17 @@ pub(super) fn write_csv(calibration: &Calibration) -> Exported {
         let _ = writer.write_record(&row);
     }
     let text = writer.into_inner().ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default();
-    let mut notes = to_know(calibration);
+    let no_gain = |(name, axis): (&String, &AxisCalibration)| match axis.fit.cubic_between_ways() {
+        Some(_) => axis.no_gain_of_cubic(name, calibration.told_in),
+        None => axis.no_gain(name, calibration.told_in),
+    };
+    let mut notes = to_know(calibration, calibration.axes.iter().filter_map(no_gain));
     let histories = calibration.axes.iter().filter(|(_, axis)| axis.fit.model.history.is_some());
     let names: Vec<String> = histories.map(|(name, _)| one_line(name)).collect();
     if !names.is_empty() {
         notes.push(format!(
-            "the history (plays, lags) of {} is not in the table: in its place is the curve of the drift without one, and the \
-             calibration takes off more",
+            "the history (plays, lags) of {} is not in the table: beside plays a column is the cubic that goes between both ways, beside \
+             lags alone the curve, and the calibration takes off more",
             names.join(", ")
         ));
     }

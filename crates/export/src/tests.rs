@@ -3,3 +3,4 @@
 mod calibrations;
 mod compiled;
 mod parameters;
+mod told;

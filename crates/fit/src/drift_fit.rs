@@ -197,7 +197,7 @@ pub struct LogLeft {
 /// Which of the candidates `auto` takes, for people: the last, or a cubic.
 pub const HOW_AUTO_CHOOSES: &str = "the last one, whose curve and memories are as strong as the data say, if it leaves, zeroed, \
     at most 5 % more than poly:3 and than the cubic that autopilots get of it. Else a cubic is taken: poly:3 + time \
-    where a drift in time was found, or poly:3. Held out, cold end and hot end decide nothing. On a board's ramp only temperatures \
+    where a drift in time was found, or poly:3. No other figure decides. On a board's ramp only temperatures \
     between those of the other folds count";
 
 /// Which of the candidates is taken where every row counts once, for people.
@@ -245,11 +245,16 @@ impl DriftFit {
     /// the static cubic, which goes between both ways. Where lags have caught up the unit shows the curve.
     #[must_use]
     pub fn measured_drift(&self) -> Drift {
+        let curve = self.cubic_between_ways().map_or(&self.model.drift, |cubic| &cubic.drift);
+        Drift { valid: self.measured, ..curve.clone() }
+    }
+
+    /// The static cubic of a model with plays, which stands for it where a curve is wanted; `None` of any other model.
+    #[must_use]
+    pub fn cubic_between_ways(&self) -> Option<&StaticCubic> {
         let is_play = |term: &Term| matches!(term.memory, Memory::Play { .. });
         let has_plays = self.model.history.iter().flat_map(History::terms).any(is_play);
-        let cubic = self.static_cubic.as_ref().filter(|_| has_plays);
-        let curve = cubic.map_or(&self.model.drift, |cubic| &cubic.drift);
-        Drift { valid: self.measured, ..curve.clone() }
+        self.static_cubic.as_ref().filter(|_| has_plays)
     }
 
     /// Whether its held-out figures ask more of it than another run like this one: a curve without a history, of a log that

@@ -40,9 +40,15 @@ pub(crate) fn exact(value: f64) -> String {
     if value.is_finite() { set(&value.abs().to_string(), value < 0.0) } else { NONE.to_owned() }
 }
 
-/// For a page: a number with its standard error, where that is known, both with so many decimals.
+/// For a page: a number with its standard error, where that is known, both with so many decimals; none where nothing scatters.
 pub(crate) fn with_error(value: f64, error: Option<f64>, decimals: usize) -> String {
-    let error = error.map(|error| format!("\u{a0}±\u{a0}{}", fixed(error, decimals)));
+    /// Half of the last decimal rounds to it.
+    const HALF: f64 = 0.5;
+    let last = libm::pow(10.0, -(decimals as f64));
+    let error = error.filter(|error| *error > 0.0 || error.is_nan()).map(|error| {
+        let (below, error) = if error < HALF * last { ("<\u{a0}", last) } else { ("", error) };
+        format!("\u{a0}±\u{a0}{below}{}", fixed(error, decimals))
+    });
     fixed(value, decimals) + &error.unwrap_or_default()
 }
 
@@ -224,6 +230,8 @@ mod tests {
     #[test]
     fn the_smallest_of_a_column_has_three_digits_and_its_error_as_many_decimals() {
         assert_eq!(with_error(0.234, Some(0.02), 3), "0.234\u{a0}±\u{a0}0.020");
+        assert_eq!(with_error(0.234, Some(3e-4), 3), "0.234\u{a0}±\u{a0}<\u{a0}0.001");
+        assert_eq!(with_error(0.234, Some(0.0), 3), "0.234");
         assert_eq!(with_error(0.234, None, 2), "0.23");
         assert_eq!((decimals_for(0.234), decimals_for(24.1), decimals_for(f64::NAN)), (3, 1, 3));
     }

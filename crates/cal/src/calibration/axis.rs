@@ -9,6 +9,7 @@ use zerorate_fit::drift_fit::{BandPoint, DriftFit, FitStatistics};
 use zerorate_fit::folds::TELLING;
 use zerorate_fit::model::Model;
 use zerorate_fit::predict::{DriftModel, TimeDrift};
+use zerorate_fit::residual::ResidualStatistics;
 
 use super::drift_form::{DriftForm, HistoryForm, StaticCubicForm};
 use super::trim::TrimCalibration;
@@ -80,15 +81,36 @@ impl AxisCalibration {
     /// next log is no easier. `None` where it helps, and where nobody knows. Rates are told in the unit that is asked for, if any is.
     #[must_use]
     pub fn no_gain(&self, name: &str, asked: Option<WrittenRate>) -> Option<String> {
-        self.no_gain_by_folds(name, asked).or_else(|| self.no_gain_by_logs(name, asked))
+        let statistics = &self.fit.statistics;
+        let left = statistics.deployed.map(|left| (left, statistics.in_sample.rms));
+        let by_folds = left.and_then(|left| self.no_gain_by_folds(name, &self.fit.chosen_model(), left, asked));
+        by_folds.or_else(|| self.no_gain_by_logs(name, asked))
     }
 
-    fn no_gain_by_folds(&self, name: &str, asked: Option<WrittenRate>) -> Option<String> {
-        let (left, uncorrected) = (self.fit.statistics.deployed?, self.fit.statistics.uncorrected?.rms);
+    /// The same of a device that takes the static cubic off, as an autopilot does: it may help where the model does not, and the
+    /// other way round.
+    #[must_use]
+    pub fn no_gain_of_cubic(&self, name: &str, asked: Option<WrittenRate>) -> Option<String> {
+        let Some(cubic) = &self.fit.static_cubic else { return self.no_gain(name, asked) };
+        let left = cubic.deployed.map(|left| (left, cubic.in_sample.rms));
+        let by_folds = left.and_then(|left| self.no_gain_by_folds(name, "this cubic", left, asked));
+        let model = self.fit.chosen_model();
+        let of_the_model = |told| format!("{told}. That is of {model}; what a cubic does there is not known");
+        by_folds.or_else(|| self.no_gain_by_logs(name, asked).map(of_the_model))
+    }
+
+    /// `left` is what is left by what the device takes off, held out as deployed, and the rms of its fit.
+    fn no_gain_by_folds(
+        &self,
+        name: &str,
+        taken_off: &str,
+        (left, in_sample): (ResidualStatistics, f64),
+        asked: Option<WrittenRate>,
+    ) -> Option<String> {
+        let uncorrected = self.fit.statistics.uncorrected?.rms;
         let deployed = left.rms;
         // So little more may be chance; that it does not help is none.
         let telling = ((TELLING - 1.0) * uncorrected).max(SIGMAS * left.rms_standard_error.unwrap_or(0.0));
-        let in_sample = self.fit.statistics.in_sample.rms;
         let may_return = RETURNING.contains(&(deployed / in_sample)) && SQRT_2 * in_sample < uncorrected;
         let what = match deployed {
             _ if deployed < uncorrected => return None,
@@ -100,8 +122,7 @@ impl AxisCalibration {
         };
         let scale = RateScale::of(self.rate_unit, &[deployed, uncorrected], asked);
         Some(format!(
-            "{name}: a device that takes {} off has {} rms left of data that were not fitted, and {} without it: {what}",
-            self.fit.chosen_model(),
+            "{name}: a device that takes {taken_off} off has {} rms left of data that were not fitted, and {} without it: {what}",
             scale.told(deployed),
             scale.number(uncorrected)
         ))

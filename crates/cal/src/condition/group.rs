@@ -35,6 +35,9 @@ const UNEVEN: f64 = 1.5;
 /// A temperature spike is also further than this share of the least span from the median: 1 C.
 pub const TEMPERATURE_SPIKE: f64 = 0.1;
 
+/// And further than so many steps of a coarse sensor: by the side of a step what is less is rounding.
+const STAIR: f64 = 1.5;
+
 /// One axis's part of a group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisGroup {
@@ -133,7 +136,7 @@ impl Length {
 #[derive(Debug, Clone)]
 pub struct Grouping {
     length: Length,
-    /// A temperature further than this from its neighbours may be a spike.
+    /// A temperature further than this from its neighbours may be a spike, where the sensor's steps are smaller.
     temperature_margin: f64,
     log: u32,
     part: u32,
@@ -269,7 +272,7 @@ impl Grouping {
             return;
         }
         let missing = self.temperatures.iter().filter(|t| !t.is_finite()).count();
-        let are_outliers = outliers_off_the_way(&self.temperatures, self.temperature_margin);
+        let are_outliers = outliers_off_the_way(&self.temperatures, self.spike_margin());
         let outlier_count = are_outliers.iter().filter(|is_outlier| **is_outlier).count();
         let usable: Vec<bool> = (0..rows).map(|row| self.temperatures[row].is_finite() && !are_outliers[row]).collect();
         let mut axes = Vec::with_capacity(self.rates.len());
@@ -323,6 +326,12 @@ impl Grouping {
         if self.groups.len() as u64 > 2 * MAX_GROUPS {
             self.halve();
         }
+    }
+
+    /// A temperature further than this from its neighbours may be a spike: of a coarse sensor a reading a step away is none.
+    fn spike_margin(&self) -> f64 {
+        let steps = if self.temperature_step.is_finite() { STAIR * self.temperature_step } else { 0.0 };
+        self.temperature_margin.max(steps)
     }
 
     /// The largest changes of the temperature between rows of the open group ([`Group::leap`]). Without times only a group of

@@ -311,6 +311,30 @@ fn each_degree_counts_alike_however_long_the_log_dwelt_on_it() {
     assert!(dwelt / passed < 0.35 * 200.0 / 12.0, "{dwelt} {passed}");
 }
 
+/// A sensor of 2 or 4 C whose noise of a tenth of a step makes it go to and fro beside a stair's edge.
+#[test]
+fn the_stairs_of_a_coarse_sensor_are_no_spikes_and_a_spike_on_them_is_one() {
+    let (smooth, rates) = cycle();
+    for step in [2.0, 4.0] {
+        let mut state = 3_u64;
+        let mut stairs: Vec<f64> = smooth
+            .iter()
+            .map(|t| {
+                state = 16_807 * state % 2_147_483_647;
+                let noise = 0.35 * step * (state as f64 / 2_147_483_647.0 - 0.5);
+                step * ((t + noise) / step).round()
+            })
+            .collect();
+        let spikes = |temperatures: &[f64]| -> Vec<u64> {
+            let tallies = condition(temperatures, &rates).1;
+            tallies.iter().map(|tally| tally.count(DropReason::TemperatureSpike)).collect()
+        };
+        assert_eq!(spikes(&stairs), [0, 0], "steps of {step}");
+        stairs[4203] += 20.0 * step;
+        assert_eq!(spikes(&stairs), [1, 1], "steps of {step}");
+    }
+}
+
 #[test]
 fn a_coarse_temperature_is_dequantised() {
     let (temperatures, rates) = cycle();

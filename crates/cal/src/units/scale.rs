@@ -72,9 +72,12 @@ impl RateScale {
         format!("{} {}", self.number(rate), self.name)
     }
 
-    /// A rate with its standard error and its unit: both to two digits of the error.
+    /// A rate with its standard error and its unit: both to two digits of the error; without one where nothing scatters.
     #[must_use]
     pub fn with_error(self, rate: f64, error: f64) -> String {
+        if error.abs() <= 0.0 {
+            return self.told(rate);
+        }
         let (rate, error) = (self.of_rate(rate), self.of_rate(error).abs());
         let written = format!("{error:.1e}");
         let exponent = written.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok());
@@ -160,6 +163,7 @@ mod tests {
         assert_eq!(told(-0.200_34, 0.004_96), "-0.2003 \u{b1} 0.0050 dps");
         assert_eq!(told(12.346, 1.51), "12.3 \u{b1} 1.5 dps");
         assert_eq!(told(1234.6, 151.0), "1235 \u{b1} 151 dps");
+        assert_eq!(told(-0.200_34, 0.0), "-0.2003 dps");
         assert_eq!(told(1.0, f64::NAN), "1.000 \u{b1} NaN dps");
         assert_eq!(told(-0.000_4, 0.012), "0.000 \u{b1} 0.012 dps");
     }

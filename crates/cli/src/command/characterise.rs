@@ -15,7 +15,7 @@ use zerorate_cal::source::Source;
 use zerorate_cal::table::Columns;
 use zerorate_cal::units::{RateUnit, decimal, from_to};
 use zerorate_characterise::{
-    AxisNoise, Characteristics, NoiseOf, coarse, doubtful, filtered, is_of_a_soak, left_out, missing, noise, trended,
+    AxisNoise, Characteristics, NoiseOf, is_of_a_soak, noise, told_of_noise, told_of_sensitivities,
 };
 use zerorate_fit::allan::{Allan, Coefficient};
 
@@ -67,6 +67,8 @@ struct Found<'a> {
     schema: u32,
     noise: &'a [AxisNoise],
     sensitivities: Vec<Sensitivities<'a>>,
+    /// What is to be known of both, a sentence each.
+    warnings: Vec<String>,
     reasons: Vec<&'a Reason>,
 }
 
@@ -106,18 +108,21 @@ impl Characterise {
         };
         let reasons: Vec<&Reason> = fit.judgement.reasons.iter().filter(is_told).collect();
         let told = !sensitivities.is_empty() || noises.iter().any(|axis| axis.noise.is_ok());
+        let of_sensitivities = || told_of_sensitivities(sensitivities.iter().map(|(axis, found)| (*axis, found)), None);
         if self.json {
+            let warnings = told_of_noise(&noises).into_iter().chain(of_sensitivities()).collect();
             let sensitivities = sensitivities
                 .iter()
                 .map(|(axis, found)| Sensitivities { axis: &axis.name, rate_unit: axis.calibration.rate_unit, found })
                 .collect();
-            screen::print_json(&Found { schema: 1, noise: &noises, sensitivities, reasons })?;
+            screen::print_json(&Found { schema: 1, noise: &noises, sensitivities, warnings, reasons })?;
         } else {
             let mut page = Page::default();
             page.sentence("", &format!("{}:", self.log.display()));
             let degree = fit.axes.first().map_or("C", |axis| axis.temperature_unit.name());
             noise_page(&mut page, &noises, degree);
             sensitivity_page(&mut page, &sensitivities, degree);
+            of_sensitivities().iter().for_each(|sentence| page.sentence("  - ", sentence));
             if !reasons.is_empty() {
                 page.heading(if sensitivities.is_empty() { "Sensitivities" } else { "To look at in the log" });
                 let is_soak = |reason: &Reason| reason.kind == ReasonKind::NarrowSpan && !fit.axes.is_empty();
@@ -199,20 +204,8 @@ fn noise_page(page: &mut Page, noises: &[AxisNoise], degree: &str) {
                 ),
             );
         }
-        let allans = noises.iter().filter_map(|axis| Some((axis.name.as_str(), axis.noise.as_ref().ok()?)));
-        let told = filtered(allans.clone()).into_iter().chain(trended(allans)).chain(left_out(noises));
-        let told = told.chain(coarse(noises));
-        told.for_each(|sentence| page.sentence("  - ", &sentence));
     }
-    let mut told: Vec<&str> = Vec::new();
-    for axis in noises {
-        if let Err(why) = &axis.noise
-            && !told.contains(&why.as_str())
-        {
-            told.push(why);
-            page.sentence("  - ", &format!("{}: {why}", axis.name));
-        }
-    }
+    told_of_noise(noises).iter().for_each(|sentence| page.sentence("  - ", sentence));
 }
 
 fn cell(coefficient: &Coefficient, (factor, unit): &(f64, String)) -> String {
@@ -225,9 +218,9 @@ fn cell(coefficient: &Coefficient, (factor, unit): &(f64, String)) -> String {
     }
 }
 
-/// A standard error; nothing where it is not known.
+/// A standard error; nothing where it is not known, or where nothing scatters.
 fn or_unknown(error: f64) -> String {
-    if error.is_finite() { format!(" +- {error:.0e}") } else { String::new() }
+    if error.is_finite() && error > 0.0 { format!(" +- {error:.0e}") } else { String::new() }
 }
 
 fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degree: &str) {
@@ -255,11 +248,11 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
                 let share = Some(found.share).filter(|share| share.is_finite());
                 let share = share.map(|share| format!(" ({:.0} %)", 100.0 * share)).unwrap_or_default();
                 format!(
-                    "{:.2e} +- {:.0e}; {:.2e} +- {:.0e} at {}{share}",
+                    "{:.2e}{}; {:.2e}{} at {}{share}",
                     found.mean,
-                    found.mean_standard_error,
+                    or_unknown(found.mean_standard_error),
                     found.largest,
-                    found.standard_error,
+                    or_unknown(found.standard_error),
                     decimal(found.at, 0)
                 )
             }),
@@ -268,8 +261,4 @@ fn sensitivity_page(page: &mut Page, axes: &[(&AxisFit, Characteristics)], degre
         ]);
     }
     page.grid(&grid);
-    let doubtful = doubtful(axes.iter().map(|(axis, found)| (*axis, found)), None);
-    doubtful.iter().for_each(|sentence| page.sentence("  - ", sentence));
-    let missing = missing(axes.iter().map(|(axis, found)| (axis.name.as_str(), found)));
-    missing.iter().for_each(|sentence| page.sentence("  - ", sentence));
 }

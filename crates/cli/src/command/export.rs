@@ -120,6 +120,10 @@ impl Export {
                  cubic than is told here: of an eighth that is left out its own way is missing from the other seven.",
             );
         }
+        for sensor in &exported.sensors {
+            let why = |axis: &ExportedAxis| Some(format!("{}: {}.", axis.name, axis.why_it_was_chosen(sensor.told)?));
+            sensor.axes.iter().flatten().filter_map(why).for_each(|why| page.sentence("  - ", &why));
+        }
         // The losses stand in the table.
         let is_loss = |note: &&String| exported.sensors.iter().any(|sensor| note.starts_with(&sensor.to_string()));
         let notes: Vec<&String> = exported.notes.iter().filter(|note| !is_loss(note)).collect();

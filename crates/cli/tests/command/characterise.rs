@@ -35,6 +35,27 @@ fn a_log_at_rest_tells_its_noise() {
     assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
 }
 
+/// A converter whose step is as large as the noise: the warning of the text stands in the JSON, as every one does.
+#[test]
+fn what_the_text_warns_of_stands_in_the_json() {
+    let rows: String = (0..4000_u64)
+        .scan(42_u64, |n, row| {
+            *n = 16_807 * *n % 2_147_483_647;
+            let noise = 0.12 * (*n as f64 / 2_147_483_647.0 - 0.5);
+            let rate = 0.1 * (noise / 0.1).round();
+            Some(format!("{},25.0,{rate}\n", row as f64 / 10.0))
+        })
+        .collect();
+    let folder = folder_with("soak.csv", format!("time_s,temperature_c,gyro_x_dps\n{rows}"));
+    let text = zerorate(folder.path(), &["characterise", "soak.csv"]).out;
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let json = zerorate(folder.path(), &["characterise", "soak.csv", "--json"]).json();
+    let warnings: Vec<&str> = json["warnings"].as_array().unwrap().iter().filter_map(|told| told.as_str()).collect();
+    let step = "gyro_x_dps: the rate comes in steps of 0.1000 dps, as large as its noise";
+    assert!(warnings.iter().any(|told| told.starts_with(step)), "{warnings:?}");
+    warnings.iter().for_each(|told| assert!(words(&text).contains(&words(told)), "{told} is not in {text}"));
+}
+
 /// The calibration's axes are found by what they measure, in whatever unit: N of the residuals is that of the noise.
 #[test]
 fn the_residuals_of_a_log_in_another_unit_are_those_of_the_same_axes() {

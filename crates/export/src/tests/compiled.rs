@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use zerorate_core::drift::{Drift, History, Memory, Term};
+use zerorate_fit::drift_fit::StaticCubic;
 use zerorate_fit::predict::{Predictor, Start};
 
 use super::calibrations::{axis, calibration, drift, three_axes};
@@ -170,7 +171,20 @@ fn a_format_without_histories_says_whose_are_missing() {
         panic!("{:?}", table.notes)
     };
     assert!(note.starts_with("the history (plays, lags) of gyro0.x, gyro0.z is not in the table"), "{note}");
-    let calibration = with_history();
+    let mut calibration = with_history();
+    let fit = &mut calibration.axes.get_mut("gyro0.x").unwrap().fit;
+    let (drift, in_sample) = (fit.model.drift.clone(), fit.statistics.in_sample);
+    fit.static_cubic = Some(StaticCubic { drift, in_sample, held_out: None, deployed: None });
+    let table = export(&calibration, Format::Csv, &ExportOptions::default()).unwrap().text;
+    let heads = csv::Reader::from_reader(table.as_bytes()).headers().unwrap().clone();
+    assert_eq!(
+        heads.iter().skip(1).collect::<Vec<_>>(),
+        [
+            "gyro0.x bias by the cubic without its history, rad/s",
+            "gyro0.y bias, rad/s",
+            "gyro0.z bias by the curve without its history, rad/s"
+        ]
+    );
     let cost = |name: &str| ExportedAxis::of(name, &calibration.axes[name]).cost(RateScale::own(RateUnit::RadPerS));
     assert!(cost("gyro0.x").contains(" less its history (plays, lags) at most"), "{}", cost("gyro0.x"));
     assert!(!cost("gyro0.y").contains("history"), "{}", cost("gyro0.y"));

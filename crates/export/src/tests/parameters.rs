@@ -181,9 +181,20 @@ fn sensors_have_places_of_their_own() {
             - ardupilot_polynomial(&parameters, imu, "GYR", 'X', 0.0)
     };
     assert!((difference(1) - 2e-3).abs() < 1e-8 && (difference(2) - 4e-3).abs() < 1e-8);
-    let fourth = calibration(vec![("gyro3.x", line(1e-3))]);
-    let refused = export(&fourth, Format::ArduPilot, &ExportOptions::default()).unwrap_err();
-    assert!(matches!(refused, ExportError::NoPlace { places: 3, .. }));
+    // `AP_InertialSensor_Params.cpp`: from the fourth IMU on each has a group of its own.
+    let later = calibration(vec![("gyro3.x", line(1e-3)), ("gyro4.x", line(2e-3))]);
+    let written = export(&later, Format::ArduPilot, &ExportOptions::default()).unwrap().text;
+    let set = |name: &str| -> f64 {
+        let line = written.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
+        line.unwrap_or_else(|| panic!("{name} in {written}")).parse().unwrap()
+    };
+    // Slopes of 1e-3 over a half span of 20 C, in millionths.
+    assert!((set("INS4_TCAL_GYR1_X") - 50.0).abs() < 1e-6 && (set("INS5_TCAL_GYR1_X") - 100.0).abs() < 1e-6);
+    assert!((set("INS4_TCAL_ENABLE") - 1.0).abs() < 1e-12 && (set("INS5_TCAL_TMAX") - 40.0).abs() < 1e-6);
+    assert!(written.contains("INS4_TCAL_ACC1_X to ACC3_Z stay") && !written.contains("INS_TCAL"), "{written}");
+    let sixth = calibration(vec![("gyro5.x", line(1e-3))]);
+    let refused = export(&sixth, Format::ArduPilot, &ExportOptions::default()).unwrap_err();
+    assert!(matches!(refused, ExportError::NoPlace { places: 5, .. }));
 }
 
 #[test]
@@ -226,8 +237,13 @@ fn a_model_is_named_as_its_fit_names_it_and_what_no_format_holds_is_told() {
 fn a_cubic_that_is_better_than_the_model_is_not_told_as_a_loss() {
     let (model, cubic) = ("table:16".to_owned(), Cubic { reference: 0.0, coefficients: [0.0; 4], range: [0.0, 1.0] });
     let cost = |chosen_rms, cubic_rms| {
-        let loss =
-            Loss { chosen_rms: Some(chosen_rms), cubic_rms: Some(cubic_rms), furthest: 0.0, over_whole_log: true };
+        let loss = Loss {
+            chosen_rms: Some(chosen_rms),
+            cubic_rms: Some(cubic_rms),
+            furthest: 0.0,
+            over_whole_log: true,
+            chosen_by: None,
+        };
         let (name, measured) = ("x".to_owned(), cubic.range);
         ExportedAxis { name, model: model.clone(), cubic: cubic.clone(), loss, has_history: false, measured }
             .cost(RateScale::own(RateUnit::RadPerS))

@@ -1,5 +1,7 @@
 use super::*;
 
+mod mixed;
+
 /// The Allan deviation of averages over `m` samples, each pair of them beginning `stride` samples after the one before.
 fn deviation(rates: &[f64], m: usize, stride: usize) -> f64 {
     let (squares, pairs) = Sums::of(rates).squares(m, stride);

@@ -19,12 +19,16 @@ const MILLIONTH: f64 = 1e-6;
 const NEVER_CALIBRATED_C: f64 = -80.0;
 
 /// IMUs that have such parameters.
-const IMUS: usize = 3;
+const IMUS: usize = 5;
+
+/// Those whose parameters are counted within one group; the fourth and the fifth have a group each, `INS4_` and `INS5_`
+/// (`AP_InertialSensor_Params.cpp`).
+const TOGETHER: u8 = 3;
 
 /// Parameters kept, at most: more than the autopilot has of these, so that a damaged log does not fill the memory.
 const MAX_PARAMETERS: usize = 1024;
 
-/// The values of INS_TCALn_ENABLE.
+/// The values of INS_TCALn_ENABLE and of its like.
 const ENABLED: f64 = 1.0;
 const LEARNING: f64 = 2.0;
 
@@ -71,8 +75,8 @@ impl Parameters {
             return;
         }
         self.known.clear();
-        for (imu, stopped) in self.stopped.iter_mut().enumerate() {
-            let switched = name == format!("INS_TCAL{}_ENABLE", imu + 1);
+        for (imu, stopped) in (0..).zip(&mut self.stopped) {
+            let switched = name == format!("{}ENABLE", of_temperature(imu));
             // Learning that begins changes no reading.
             *stopped |= switched && before.is_some() && !is(value, LEARNING);
         }
@@ -90,7 +94,7 @@ impl Parameters {
     // A parameter holds it as a number of up to 32 bits.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub(super) fn device_id(&self, kind: SensorKind, instance: u8) -> Option<u32> {
-        let id = self.value(&format!("INS_{}{}_ID", letters(kind), number(instance)))?;
+        let id = self.value(&format!("{}_ID", of_sensor(kind, instance)))?;
         (id >= 1.0 && id <= f64::from(u32::MAX)).then_some(id as u32)
     }
 
@@ -123,9 +127,9 @@ impl Parameters {
         if rotation.is_none() {
             self.unknown_orientation = Some(orientation);
         }
-        let (sensor, prefix) = (letters(kind), format!("INS_TCAL{}_", place + 1));
+        let (sensor, prefix, own) = (letters(kind), of_temperature(imu), of_sensor(kind, imu));
         let enabled = self.value(&format!("{prefix}ENABLE")).is_some_and(|value| is(value, ENABLED));
-        let calibrated_at_c = self.value(&format!("INS_{sensor}{}_CALTEMP", place + 1)).unwrap_or(REFERENCE_C);
+        let calibrated_at_c = self.value(&calibrated_at(kind, imu)).unwrap_or(REFERENCE_C);
         let coefficients = (enabled && calibrated_at_c > NEVER_CALIBRATED_C).then(|| {
             ["X", "Y", "Z"].map(|axis| {
                 [1, 2, 3].map(|order| MILLIONTH * self.value(&format!("{prefix}{sensor}{order}_{axis}")).unwrap_or(0.0))
@@ -135,9 +139,9 @@ impl Parameters {
             rotation: rotation.or_else(|| Rotation::of(0.0))?,
             scale: match kind {
                 SensorKind::Gyro => [1.0; 3],
-                SensorKind::Accelerometer => self.three(&format!("INS_ACC{}SCAL_", number(imu)), 1.0),
+                SensorKind::Accelerometer => self.three(&format!("{own}SCAL_"), 1.0),
             },
-            offset: self.three(&format!("INS_{sensor}{}OFFS_", number(imu)), 0.0),
+            offset: self.three(&format!("{own}OFFS_"), 0.0),
             coefficients,
             range: (
                 self.value(&format!("{prefix}TMIN")).unwrap_or(f64::NEG_INFINITY),
@@ -195,10 +199,9 @@ impl Restore {
 
 /// Whether a parameter bears on readings.
 fn matters(name: &str) -> bool {
+    let own = ["INS_", "INS4_", "INS5_"].into_iter().find_map(|group| name.strip_prefix(group));
     name == "AHRS_ORIENTATION"
-        || name
-            .strip_prefix("INS_")
-            .is_some_and(|rest| ["GYR", "ACC", "TCAL"].iter().any(|part| rest.starts_with(part)))
+        || own.is_some_and(|rest| ["GYR", "ACC", "TCAL"].iter().any(|part| rest.starts_with(part)))
 }
 
 fn is(value: f64, of: f64) -> bool {
@@ -212,7 +215,26 @@ fn letters(kind: SensorKind) -> &'static str {
     }
 }
 
-/// An IMU's number in a parameter's name: the first has none.
-fn number(instance: u8) -> String {
-    if instance == 0 { String::new() } else { (u16::from(instance) + 1).to_string() }
+/// What the names of a sensor's own parameters begin with: `INS_GYR`, `INS_GYR2`, `INS4_GYR`.
+fn of_sensor(kind: SensorKind, imu: u8) -> String {
+    let (letters, number) = (letters(kind), u16::from(imu) + 1);
+    match imu {
+        0 => format!("INS_{letters}"),
+        imu if imu < TOGETHER => format!("INS_{letters}{number}"),
+        _ => format!("INS{number}_{letters}"),
+    }
+}
+
+/// What those of its drift over temperature begin with: `INS_TCAL1_`, `INS4_TCAL_`.
+fn of_temperature(imu: u8) -> String {
+    let number = u16::from(imu) + 1;
+    if imu < TOGETHER { format!("INS_TCAL{number}_") } else { format!("INS{number}_TCAL_") }
+}
+
+/// The name of the temperature at which it was calibrated: `INS_GYR1_CALTEMP`, `INS4_GYR_CALTEMP`.
+fn calibrated_at(kind: SensorKind, imu: u8) -> String {
+    match imu {
+        0 => format!("INS_{}1_CALTEMP", letters(kind)),
+        _ => format!("{}_CALTEMP", of_sensor(kind, imu)),
+    }
 }

@@ -129,6 +129,36 @@ fn what_the_autopilot_took_off_is_put_back() {
     assert_eq!(remarks, [Remark::CalibrationUndone { imu: 1 }, Remark::TurnedBack, Remark::OffsetsRestored]);
 }
 
+/// Names as `AP_InertialSensor_Params.cpp` has them for the fourth IMU and the fifth.
+#[test]
+fn what_the_autopilot_took_off_the_fourth_and_fifth_imu_is_put_back() {
+    let (raw, offset) = ([0.01, -0.02, 0.03], 0.002_f32);
+    for (place, group) in [(3_u8, "INS4_"), (4, "INS5_")] {
+        let mut log = head();
+        for (name, value) in [
+            ("GYR_ID", 2_752_530.0),
+            ("GYR_CALTEMP", 45.0),
+            ("GYROFFS_Y", offset),
+            ("TCAL_ENABLE", 1.0),
+            ("TCAL_TMIN", 0.0),
+            ("TCAL_TMAX", 60.0),
+            ("TCAL_GYR1_X", 100.0),
+            ("ACCSCAL_X", 2.0),
+        ] {
+            log.extend(parameter(&format!("{group}{name}"), value));
+        }
+        // P(55) - P(45) of 100e-6 a degree is 1e-3.
+        let logged = [raw[0] - 1e-3, raw[1] - f64::from(offset), raw[2]].map(|value| value as f32);
+        log.extend(imu(1000, place, 55.0, logged, [3.0, 0.0, 0.0]));
+        let (all, remarks) = take(&log);
+        let gyro = all.sensors.iter().position(|sensor| sensor.to_string() == format!("gyro{place}")).unwrap();
+        assert_eq!(all.sensors[gyro].device_id, Some(2_752_530));
+        near(all.rows[0].3, raw);
+        near(all.rows[1].3, [1.5, 0.0, 0.0]);
+        assert_eq!(remarks, [Remark::CalibrationUndone { imu: place + 1 }, Remark::OffsetsRestored]);
+    }
+}
+
 #[test]
 fn orientations_are_the_autopilots() {
     // rotations of a vector as libraries/AP_Math/vector3.cpp has them.

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use zerorate_cal::log_fit::{AxisFit, LogFit};
 use zerorate_cal::units::{RateScale, WrittenRate};
-use zerorate_characterise::{Characteristics, ResidualNoise, doubtful, missing};
+use zerorate_characterise::{Characteristics, ResidualNoise, told_of_sensitivities};
 use zerorate_fit::allan::AllanPoint;
 
 use super::degree;
@@ -56,7 +56,7 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
     let mut rows = Vec::new();
     for (axis, found) in axes {
         let slope = found.temperature_sensitivity;
-        let error = |error: f64| html! { @if error.is_finite() { " ± " (axis.rate(error, 1)) } };
+        let error = |error: f64| html! { @if error > 0.0 { " ± " (axis.rate(error, 1)) } };
         let mut cells = vec![
             axis.name(),
             html! { (axis.rate(slope.mean, 3)) (error(slope.mean_standard_error)) },
@@ -67,8 +67,8 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
         ];
         cells.push(match &found.hysteresis {
             Ok(found) => html! {
-                (axis.rate(found.mean, 3)) " ± " (axis.rate(found.mean_standard_error, 1)) "; "
-                (axis.rate(found.largest, 3)) " ± " (axis.rate(found.standard_error, 1)) " at " (fixed(found.at, 0))
+                (axis.rate(found.mean, 3)) (error(found.mean_standard_error)) "; "
+                (axis.rate(found.largest, 3)) (error(found.standard_error)) " at " (fixed(found.at, 0))
                 @if found.share.is_finite() { " (" (fixed(100.0 * found.share, 0)) " %)" }
             },
             Err(_) => html! { "–" },
@@ -79,8 +79,7 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
         });
         rows.push(cells);
     }
-    let doubtful = doubtful(axes.iter().map(|(axis, found)| (axis.axis, found)), units);
-    let missing = missing(axes.iter().map(|(axis, found)| (axis.axis.name.as_str(), found)));
+    let told_of = told_of_sensitivities(axes.iter().map(|(axis, found)| (axis.axis, found)), units);
     let caption = html! {
         "Sensitivities of the bias, as IEEE Std 952 names them: to temperature of the straight line nearest to the curve, and of the curve where it is steepest. Hysteresis is heating less cooling at equal temperature: its mean, "
         "and where it is likely to be largest, in brackets over the peak to peak of the curve. ± is one standard error by the noise from one average "
@@ -96,8 +95,7 @@ fn sensitivities(fit: &LogFit, axes: &[(Told, Characteristics)], units: Option<W
     ];
     html! {
         (Table { caption, heads: &heads, rows, numbers_from: 1 }.wide_markup())
-        @for sentence in &doubtful { p.small { (told(sentence)) "." } }
-        @for sentence in &missing { p.small { (told(sentence)) "." } }
+        @for sentence in &told_of { p.small { (told(sentence)) "." } }
     }
 }
 

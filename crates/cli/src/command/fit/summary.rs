@@ -197,8 +197,21 @@ fn figures(axes: &[&AxisFit], scale: RateScale, figure: Figure) -> [Vec<String>;
     };
     // A figure and its error have as many decimals.
     let mut rms = aligned(&[column(&|left| left.rms), column(&error)].concat());
-    let error = rms.split_off(axes.len());
+    let told = rms.split_off(axes.len());
+    let error = told.into_iter().zip(column(&error)).map(|(told, error)| told_error(told, error)).collect();
     [rms, error, aligned(&column(&|left| left.pp))]
+}
+
+/// An error as a column tells it: one that rounds to nothing is below the last decimal, and where nothing scatters there is none.
+fn told_error(told: String, error: f64) -> String {
+    match told.parse::<f64>() {
+        Ok(shown) if shown > 0.0 || error.is_nan() => told,
+        Ok(_) if error > 0.0 => match told.strip_suffix('0') {
+            Some(before) if before.contains('.') => format!("<{before}1"),
+            _ => format!("{error:.0e}"),
+        },
+        _ => "-".to_owned(),
+    }
 }
 
 /// Whether it is known what a deployed device has left.
@@ -290,4 +303,16 @@ fn left_out(page: &mut Page, fit: &LogFit) {
         grid.row([thousands(count), reason.words().to_owned(), names]);
     }
     page.grid(&grid);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::told_error;
+
+    #[test]
+    fn an_error_that_rounds_to_nothing_is_not_told_as_none() {
+        let told = |told: &str, error| told_error(told.to_owned(), error);
+        assert_eq!([told("0.0120", 0.012), told("0.000", 4e-4), told("0.000", 0.0)], ["0.0120", "<0.001", "-"]);
+        assert_eq!([told("0", 3e-9), told("-", f64::NAN)], ["3e-9", "-"]);
+    }
 }
