@@ -90,12 +90,7 @@ pub fn device_record() -> Vec<u8> {
     record_of(&calibration())
 }
 
-/// Of a calibration whose drift is another one.
-pub fn another_record() -> Vec<u8> {
-    record_of(&calibration().replace("-200.0", "-210.0"))
-}
-
-fn record_of(calibration: &str) -> Vec<u8> {
+pub fn record_of(calibration: &str) -> Vec<u8> {
     let calibration = Calibration::from_json(calibration).unwrap();
     let mut buffer = [0; 8192];
     calibration.to_device_record().unwrap().record.encode(&mut buffer).unwrap().to_vec()

@@ -150,8 +150,8 @@ fn left(board: &Board) -> Markup {
         @if !summary.tests.is_empty() {
             (Table {
                 caption: html! {
-                    b { "What a deployed device has left" } ", each axis in second ramps that no fit has seen; without is the same "
-                    "without compensation, and quadratic what a plain quadratic of the first ramp would have left, taken off in numbers. Against its limits: " a href="#checks" { (limits) " checks" } "."
+                    b { "What a deployed device has left" } ", in second ramps that no fit has seen, of the axes and ways that were tested; without is the same "
+                    "without compensation, and quadratic what a plain quadratic of the full-temperature test, of all its ramps, would have left, taken off in numbers. Against its limits: " a href="#checks" { (limits) " checks" } "."
                 },
                 heads: &heads,
                 rows: summary.tests.iter().map(row).collect(),

@@ -72,7 +72,7 @@ pub fn page(summary: &Summary, out: &Path, setup: &SetUp) -> Page {
         "no floor is known on a real bench: hybrid is held against what trim leaves"
     };
     let told = "before, quadratic, after and floor are peak to peak over the ramp's group means; before is without compensation, in the same \
-                direction; quadratic is what a plain quadratic of the first ramp would have left, taken off in numbers";
+                direction; quadratic is what a plain quadratic of the full-temperature test would have left, of all its ramps, taken off in numbers";
     page.sentence("  ", &format!("{told}; {floor}"));
 
     page.heading("Written");
