@@ -26,7 +26,8 @@ use crate::run::{Progress, Recorder, Session};
 use crate::setup::SetUp;
 use crate::soak_comparison;
 use crate::summary::{cut_short, summary};
-use crate::verify::{check, deploy, evaluated};
+use crate::verify::{Verification, check, deploy, evaluated};
+use crate::way_back;
 
 /// Runs everything on one unit and writes the results into `out`; returns the summary. On a bench that takes
 /// days `keep` has each procedure kept that was carried through, so that a run that was stopped goes on after it.
@@ -157,6 +158,7 @@ fn run(
     let results: Vec<_> = verifications.iter().flat_map(|test| &test.results).collect();
     let warnings = &mut measured.calibration.warnings;
     warnings.extend(results.iter().flat_map(|result| result.warnings()));
+    warnings.extend(way_back::untested(&verifications.iter().map(Verification::left).collect::<Vec<_>>()));
     warnings.extend(session.warnings.sentences());
     let line = session.bench.device.counts();
     if line != LineCounts::default() {

@@ -173,7 +173,7 @@ fn taps_crossed(ramp: &[Taken], axis: Axis, mode: Mode, law: &StaticLaw) -> Opti
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use zerorate_core::drift::{Coverage, Drift, Polynomial, ValidRange};
     use zerorate_core::group::GroupSums;
@@ -183,8 +183,14 @@ mod tests {
 
     /// Fifty groups of a heating ramp between two temperatures, a count of drift to ten of temperature, one tap up.
     fn ramp(from: u16, to: u16, tap: u16) -> Vec<Taken> {
+        ramp_of(50, from, to, tap)
+    }
+
+    /// The same of so many groups.
+    pub(crate) fn ramp_of(groups: u16, from: u16, to: u16, tap: u16) -> Vec<Taken> {
         let group = |number: u16| {
-            let temperature = from + (to - from) / 49 * number;
+            let along = u32::from(to - from) * u32::from(number) / u32::from(groups - 1);
+            let temperature = from + u16::try_from(along).unwrap();
             let mut sums = GroupSums::default();
             sums.push(temperature, 8000 + temperature / 10 + 31 * (tap - 511));
             let axis = AxisReport {
@@ -204,7 +210,7 @@ mod tests {
             let time = Seconds(f64::from(number));
             Taken { report, time, phase: Phase::Heating, jumps: [f64::NAN; 2], truth: None }
         };
-        (0..50).map(group).collect()
+        (0..groups).map(group).collect()
     }
 
     #[test]

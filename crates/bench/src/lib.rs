@@ -41,4 +41,5 @@ pub mod study;
 pub mod summary;
 mod tick;
 pub mod verify;
+mod way_back;
 pub mod whole_file;

@@ -22,6 +22,13 @@ pub struct Verification {
     pub results: Vec<TestResult>,
 }
 
+impl Verification {
+    /// The groups, and the least that is left in one of its ways, counts peak to peak.
+    pub(crate) fn left(&self) -> (&TestRun, f64) {
+        (&self.run, self.results.iter().map(|result| result.residual_pp_counts).fold(f64::INFINITY, f64::min))
+    }
+}
+
 /// Puts the record on the device.
 ///
 /// # Errors
