@@ -207,7 +207,7 @@ fn uneven_taps(trim: &Trim) -> Option<String> {
     let is_other = (by_voltages / by_taps - 1.0).abs() > ALIKE;
     is_other.then(|| {
         format!(
-            "by the supply's voltages a tap is {by_voltages:.2} counts, and by the taps themselves {by_taps:.2}: give trim.span_counts a wider span"
+            "by the supply's voltages a tap is {by_voltages:.2} counts, and by the taps themselves {by_taps:.2}: over a narrow trim.span_counts a point's half a tap is a large part of it; if a wider one brings them no nearer, the part's own taps are uneven there, and each is corrected by its own"
         )
     })
 }

@@ -137,6 +137,13 @@ fn read_at(session: &mut Session<'_>, taps: [Taps; 2], recorder: &mut Recorder) 
         if group.report.group > from {
             taken += 1;
             for axis in Axis::BOTH {
+                if group.report.axes[axis.index()].saturated {
+                    return Err(BenchError::Saturated {
+                        axis,
+                        whence: format!("in the trim experiment, at tap {}", taps[axis.index()].get()),
+                        remedy: "See its line from the supply to the converter, and the supply's voltage",
+                    });
+                }
                 sums[axis.index()] += group.zro(axis).0;
             }
         }

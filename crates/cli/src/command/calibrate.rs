@@ -1,6 +1,7 @@
 //! `zerorate calibrate`.
 
 mod acquisition;
+mod bar;
 mod dry_run;
 mod instrument;
 mod looked_on;
@@ -14,7 +15,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use zerorate_bench::board::emulated_bench;
 use zerorate_bench::calibrate::calibrate;
 use zerorate_bench::calibrated::Unit;
@@ -23,10 +23,9 @@ use zerorate_bench::choice::DeviceChoice;
 use zerorate_bench::error::BenchError;
 use zerorate_bench::instruments::Bench;
 use zerorate_bench::output;
-use zerorate_bench::plan::Plan;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::results;
-use zerorate_bench::run::Progress;
+use zerorate_bench::run::Progress as _;
 use zerorate_bench::setup::SetUp;
 use zerorate_board_run::summary::Summary;
 use zerorate_cal::quality::Verdict;
@@ -34,6 +33,7 @@ use zerorate_live::Listen;
 use zerorate_words::sentence;
 
 use self::acquisition::Acquisition;
+use self::bar::Bar;
 use self::dry_run::RampsOf;
 use self::instrument::Instrument;
 use self::looked_on::LookedOn;
@@ -43,7 +43,6 @@ use super::{Outcome, unless_gone};
 use crate::looking_on::{self, LookingOn};
 use crate::notify::Notice;
 use crate::plant::Plant;
-use crate::progress;
 use crate::screen;
 use crate::{interrupt, labels};
 
@@ -231,7 +230,7 @@ impl Calibrate {
             "the board is simulated, and so are its chamber and supply: name a real board by --device, or leave --chamber and --supply out"
         );
         if self.dry_run {
-            dry_run::print(&setup, RampsOf::Simulated(kind), &[], self.json)?;
+            dry_run::print(&setup, RampsOf::Simulated(kind), &[], None, self.json)?;
             return Ok(End::Planned);
         }
         let unit = Unit::new(self.serial.as_deref().unwrap_or("ZR-0001"), Some((kind, self.seed)))?;
@@ -261,7 +260,8 @@ impl Calibrate {
         let unit = Unit::new(serial, None)?;
         if self.dry_run {
             instruments.found.push(format!("the board at {choice} is {serial}"));
-            dry_run::print(setup, RampsOf::Real, &instruments.found, self.json)?;
+            let stopped = dry_run::stopped(&self.out, self.resume);
+            dry_run::print(setup, RampsOf::Real, &instruments.found, stopped.as_deref(), self.json)?;
             return Ok(End::Planned);
         }
         interrupt::watch()?;
@@ -386,97 +386,6 @@ fn with_what_is_left(error: BenchError, out: &Path, keep: Keep) -> anyhow::Error
         // Somebody has to go there: that comes first.
         BenchError::LeftOn { first, left_on } => anyhow::Error::from(*first).context(left).context(left_on.to_string()),
         error => anyhow::Error::from(error).context(left),
-    }
-}
-
-/// Step, phase, temperature, elapsed and remaining time on a terminal.
-struct Bar {
-    bar: ProgressBar,
-    /// As `ZR-0001: `, of one among several.
-    unit: String,
-    /// As `step 2 of 7: `.
-    step: String,
-    phase: String,
-    /// Whether time on the bench is that of the wall clock, so that it matters when the run ends.
-    takes_its_time: bool,
-    /// As `, ends about Mon 18:10`.
-    end: String,
-}
-
-impl Bar {
-    fn new(setup: &SetUp) -> Self {
-        // Groups are what takes time: a ramp or two for the fit, six for the tests, and the soaks' minutes.
-        let of_fit = if setup.chamber.cooling_ramp { 2 } else { 1 };
-        let ramps = u64::from(setup.chamber.ramp_groups) * (of_fit + 6) + u64::from(setup.chamber.soak_groups) * 5;
-        let bar = ProgressBar::new(ramps + 40 * setup.soaks().len() as u64);
-        // A template that does not parse would be ours, and the plain bar is one too.
-        if let Ok(style) = ProgressStyle::with_template("{msg:56} {bar:24} {elapsed} gone, {eta} left") {
-            bar.set_style(style);
-        }
-        Self::on(bar, false)
-    }
-
-    fn on(bar: ProgressBar, takes_its_time: bool) -> Self {
-        Self { bar, unit: String::new(), step: String::new(), phase: String::new(), takes_its_time, end: String::new() }
-    }
-
-    /// Nobody knows how long a person takes.
-    fn without_end() -> Self {
-        let bar = progress::without_end();
-        bar.set_message("about to begin");
-        Self::on(bar, true)
-    }
-
-    /// One among several.
-    fn one_of(bars: &MultiProgress, serial: &str) -> Self {
-        let own = Self::without_end();
-        Self { bar: bars.add(own.bar), unit: format!("{serial}: "), ..own }
-    }
-
-    fn show(&self, at: &str) {
-        self.bar.set_message(format!("{}{}{}{at}{}", self.unit, self.step, self.phase, self.end));
-    }
-
-    fn finish(&self) {
-        self.bar.finish_and_clear();
-    }
-}
-
-impl Progress for Bar {
-    fn plan(&mut self, plan: &Plan) {
-        if self.takes_its_time {
-            schedule::of(plan).iter().for_each(|line| self.note(line));
-        }
-    }
-
-    fn part(&mut self, plan: &Plan, place: usize) {
-        self.step = format!("step {} of {}: ", place + 1, plan.parts.len());
-        if self.takes_its_time {
-            self.end = format!(", ends about {}", schedule::end(plan, place));
-            self.note(&schedule::step(plan, place));
-        }
-    }
-
-    fn phase(&mut self, name: &str, _: u32) {
-        name.clone_into(&mut self.phase);
-        self.show("");
-    }
-
-    fn step(&mut self, air_c: f64) {
-        // A message for every group would cost more than the group.
-        if self.bar.position().is_multiple_of(32) && !self.bar.is_hidden() {
-            // A chamber that does not answer is nowhere.
-            self.show(&if air_c.is_nan() { String::new() } else { format!(", {air_c:+.0} C") });
-        }
-        self.bar.inc(1);
-    }
-
-    fn note(&mut self, text: &str) {
-        self.bar.suspend(|| screen::note(&format!("{}{text}", self.unit)));
-    }
-
-    fn is_interrupted(&self) -> bool {
-        interrupt::was_asked_for()
     }
 }
 

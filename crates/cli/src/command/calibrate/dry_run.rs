@@ -1,8 +1,11 @@
 //! `zerorate calibrate --dry-run`: the plan and the instruments, and nothing is moved.
 
+use std::path::Path;
+
 use anyhow::Result;
 use serde::Serialize;
 use zerorate_bench::calibrated::Unit;
+use zerorate_bench::output::IN_PROGRESS;
 use zerorate_bench::plan::Plan;
 use zerorate_bench::plants::PlantKind;
 use zerorate_bench::setup::SetUp;
@@ -65,8 +68,20 @@ struct PlannedStep {
     duration_s: f64,
 }
 
-/// Prints the plan and what was found of the instruments.
-pub fn print(setup: &SetUp, chamber: RampsOf, instruments: &[String], json: bool) -> Result<()> {
+/// What is to be known of a run in a folder that was stopped.
+pub fn stopped(out: &Path, resume: bool) -> Option<String> {
+    let is_there = out.join(IN_PROGRESS).is_dir();
+    let words = match resume {
+        true => "this is the plan of a whole run: what the one that was stopped has done is left out when it goes on",
+        false => {
+            "a run was stopped here, and none begins over it: go on with that one (--resume), or give another --out"
+        }
+    };
+    is_there.then(|| format!("{}: {words}.", out.display()))
+}
+
+/// Prints the plan of a whole run, what was found of the instruments, and what there is of a run that was stopped.
+pub fn print(setup: &SetUp, chamber: RampsOf, instruments: &[String], stopped: Option<&str>, json: bool) -> Result<()> {
     let plan = Plan::of(setup);
     let rate = chamber.k_per_min(setup);
     let duration_s = plan.time_from(0).0;
@@ -101,7 +116,24 @@ pub fn print(setup: &SetUp, chamber: RampsOf, instruments: &[String], json: bool
         instruments.iter().for_each(|found| page.sentence("  - ", found));
     }
     page.gap();
+    if let Some(stopped) = stopped {
+        page.sentence("", stopped);
+    }
     page.sentence("", &chamber.told(setup));
     page.sentence("", "Nothing was moved, fed or recorded.");
     page.print()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_was_stopped_is_told_with_its_plan() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(stopped(folder.path(), true), None);
+        std::fs::create_dir(folder.path().join(IN_PROGRESS)).unwrap();
+        assert!(stopped(folder.path(), true).unwrap().contains("the plan of a whole run"));
+        assert!(stopped(folder.path(), false).unwrap().contains("go on with that one (--resume)"));
+    }
 }

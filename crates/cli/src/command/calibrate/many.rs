@@ -72,7 +72,7 @@ impl Calibrate {
         if self.dry_run {
             let found = boards.iter().map(|board| format!("the board at {} is {}", board.device, board.serial));
             instruments.found.extend(found);
-            dry_run::print(setup, dry_run::RampsOf::Real, &instruments.found, self.json)?;
+            dry_run::print(setup, dry_run::RampsOf::Real, &instruments.found, None, self.json)?;
             return Ok(End::Planned);
         }
         interrupt::watch()?;
