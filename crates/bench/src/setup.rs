@@ -209,8 +209,7 @@ impl SetUp {
     /// [`SetUpError`].
     pub fn parse(text: &str, name: &str) -> Result<Self, SetUpError> {
         let setup: Self = toml::from_str(text).map_err(|error| {
-            let before = &text[..error.span().map_or(0, |span| span.start)];
-            let line = before.lines().count().max(1) + usize::from(before.ends_with('\n'));
+            let line = line_at(text, error.span().map_or(0, |span| span.start));
             SetUpError::Toml { path: name.into(), line, reason: in_quotes(&error.message().replace('\n', ", ")) }
         })?;
         let contradictions = setup.contradictions();

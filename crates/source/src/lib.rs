@@ -44,6 +44,12 @@ pub fn in_quotes(said: &str) -> String {
     said.replace('`', "'")
 }
 
+/// The line of a text, from 1, that a byte of it stands in: where a parser stopped.
+#[must_use]
+pub fn line_at(text: &str, byte: usize) -> usize {
+    1 + text.bytes().take(byte).filter(|byte| *byte == b'\n').count()
+}
+
 impl Source {
     /// A file.
     #[must_use]

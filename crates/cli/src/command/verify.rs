@@ -12,7 +12,7 @@ use serde::Serialize;
 use zerorate_apply::verify::{Limit, Limits, Verified, VerifyOptions, known_columns, verify};
 use zerorate_cal::calibration::{Calibration, Kind};
 use zerorate_cal::log::SensorChoice;
-use zerorate_cal::source::{Source, in_quotes};
+use zerorate_cal::source::{Source, in_quotes, line_at};
 
 use self::join::join;
 use super::Outcome;
@@ -135,7 +135,7 @@ impl Verify {
         };
         let text = fs::read_to_string(path).with_context(|| format!("{}: cannot be read", path.display()))?;
         toml::from_str(&text).map_err(|error| {
-            let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].lines().count().max(1));
+            let line = line_at(&text, error.span().map_or(0, |span| span.start));
             anyhow::anyhow!("{}:{line}: {}", path.display(), in_quotes(error.message()))
         })
     }

@@ -235,9 +235,10 @@ fn terms(page: &mut Page, fit: &LogFit) {
             "  ",
             &format!(
                 "Deployed is what a device has left of a whole log like this one, in averages over {averaged_over}, if it \
-                 takes its zero in the {zero_taken_in} and the prediction off from then on: each eighth of the log as a model \
-                 predicts it that was chosen and fitted on the other seven; only the zero of a start that is colder or warmer than \
-                 all of these is as the fit of all leaves it. The log's own drift in time, which no device knows, is \
+                 takes its zero in the {zero_taken_in} and the prediction off from then on: each eighth of the log as a fit of the \
+                 other seven predicts it, along its own curve where these lack the temperatures; which model, and how much of it is \
+                 the cubic, all eight have chosen. Only the zero of a start that is colder or warmer than all of these is as the fit \
+                 of all leaves it. The log's own drift in time, which no device knows, is \
                  left in it.{steps} Uncorrected is the same without a model. zerorate verify measures the same two of \
                  another run{verified_over}. \u{b1} is one standard error of the rms, by how much the eight folds differ and by \
                  the noise of the zero; pp is peak to peak."
