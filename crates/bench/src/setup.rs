@@ -12,7 +12,7 @@ use std::path::Path;
 use documented::DocumentedFields;
 use serde::{Deserialize, Serialize};
 use zerorate_cal::calibration::BoardScale;
-use zerorate_cal::source::in_quotes;
+use zerorate_cal::source::{in_quotes, line_at};
 use zerorate_core::board::BoardNumbers;
 use zerorate_core::compensate::{LowPass, Mode};
 use zerorate_core::units::{Celsius, Counts, Seconds, Taps, TemperatureScale};

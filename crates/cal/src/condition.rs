@@ -116,12 +116,21 @@ impl Tally {
 pub struct Excluded {
     /// Why.
     pub reason: DropReason,
-    /// The first row and the row after the last, from 0; of a gap twice the row after it.
+    /// The first row and the row after the last, from 0, of the first sensor that shows it; of a gap twice the row after it.
     pub rows: (u64, u64),
     /// The time of its first and last row, seconds from the log's first row; NaN without a time column.
     pub time_s: (f64, f64),
     /// The least and greatest temperature of its rows, in the column's unit; of a gap, of the groups beside it.
     pub temperature: (f64, f64),
+}
+
+impl Excluded {
+    /// Takes in what another sensor shows of the same. Its rows are not this one's: they may be counted otherwise.
+    pub(crate) fn widen(&mut self, other: &Self) {
+        let both = |own: (f64, f64), other: (f64, f64)| (own.0.min(other.0), own.1.max(other.1));
+        self.time_s = both(self.time_s, other.time_s);
+        self.temperature = both(self.temperature, other.temperature);
+    }
 }
 
 /// A jump of one axis's rate that stayed.

@@ -54,9 +54,7 @@ pub(super) fn fit(sources: &[Source], options: &FitOptions, fit: &mut LogFit) ->
             // Sensors of one unit are moved, and stop, together.
             let same = |known: &Excluded| known.reason == interval.reason && overlap(known.time_s, interval.time_s);
             match fit.excluded.iter_mut().find(|known| same(known)) {
-                Some(known) => {
-                    known.time_s = (known.time_s.0.min(interval.time_s.0), known.time_s.1.max(interval.time_s.1));
-                }
+                Some(known) => known.widen(&interval),
                 None => fit.excluded.push(interval),
             }
         }

@@ -123,6 +123,8 @@ fn limits_come_from_a_file_and_its_mistakes_are_named_by_line() {
     assert_eq!(zerorate(folder.path(), &verify).code, 0);
     fs::write(&limits, "max_rms = \"0.5 mrad/s\"\nmax_pp = \"3\"\n").unwrap();
     zerorate(folder.path(), &verify).is_error(&["limits.toml:2", "'3' is no limit"]);
+    fs::write(&limits, "max_rms = \"0.5 mrad/s\"\n\nmax_ppp = \"3 mrad/s\"\n").unwrap();
+    zerorate(folder.path(), &verify).is_error(&["limits.toml:3", "'max_ppp'"]);
     fs::write(&limits, "[axes.roll]\nmax_pp = \"3 dps\"\n").unwrap();
     zerorate(folder.path(), &verify).is_error(&["'roll'"]);
 }
