@@ -133,7 +133,7 @@ pub struct TrimExperiment {
     pub groups_per_point: u32,
     /// Taps measured beyond those that the drift needs, on each side.
     pub margin_taps: u16,
-    /// Dead band of the law, taps, 0 to 0.45. Every 0.05 costs 1.6 counts of residual each way where the drift turns round;
+    /// Dead band of the law, taps, 0 to 0.5. Every 0.05 costs 1.6 counts of residual each way where the drift turns round;
     /// too little, and noise of the temperature switches a tap to and fro.
     pub dead_band_taps: f64,
     /// Whether a board that holds the calibration goes to work with it as soon as its power comes, host or no host. If false

@@ -14,7 +14,7 @@ use zerorate_cal::log::{LogError, LogFile, Rows, SensorChoice, Sink, Stream};
 use zerorate_cal::matching::{Known, Unmatched, calibrated, places};
 use zerorate_cal::source::{Faulty, Source};
 use zerorate_cal::table::Columns;
-use zerorate_cal::units::RateUnit;
+use zerorate_cal::units::{RateUnit, TemperatureUnit};
 
 use crate::spikes::{Row, Waiting};
 use temperatures::{crossings, extremes, longest_soak, smoothed};
@@ -120,11 +120,14 @@ pub fn noise(
     let places = places(&own, &logged).map_err(|error| log.faulty::<Unmatched>(error))?;
     let of_axis = |place: usize| {
         let own = own.iter().zip(&places).find(|(_, of)| **of == Some(place));
-        own.map(|(own, _)| &calibration.axes[own.name])
+        own.map(|(own, _)| (&calibration.axes[own.name], calibration.temperature_unit))
     };
     let mut axes = (0..logged.len()).map(of_axis);
     Ok(taken.sensors.iter().flat_map(|series| series.of_residuals(axes.by_ref().take(series.axes()))).collect())
 }
+
+/// The calibration of an axis, and the unit of its temperatures.
+type Own<'a> = (&'a AxisCalibration, TemperatureUnit);
 
 /// How far apart the rows of each sensor are.
 #[derive(Default)]
@@ -363,8 +366,8 @@ impl Series {
         (0..self.axes()).map(|axis| self.of_soak(axis, &temperatures)).collect()
     }
 
-    /// Of the axes that have a calibration of their `own`.
-    fn of_residuals<'a>(&self, own: impl Iterator<Item = Option<&'a AxisCalibration>>) -> Vec<AxisNoise> {
+    /// Of the axes that have a calibration of their `own`, with the unit of its temperatures.
+    fn of_residuals<'a>(&self, own: impl Iterator<Item = Option<Own<'a>>>) -> Vec<AxisNoise> {
         let temperatures = self.temperatures();
         own.enumerate().filter_map(|(axis, own)| Some(self.of_residual(axis, &temperatures, own?))).collect()
     }
@@ -399,8 +402,15 @@ impl Series {
         found
     }
 
-    fn of_residual(&self, axis: usize, temperatures: &[f64], own: &AxisCalibration) -> AxisNoise {
+    fn of_residual(&self, axis: usize, temperatures: &[f64], (own, unit): Own<'_>) -> AxisNoise {
         let mut found = self.describe(axis, NoiseOf::Residual, 0, temperatures.len(), temperatures);
+        if unit != self.stream.temperature_unit {
+            let (log, own) = (self.stream.temperature_unit.name(), unit.name());
+            found.noise = Err(format!(
+                "the log's temperatures are in {log}, and the calibration's in {own}: name the column that has them in {own} (`temperature`)"
+            ));
+            return found;
+        }
         let Some(of_own) = own.rate_unit.in_unit(self.stream.unit) else {
             let (log, own) = (self.stream.unit, own.rate_unit);
             found.noise =

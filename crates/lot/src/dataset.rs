@@ -27,14 +27,13 @@ const AT_ONCE: usize = 16;
 const PROCEDURE: &str = "full-temperature";
 
 /// Files that our own commands write beside recordings.
-const OURS: [&str; 7] = [
+const OURS: [&str; 6] = [
     crate::simulate::TRUTH,
     "calibration.json",
     "summary.json",
     "report.html",
     "certificate.html",
     "device-record.bin",
-    "device-record.json",
 ];
 
 /// A recording that can be fitted, as far as its footer tells.

@@ -142,14 +142,9 @@ impl Limits {
     ///
     /// # Errors
     /// [`LimitError::NoSuchAxis`].
-    pub fn check<'a>(&self, mut names: impl Iterator<Item = &'a str> + Clone) -> Result<(), LimitError> {
-        match self.axes.keys().find(|axis| !names.clone().any(|name| name == *axis)) {
-            Some(axis) => Err(LimitError::NoSuchAxis(axis.clone())),
-            None => {
-                let _ = names.next();
-                Ok(())
-            }
-        }
+    pub fn check<'a>(&self, names: impl Iterator<Item = &'a str> + Clone) -> Result<(), LimitError> {
+        let unknown = self.axes.keys().find(|axis| !names.clone().any(|name| name == *axis));
+        unknown.map_or(Ok(()), |axis| Err(LimitError::NoSuchAxis(axis.clone())))
     }
 
     /// The limits that an axis misses, a sentence each, which tells rates in the unit asked for.

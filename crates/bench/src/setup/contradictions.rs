@@ -1,5 +1,6 @@
 //! What a set-up must hold so that a run of hours does not end in a contradiction.
 
+use zerorate_cal::compose::WIDEST_DEAD_BAND_TAPS;
 use zerorate_core::drift::MAX_KNOTS;
 use zerorate_core::units::{Celsius, Taps};
 use zerorate_fit::model::Model;
@@ -128,8 +129,8 @@ impl SetUp {
         must(trim.points >= 3, format!("trim.points {} is too few for a line: at least 3", trim.points));
         must(trim.groups_per_point >= 1, "trim.groups_per_point must be at least 1".into());
         must(
-            (0.0..=0.45).contains(&trim.dead_band_taps),
-            format!("trim.dead_band_taps {} is outside 0 to 0.45", trim.dead_band_taps),
+            (0.0..=WIDEST_DEAD_BAND_TAPS).contains(&trim.dead_band_taps),
+            format!("trim.dead_band_taps {} is outside 0 to {WIDEST_DEAD_BAND_TAPS}", trim.dead_band_taps),
         );
         must(
             board.centre_counts - trim.span_counts > 0.0

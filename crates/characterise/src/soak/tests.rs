@@ -72,6 +72,10 @@ fn with_a_calibration_the_whole_logs_residual_is_taken() {
     assert_eq!(found.of, NoiseOf::Residual);
     let n = found.noise.unwrap().coefficients.angle_random_walk.value().unwrap();
     assert!((n / (0.01 * 0.1_f64.sqrt()) - 1.0).abs() < 0.05, "{n}");
+    // Over counts a curve in degrees is held at its end: that is no residual.
+    let over_counts = Calibration { temperature_unit: TemperatureUnit::Counts, ..calibration };
+    let refused = noise(&log, &Columns::default(), None, Some(&over_counts)).unwrap().remove(0).noise.unwrap_err();
+    assert!(refused.contains("temperatures are in C, and the calibration's in counts"), "{refused}");
 }
 
 #[test]
