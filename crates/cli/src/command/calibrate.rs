@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
+use clap::builder::NonEmptyStringValueParser;
 use zerorate_bench::board::emulated_bench;
 use zerorate_bench::calibrate::calibrate;
 use zerorate_bench::calibrated::Unit;
@@ -115,7 +116,7 @@ pub struct Calibrate {
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
-    /// What stands between the simulated A/D and the processor; the results are the same
+    /// What stands between the simulated A/D and the processor; the results are the same but for less than the noise
     #[arg(long, value_enum, default_value_t = Acquisition::Port)]
     acquisition: Acquisition,
 
@@ -128,7 +129,7 @@ pub struct Calibrate {
     setup: Option<PathBuf>,
 
     /// The unit's serial number, up to 32 bytes; without it the board's own, and ZR-0001 for a simulated one
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = NonEmptyStringValueParser::new())]
     serial: Option<String>,
 
     /// Print JSON on standard output (the same as summary.json), and nothing else there

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Args;
+use clap::builder::NonEmptyStringValueParser;
 use zerorate_bench::recorded;
 use zerorate_cal::calibration::{Calibration, Origin};
 use zerorate_cal::fit::fit;
@@ -39,7 +40,7 @@ use crate::{labels, output, screen};
 #[command(after_help = EXAMPLES)]
 pub struct Fit {
     /// The unit's serial number, for the calibration
-    #[arg(long)]
+    #[arg(long, value_parser = NonEmptyStringValueParser::new())]
     serial: Option<String>,
 
     /// What is to stand in the calibration and in the report besides, as operator="A. N." or station="oven 2"; may be given
