@@ -43,8 +43,8 @@ pub struct VerifiedAxis {
     pub fit_told: Option<ResidualStatistics>,
     /// The same without the calibration: what a device has left that takes its zero and corrects nothing.
     pub uncorrected: ResidualStatistics,
-    /// Whether more is left than was recorded, by the root mean square about the mean or less a zero at the start: no
-    /// correction would be better.
+    /// Whether more is left than was recorded, by more than a twentieth, by the root mean square about the mean or less a zero at the
+    /// start: no correction would be better.
     pub worse: bool,
     /// Whether it is so about the mean.
     #[serde(skip)]
@@ -93,7 +93,7 @@ pub(super) fn verify(name: &str, own: &AxisCalibration, axis: &AxisFit, factor: 
     let (raw, _) = ResidualStatistics::about_mean(&raw);
     let (corrected, offset) = ResidualStatistics::about_mean(&left);
     let deployed = left_after_zero(left, &times);
-    let worse_about_mean = corrected.rms > raw.rms + ROUNDING * raw.rms.max(offset.abs());
+    let worse_about_mean = corrected.rms > TELLING * raw.rms + ROUNDING * offset.abs();
     VerifiedAxis {
         name: name.to_owned(),
         log_axis: axis.name.clone(),

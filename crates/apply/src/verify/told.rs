@@ -3,7 +3,7 @@
 use super::VerifiedAxis;
 use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::quality::{Judgement, Reason, ReasonKind};
-use zerorate_cal::units::{RateScale, RateUnit, TemperatureUnit, WrittenRate, from_to};
+use zerorate_cal::units::{RateScale, TemperatureUnit, WrittenRate, from_to};
 
 /// A larger share of the log outside what was measured is told. Two runs of one chamber's ramp end a few averages apart, and
 /// that is less.
@@ -99,14 +99,9 @@ fn more_than_told(axes: &[VerifiedAxis], told_in: Option<WrittenRate>, alike: bo
     })
 }
 
-fn left_of(axis: &VerifiedAxis, figures: [f64; 2], told_in: Option<WrittenRate>) -> String {
-    left_of_rates(axis.rate_unit, figures, told_in)
-}
-
-fn left_of_rates(unit: RateUnit, [left, of]: [f64; 2], told_in: Option<WrittenRate>) -> String {
-    let scale = RateScale::of(unit, &[left, of], told_in);
-    let same = if scale.number(left) == scale.number(of) { " (more by less than the digits show)" } else { "" };
-    format!("{} rms is left of {}{same}", scale.told(left), scale.number(of))
+fn left_of(axis: &VerifiedAxis, [left, of]: [f64; 2], told_in: Option<WrittenRate>) -> String {
+    let scale = RateScale::of(axis.rate_unit, &[left, of], told_in);
+    format!("{} rms is left of {}", scale.told(left), scale.number(of))
 }
 
 /// Axes of one range are told together, by the largest share.
@@ -140,16 +135,4 @@ fn outside(axes: &[VerifiedAxis], unit: TemperatureUnit) -> impl Iterator<Item =
         );
         Reason::new(ReasonKind::OutsideRange, text)
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn two_figures_that_are_written_alike_are_told_to_differ_by_less_than_that() {
-        let left = |left: f64| left_of_rates(RateUnit::Dps, [left, 4.446_9], None);
-        assert_eq!(left(4.4474), "4.447 dps rms is left of 4.447 (more by less than the digits show)");
-        assert_eq!(left(5.0), "5.000 dps rms is left of 4.447");
-    }
 }
