@@ -4,9 +4,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::whole_file::write_whole;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use zerorate_cal::source::whole_file::write_whole;
 
 use crate::error::BenchError;
 use crate::run::{Extent, Recorder};

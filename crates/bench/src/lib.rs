@@ -42,4 +42,3 @@ pub mod summary;
 mod tick;
 pub mod verify;
 mod way_back;
-pub mod whole_file;

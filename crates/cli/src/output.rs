@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use zerorate_bench::whole_file::write_whole;
+use zerorate_cal::source::whole_file::write_whole;
 
 pub use kept::Force;
 

@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 use object_store::ObjectStoreExt;
 use zerorate_bench::error::BenchError;
 use zerorate_bench::recorded;
-use zerorate_bench::whole_file::write_whole;
 use zerorate_cal::calibration::{Calibration, CalibrationFault};
 use zerorate_cal::device_record::StoredRecord;
 use zerorate_cal::fit::fit;
 use zerorate_cal::log_fit::{FitOptions, LogFit, LogFitError};
 use zerorate_cal::quality::Verdict;
 use zerorate_cal::source::Source;
+use zerorate_cal::source::whole_file::write_whole;
 use zerorate_fit::model::Model;
 
 use crate::dataset::{Place, PlaceError, bytes};

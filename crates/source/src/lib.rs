@@ -1,6 +1,9 @@
 #![doc = include_str!("../README.md")]
 
 pub mod packed;
+// A browser has no files to write.
+#[cfg(not(target_family = "wasm"))]
+pub mod whole_file;
 
 use std::fmt;
 use std::fs::File;

@@ -1,10 +1,10 @@
-use zerorate_core::drift::{Drift, Polynomial, Scale, Shape, ValidRange};
+use zerorate_core::drift::{Drift, History, Memory, Polynomial, Scale, Shape, Term, ValidRange};
 
 use super::*;
 use zerorate_cal::calibration::{AxisCalibration, Origin};
 use zerorate_cal::log::{Sensor, SensorKind};
 use zerorate_cal::quality::ReasonKind;
-use zerorate_cal::units::{RateUnit, WrittenRate};
+use zerorate_cal::units::{RateUnit, WrittenRate, WrittenTemperature};
 
 /// A log of a parabola with a second-run offset, noise by `seed`, and a sine of size `extra`.
 fn log(seed: i32, offset: f64, extra: f64) -> String {
@@ -192,7 +192,7 @@ fn temperatures_outside_the_calibrated_range_are_counted_and_warned_of() {
 #[test]
 fn a_run_of_few_of_the_calibrated_temperatures_says_so() {
     let mut own = calibration();
-    let wide = zerorate_core::drift::ValidRange::new(-300.0, 300.0).unwrap();
+    let wide = ValidRange::new(-300.0, 300.0).unwrap();
     own.axes.values_mut().for_each(|axis| axis.fit.measured = wide);
     let verified = second(0.0, 0.0, &Limits::default(), &own).unwrap();
     let [note] = &verified.notes[..] else { panic!("{:?}", verified.notes) };
@@ -450,7 +450,6 @@ fn a_run_of_half_a_minute_is_too_short() {
 
 #[test]
 fn a_model_with_a_lag_needs_times() {
-    use zerorate_core::drift::{History, Memory, Term};
     let mut own = calibration();
     let model = &mut own.axes.get_mut("gyro_x_rad_s").unwrap().fit.model;
     let term = Term { memory: Memory::Lag { time_constant_s: 120.0 }, weight: 1e-4, behind: 0.0, share: 1.0 };
@@ -469,8 +468,6 @@ fn a_model_with_a_lag_needs_times() {
 fn what_remembers_goes_by_rows_as_it_is_applied() {
     use crate::apply::{AppliedModel, AppliedTo, apply};
     use zerorate_cal::table::Table;
-    use zerorate_cal::units::WrittenTemperature;
-    use zerorate_core::drift::{History, Memory, Term};
     let mut own = calibration();
     let axis = own.axes.get_mut("gyro_x_rad_s").unwrap();
     let term = Term { memory: Memory::Play { half_width: 2.0 }, weight: 1e-3, behind: 0.0, share: 1.0 };

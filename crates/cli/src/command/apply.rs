@@ -9,10 +9,10 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::Serialize;
 use zerorate_apply::apply::{Applied, AppliedSensors, AppliedTo, ApplyError, apply, apply_to_sensors, in_common};
-use zerorate_bench::whole_file::WholeFile;
 use zerorate_cal::calibration::{AxisCalibration, Calibration, Kind, sha256};
 use zerorate_cal::log::{SensorChoice, autopilot_format};
 use zerorate_cal::source::Source;
+use zerorate_cal::source::whole_file::WholeFile;
 use zerorate_cal::units::from_to;
 use zerorate_fit::predict::Start;
 

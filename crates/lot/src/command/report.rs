@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Args;
-use zerorate_bench::whole_file::write_whole;
+use zerorate_cal::source::whole_file::write_whole;
 use zerorate_lot::{out, report};
 use zerorate_report::LotReport;
 use zerorate_report::number::counted;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
-use zerorate_bench::whole_file::write_whole;
+use zerorate_cal::source::whole_file::write_whole;
 
 use super::Device;
 use crate::command::Outcome;
