@@ -141,7 +141,7 @@ fn read_at(session: &mut Session<'_>, taps: [Taps; 2], recorder: &mut Recorder) 
                     return Err(BenchError::Saturated {
                         axis,
                         whence: format!("in the trim experiment, at tap {}", taps[axis.index()].get()),
-                        remedy: "See its line from the supply to the converter, and the supply's voltage",
+                        remedy: "Make trim.span_counts smaller, or check board.input_volts_per_count and the line to the converter",
                     });
                 }
                 sums[axis.index()] += group.zro(axis).0;
