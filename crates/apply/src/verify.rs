@@ -195,6 +195,7 @@ pub fn verify(log: &Source, calibration: &Calibration, options: &VerifyOptions) 
     let averaged_over_s = period_s(&fit.axes[0].trace);
     // Of an older file nobody knows.
     let alike = averaged_over_s.zip(calibration.averaged_over_s).is_some_and(|(own, fits)| are_alike(own, fits));
+    notes.extend(told::few_in_the_zero(averaged_over_s));
     let reasons = told::reasons(&fit, &axes, calibration.temperature_unit, options.told_in, alike);
     let verdict = match (passed, reasons.is_empty()) {
         (Some(false), _) => Verdict::Rejected,

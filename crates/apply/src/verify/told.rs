@@ -1,5 +1,7 @@
 //! What is to be known of a verification, in words.
 
+use zerorate_fit::boot::BOOT_S;
+
 use super::VerifiedAxis;
 use zerorate_cal::log_fit::LogFit;
 use zerorate_cal::quality::{Judgement, Reason, ReasonKind};
@@ -40,6 +42,15 @@ pub(super) fn little_seen(axes: &[VerifiedAxis], unit: TemperatureUnit) -> Optio
         from_to(from, to),
         from_to(min, max),
         unit.name()
+    ))
+}
+
+/// That the zero at the start rests on few averages, where rows are so far apart that little more than one is in half a minute.
+pub(super) fn few_in_the_zero(averaged_over_s: Option<f64>) -> Option<String> {
+    let apart = averaged_over_s.filter(|apart| *apart > 0.5 * BOOT_S)?;
+    let few = if apart < 2.0 / 3.0 * BOOT_S { "two of them" } else { "one of them" };
+    Some(format!(
+        "averages are {apart:.0} s apart, so the zero at the start is {few}: its noise is in all that is told less a zero"
     ))
 }
 
@@ -135,4 +146,30 @@ fn outside(axes: &[VerifiedAxis], unit: TemperatureUnit) -> impl Iterator<Item =
         );
         Reason::new(ReasonKind::OutsideRange, text)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use zerorate_fit::boot::take_zero_off;
+
+    use super::*;
+
+    /// As many as the zero leaves without a prediction, which it is.
+    #[test]
+    fn a_zero_of_few_averages_is_told_with_how_many_they_are() {
+        for (apart, told) in [(10.0, None), (15.5, Some(2)), (19.5, Some(2)), (20.0, Some(1)), (60.0, Some(1))] {
+            let (times, all): (Vec<f64>, Vec<usize>) =
+                (0..20_u8).map(|row| (apart * f64::from(row), usize::from(row))).unzip();
+            let mut left = vec![1.0; 20];
+            take_zero_off(&mut left, &times, &all);
+            let in_the_zero = left.iter().filter(|left| left.is_nan()).count();
+            let text = few_in_the_zero(Some(apart));
+            assert_eq!(text.is_some(), told.is_some(), "{apart}");
+            if let Some((text, told)) = text.zip(told) {
+                assert_eq!(in_the_zero, told, "{apart}");
+                assert!(text.contains(["one of them", "two of them"][told - 1]), "{apart}: {text}");
+            }
+        }
+        assert_eq!(few_in_the_zero(None), None);
+    }
 }

@@ -33,6 +33,9 @@ pub(super) fn section(run: &BoardRun) -> Markup {
                     caption: html! {
                         "Zero-rate output, peak to peak of group means: the drift without compensation, and the residual with it in a "
                         "second ramp that no fit has seen; mean is that of the second ramp less the centre, as U below is."
+                        @if run.calibration.celsius_scale().is_some() {
+                            " Temperatures are the gyro’s own by the set-up’s scale, and a part’s own scale is some degrees off."
+                        }
                     },
                     heads: &["Axis, mode, ramp", "Drift, counts", "Drift, deg/s", "Residual, counts", "Residual, deg/s", "Mean, counts", "Temperature"],
                     rows: summary.tests.iter().map(row).collect(),
