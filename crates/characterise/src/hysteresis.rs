@@ -134,8 +134,12 @@ impl Hysteresis {
         let (values, errors): (Vec<f64>, Vec<f64>) =
             both.iter().map(|own| (own.value, error_of(own.error, &own.weights))).unzip();
         let likely = shrunk(&values, &errors).into_iter().zip(&both);
-        let ((largest, standard_error), place) =
+        let ((largest, own_error), place) =
             likely.max_by(|(a, _), (b, _)| a.0.abs().total_cmp(&b.0.abs())).ok_or("no temperature")?;
+        // What is drawn to the mean is known no better than that, and wandering is an error that all temperatures have in common.
+        let to_the_mean = values.iter().sum::<f64>() / values.len() as f64 - place.value;
+        let drawn = if to_the_mean == 0.0 { 0.0 } else { (largest - place.value) / to_the_mean };
+        let standard_error = own_error.hypot(drawn * mean_standard_error);
         let squares: f64 = both.iter().map(|own| own.value.powi(2) - error_of(own.error, &own.weights).powi(2)).sum();
         let less = mean_of(&differences(points, warming, less_drift_in_time)).0;
         Ok(Self {
