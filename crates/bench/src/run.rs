@@ -165,6 +165,8 @@ impl<'b> Session<'b> {
 
     /// A phase begins that will take so many groups.
     pub fn phase(&mut self, name: &str, groups: u32) {
+        // What was lost before was lost of what was done then.
+        self.name_the_lost();
         name.clone_into(&mut self.doing);
         self.progress.phase(name, groups);
     }
