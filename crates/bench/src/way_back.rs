@@ -1,6 +1,6 @@
 //! The way back that no test went: what the control of another axis's test shows of it.
 
-use zerorate_core::units::Axis;
+use zerorate_core::units::{Axis, Counts};
 
 use crate::evaluate::extremes;
 use crate::procedure::compensation_test::TestRun;
@@ -31,19 +31,33 @@ pub(crate) fn untested(tests: &[(&TestRun, f64)]) -> impl Iterator<Item = String
 }
 
 /// The most that an axis reads otherwise on one of two ramps than on the other, in means over parts of their temperatures; `None` where they have
-/// none in common.
+/// none in common. A ramp is longer at some temperatures of a part than at others, and the axis drifts there: the way up is taken
+/// at the way back's own mean temperature, on the straight line between two of its parts.
 fn apart(heating: &[Taken], cooling: &[Taken], axis: Axis) -> Option<f64> {
-    let [from, to] = extremes(heating.iter().map(|taken| taken.temperature(axis).0));
-    let width = (to - from) / f64::from(PARTS);
-    let mean = |ramp: &[Taken], part: u32| {
-        let begins = from + width * f64::from(part);
-        let within = ramp.iter().filter(|taken| (begins..begins + width).contains(&taken.temperature(axis).0));
-        let readings: Vec<f64> = within.map(|taken| taken.zro(axis).0).collect();
-        #[allow(clippy::cast_precision_loss)] // some thousands
-        (readings.len() >= FEWEST).then(|| readings.iter().sum::<f64>() / readings.len() as f64)
+    let ends = extremes(heating.iter().map(|taken| taken.temperature(axis).0));
+    let [up, back] = [heating, cooling].map(|ramp| means(ramp, axis, ends));
+    let otherwise = |(temperature, reading): &(f64, f64)| {
+        let pair = up.windows(2).find(|pair| (pair[0].0..=pair[1].0).contains(temperature))?;
+        let [(from, first), (to, last)] = [pair[0], pair[1]];
+        Some((reading - first - (last - first) * (temperature - from) / (to - from)).abs())
     };
-    let in_part = |part| Some((mean(cooling, part)? - mean(heating, part)?).abs());
-    (0..PARTS).filter_map(in_part).reduce(f64::max)
+    back.iter().filter_map(otherwise).reduce(f64::max)
+}
+
+/// Mean temperature and reading of a ramp in each part of a range in which it has groups enough, counts.
+fn means(ramp: &[Taken], axis: Axis, [from, to]: [f64; 2]) -> Vec<(f64, f64)> {
+    let width = (to - from) / f64::from(PARTS);
+    let mean = |part: u32| {
+        let begins = from + width * f64::from(part);
+        let is_within = |taken: &&Taken| (begins..begins + width).contains(&taken.temperature(axis).0);
+        let within: Vec<&Taken> = ramp.iter().filter(is_within).collect();
+        #[allow(clippy::cast_precision_loss)] // some thousands
+        let of = |reading: fn(&Taken, Axis) -> Counts| {
+            within.iter().map(|taken| reading(taken, axis).0).sum::<f64>() / within.len() as f64
+        };
+        (within.len() >= FEWEST).then(|| (of(Taken::temperature), of(Taken::zro)))
+    };
+    (0..PARTS).filter_map(mean).collect()
 }
 
 #[cfg(test)]
@@ -69,5 +83,17 @@ mod tests {
         assert!(y.starts_with("axis Y: its tests only heat") && y.contains("31.0 counts") && y.contains("3.6"), "{y}");
         assert!(told(&[], 31.5).is_empty(), "less than what is told anyway");
         assert!(told(&[512], 3.6).is_empty(), "both were cooled");
+    }
+
+    /// Of a drift alone nothing is otherwise, though the way back is fast where the way up was slow: 98 counts over the ramp, and
+    /// whole counts are read.
+    #[test]
+    fn a_drift_that_is_gone_through_at_other_speeds_is_no_difference() {
+        let slow_at_first = [ramp_of(900, 8500, 8600, 511), ramp_of(100, 8600, 9480, 511)].concat();
+        let slow_at_last = [ramp_of(100, 8500, 9400, 511), ramp_of(900, 9400, 9480, 511)].concat();
+        let found = apart(&slow_at_first, &slow_at_last, Axis::Y).unwrap();
+        assert!(found < 1.0, "{found}");
+        let lower = ramp_of(1000, 8500, 9480, 512);
+        assert!((apart(&slow_at_first, &lower, Axis::Y).unwrap() - 31.0).abs() < 1.0);
     }
 }
