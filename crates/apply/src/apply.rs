@@ -150,9 +150,11 @@ pub fn apply(
         columns.extend([table.column(&model.temperature)?, table.column(&model.column)?]);
     }
     let needs_time = models.iter().any(|own| own.model.needs_time(to.start));
-    let mut ticks = if needs_time { Some(ticks(table, to)?) } else { None };
-    if let (Some(_), Some((name, _))) = (&ticks, to.time) {
-        columns.push(table.column(name)?);
+    let mut ticks = None;
+    if needs_time {
+        let (column, own) = timed(table, to)?;
+        columns.push(column);
+        ticks = Some(own);
     }
     let mut predictors: Vec<Predictor<'_>> = models.iter().map(|own| Predictor::new(&own.model, to.start)).collect();
     let csv_error = |error: csv::Error| ApplyError::Write(error.into());
@@ -189,13 +191,13 @@ fn cell(value: f64) -> String {
     if value.is_nan() { String::new() } else { value.to_string() }
 }
 
-/// The times of a log's rows, from the first on.
-fn ticks<'a>(table: &Table, to: &AppliedTo<'a>) -> Result<Ticks<'a>, ApplyError> {
+/// The place of a log's column of times, and these from the first row on.
+fn timed<'a>(table: &Table, to: &AppliedTo<'a>) -> Result<(usize, Ticks<'a>), ApplyError> {
     let (name, clock) = to.time.ok_or_else(|| table.source().faulty::<TimeFault>(TimeFault::NoTime))?;
     if !clock.is_known() {
         return Err(table.source().faulty::<TimeFault>(TimeFault::NoUnit { column: name.to_owned() }).into());
     }
-    Ok(clock.again())
+    Ok((table.column(name)?, clock.again()))
 }
 
 #[cfg(test)]

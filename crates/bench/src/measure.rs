@@ -174,12 +174,11 @@ fn compose(
             calibration.warnings.push(format!("axis {name}: {digital_only}"));
             let trim = calibration.axes.get_mut(axis.name()).and_then(|own| own.trim.as_mut());
             trim.into_iter().for_each(|trim| trim.start_up_mode = law.start_up_mode);
-        }
-        // A wiper that stands does not chatter.
-        let slope = steepest_slope_taps(&law.drift, &law.trim.line);
-        let chatters = || chatter_warning(temperature_noise(&ramp, axis), slope, law.dead_band);
-        if let Some(warning) = if digital_only.is_none() { chatters() } else { None } {
-            calibration.warnings.push(format!("axis {name}: {warning}"));
+        } else {
+            // A wiper that stands does not chatter.
+            let slope = steepest_slope_taps(&law.drift, &law.trim.line);
+            let warning = chatter_warning(temperature_noise(&ramp, axis), slope, law.dead_band);
+            calibration.warnings.extend(warning.map(|warning| format!("axis {name}: {warning}")));
         }
         if let Some(warning) = uneven_taps(&law.trim) {
             calibration.warnings.push(format!("axis {name}: {warning}"));

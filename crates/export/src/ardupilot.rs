@@ -11,14 +11,12 @@ use std::fmt::Write as _;
 
 use super::sensors::{LETTERS, of_another_autopilot, remarks, sensors};
 use super::{ExportError, ExportOptions, Exported, ExportedSensor, Format, origin, to_know_of_cubics};
+use imu_logs::temperature_parameters;
 use zerorate_cal::calibration::Calibration;
 use zerorate_cal::log::SensorKind;
 
 /// IMUs that ArduPilot has parameters for.
 const PLACES: u8 = 5;
-
-/// Those whose parameters are counted within one group; the others have a group each.
-const TOGETHER: u8 = 3;
 
 /// `TEMP_REFERENCE`, degrees C.
 const REFERENCE_C: f64 = 35.0;
@@ -51,9 +49,9 @@ pub(super) fn write(
     let has = |imu: u8, kind: SensorKind| sensors.iter().any(|sensor| (sensor.instance, sensor.kind) == (imu, kind));
     for sensor in sensors.iter().filter(|sensor| !has(sensor.instance, SensorKind::Accelerometer)) {
         notes.push(format!(
-            "no accelerometer of IMU {} was calibrated: {}_ACC1_X to ACC3_Z stay as they are; set them to 0 unless they hold for the same range",
+            "no accelerometer of IMU {} was calibrated: {}ACC1_X to ACC3_Z stay as they are; set them to 0 unless they hold for the same range",
             sensor.instance + 1,
-            prefix(sensor.instance)
+            temperature_parameters(sensor.instance)
         ));
     }
     for sensor in &sensors {
@@ -65,12 +63,6 @@ pub(super) fn write(
     }
     text.push_str(&lines);
     Ok(Exported { text, sensors, notes })
-}
-
-/// What an IMU's parameters begin with.
-fn prefix(imu: u8) -> String {
-    let number = imu + 1;
-    if imu < TOGETHER { format!("INS_TCAL{number}") } else { format!("INS{number}_TCAL") }
 }
 
 /// Writes one IMU, and turns its cubics to the reference and range as they are written.
@@ -86,10 +78,10 @@ fn write_imu(
     if let Some(sensor) = sensors.first().filter(|sensor| sensor.instance >= PLACES) {
         return Err(ExportError::NoPlace { sensor: sensor.to_string(), format, places: PLACES });
     }
-    let prefix = prefix(imu);
+    let prefix = temperature_parameters(imu);
     let mut line = |name: String, value: String| {
         // Writing to a string cannot fail.
-        let _ = writeln!(lines, "{prefix}_{name}{between}{value}");
+        let _ = writeln!(lines, "{prefix}{name}{between}{value}");
     };
     // One range for both sensors: the temperatures that both hold for.
     let range = sensors.iter().fold([f64::NEG_INFINITY, f64::INFINITY], |range, sensor| {

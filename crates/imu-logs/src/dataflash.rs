@@ -16,6 +16,7 @@ use crate::window::{Damage, Window};
 use crate::{Ending, Remark, Sensor, SensorKind, Sink};
 use format::{FORMAT_BYTES, FORMAT_TYPE, Fields, Format, HEADER_BYTES, Kind};
 use restore::Parameters;
+pub use restore::temperature_parameters;
 
 /// What every message starts with; its type follows.
 pub(super) const MAGIC: [u8; 2] = [0xa3, 0x95];

@@ -12,6 +12,7 @@ mod ulog;
 mod window;
 
 pub use clock::wall_clock;
+pub use dataflash::temperature_parameters;
 pub use format::{Format, START_BYTES, read, recognise};
 pub use remark::Remark;
 pub use rows::{Ending, Rows, Sink};

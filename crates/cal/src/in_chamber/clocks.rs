@@ -1,6 +1,8 @@
 //! Whether the two clocks by which a log and a chamber's recording are joined agree, as far as the data tell: a sensor cannot answer
 //! before its air has moved, and one that answers long after it lies deep in a board, or its log's clock is late.
 
+use zerorate_fit::intervals::ends;
+
 /// Air and sensor must have moved by this for anything to be told, kelvins.
 const MOVED_K: f64 = 5.0;
 /// How far apart the clocks are looked for, seconds, where the recordings are long enough.
@@ -60,13 +62,13 @@ pub(super) fn answers(air: &[(f64, f64)], sensor: &[(f64, f64)]) -> Option<[f64;
     }
     let as_good = || left.iter().filter(|(_, left)| *left <= AS_GOOD * least).map(|(after_s, _)| *after_s);
     // What is as good at the end of what was looked at may be better beyond it.
-    let ends = [as_good().next()?, as_good().next_back()?];
-    ends.iter().all(|end| end.abs() < f64::from(steps) * STEP_S).then_some(ends)
+    let between = [as_good().next()?, as_good().next_back()?];
+    between.iter().all(|end| end.abs() < f64::from(steps) * STEP_S).then_some(between)
 }
 
 fn span<'a>(points: impl Iterator<Item = &'a (f64, f64)>) -> f64 {
-    let ends = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, c)| (low.min(*c), high.max(*c)));
-    ends.1 - ends.0
+    let (low, high) = ends(points.map(|(_, c)| *c));
+    high - low
 }
 
 /// A curve's integral from its first point, by trapezoids.

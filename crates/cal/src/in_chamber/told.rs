@@ -1,6 +1,8 @@
 //! What is told of a log and a chamber's recording that were joined: by which clocks, and what speaks against that or against a
 //! thermometer.
 
+use zerorate_fit::intervals::ends;
+
 use super::Soak;
 
 /// What is less than a log's average, ten seconds, is not told.
@@ -49,12 +51,11 @@ pub(super) fn colder_than_its_air(air: &[(f64, f64)], soaks: &[Soak]) -> Option<
     let from_above = soaks.iter().filter(|soak| {
         let before =
             air.iter().filter(|(time_s, c)| (soak.from_s - BEFORE_S..soak.from_s).contains(time_s) && c.is_finite());
-        let (low, high) =
-            before.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, c)| (low.min(*c), high.max(*c)));
+        let (low, high) = ends(before.map(|(_, c)| *c));
         high > soak.air_c + FROM_ABOVE_K && low > soak.air_c - FROM_ABOVE_K
     });
     let below = from_above.flat_map(|soak| soak.axes.iter().map(|axis| soak.air_c - axis.sensor_c));
-    let (least, most) = below.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), k| (least.min(k), most.max(k)));
+    let (least, most) = ends(below);
     (least > HELD_K && most.is_finite()).then(|| {
         format!(
             "At the end of each soak that was come to from above the sensor reads {least:.1} to {most:.1} K less than the chamber's air, and a board under power is no colder than that: the chamber's thermometer reads too high by as much at least, or the sensor too low. A second thermometer beside the board tells which."

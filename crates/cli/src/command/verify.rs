@@ -24,9 +24,9 @@ use crate::screen;
 ///
 /// Applies a calibration to the log of a second run and tells, for each axis, what was recorded and what is left, over
 /// averages of 10 s. With limits it passes or fails: exit code 1 says that the unit failed. An axis of which more is left
-/// than was recorded, by more than a twentieth, is told as worse. Told as well is one of which more than twice as much is left as the fit told, and a log
-/// of which more than 2 % is outside the temperatures that were measured for the calibration. None of these is a limit. The
-/// log that the calibration was fitted on is refused, for it is no test.
+/// than was recorded, by more than a twentieth, is told as worse. Told as well is one of which more than twice as much is
+/// left as the fit told, and a log of which more than 2 % is outside the temperatures that were measured for the calibration.
+/// None of these is a limit. The log that the calibration was fitted on is refused, for it is no test.
 ///
 /// The log may be of another kind than the one that was fitted, as a CSV of an autopilot's gyro: axes of other names are
 /// matched by what they measure and along which direction, where that is plain. rad/s and deg/s are converted.

@@ -76,7 +76,7 @@ impl Parameters {
         }
         self.known.clear();
         for (imu, stopped) in (0..).zip(&mut self.stopped) {
-            let switched = name == format!("{}ENABLE", of_temperature(imu));
+            let switched = name == format!("{}ENABLE", temperature_parameters(imu));
             // Learning that begins changes no reading.
             *stopped |= switched && before.is_some() && !is(value, LEARNING);
         }
@@ -127,7 +127,7 @@ impl Parameters {
         if rotation.is_none() {
             self.unknown_orientation = Some(orientation);
         }
-        let (sensor, prefix, own) = (letters(kind), of_temperature(imu), of_sensor(kind, imu));
+        let (sensor, prefix, own) = (letters(kind), temperature_parameters(imu), of_sensor(kind, imu));
         let enabled = self.value(&format!("{prefix}ENABLE")).is_some_and(|value| is(value, ENABLED));
         let calibrated_at_c = self.value(&calibrated_at(kind, imu)).unwrap_or(REFERENCE_C);
         let coefficients = (enabled && calibrated_at_c > NEVER_CALIBRATED_C).then(|| {
@@ -225,8 +225,9 @@ fn of_sensor(kind: SensorKind, imu: u8) -> String {
     }
 }
 
-/// What those of its drift over temperature begin with: `INS_TCAL1_`, `INS4_TCAL_`.
-fn of_temperature(imu: u8) -> String {
+/// What the names of the parameters of an IMU's drift over temperature begin with, the first being 0: `INS_TCAL1_`, `INS4_TCAL_`.
+#[must_use]
+pub fn temperature_parameters(imu: u8) -> String {
     let number = u16::from(imu) + 1;
     if imu < TOGETHER { format!("INS_TCAL{number}_") } else { format!("INS{number}_TCAL_") }
 }
